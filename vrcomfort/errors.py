@@ -1,0 +1,36 @@
+"""The one exception that tells a user what is wrong with what they gave us."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class InputError(ValueError):
+    """Input that cannot be used, said in one sentence with its place.
+
+    Parameters
+    ----------
+    message
+        What is wrong and what to do about it.
+    file, line, column
+        Where: a path, a 1-based line, and a column name (tables) or 1-based column (text).
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        column: str | int | None = None,
+    ) -> None:
+        self.message = message
+        self.file = file
+        self.line = line
+        self.column = column
+        place = [str(file)] if file is not None else []
+        if line is not None:
+            place.append(f"line {line}")
+        if column is not None:
+            place.append(f"column {column}")
+        super().__init__(f"{', '.join(place)}: {message}" if place else message)

@@ -1,0 +1,221 @@
+"""Poses, fields of view and projections, in float64.
+
+Frames follow OpenXR: right-handed, +Y up, −Z forward, metres, quaternions (x, y, z, w).
+Transforms are named target-from-source: ``clip_from_view @ view_from_world``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+
+
+def _frozen(values: ArrayLike, size: int) -> Array:
+    array = np.array(values, dtype=np.float64).reshape(size)
+    array.flags.writeable = False
+    return array
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A rigid transform: the place of a frame (`source`) in another (`target`).
+
+    Parameters
+    ----------
+    position
+        (3,) metres, in the target frame.
+    orientation
+        (4,) unit quaternion (x, y, z, w), target-from-source.
+    """
+
+    position: Array = field(default_factory=lambda: np.zeros(3))
+    orientation: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0]))
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", _frozen(self.position, 3))
+        object.__setattr__(self, "orientation", normalize(_frozen(self.orientation, 4)))
+
+    def __matmul__(self, other: Pose) -> Pose:
+        """Compose: ``a_from_c = a_from_b @ b_from_c``."""
+        return Pose(
+            self.position + rotate(self.orientation, other.position),
+            quaternion_multiply(self.orientation, other.orientation),
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Pose)
+            and np.array_equal(self.position, other.position)
+            and np.array_equal(self.orientation, other.orientation)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.position.tobytes(), self.orientation.tobytes()))
+
+    def inverse(self) -> Pose:
+        """Return source-from-target."""
+        inverse = self.orientation * [-1.0, -1.0, -1.0, 1.0]
+        return Pose(-rotate(inverse, self.position), inverse)
+
+    def matrix(self) -> Array:
+        """Return target-from-source as a (4, 4) matrix."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = rotation_matrix(self.orientation)
+        matrix[:3, 3] = self.position
+        return matrix
+
+    @property
+    def forward(self) -> Array:
+        """Return the (3,) direction of −Z in the target frame."""
+        return rotate(self.orientation, np.array([0.0, 0.0, -1.0]))
+
+
+@dataclass(frozen=True)
+class Fov:
+    """Half angles of an asymmetric frustum, radians, signed as in OpenXR.
+
+    `left` and `down` are negative for a frustum that contains its own axis.
+    """
+
+    left: float
+    right: float
+    up: float
+    down: float
+
+    @property
+    def tangents(self) -> tuple[float, float, float, float]:
+        """Return the tangents of (left, right, up, down)."""
+        left, right, up, down = np.tan([self.left, self.right, self.up, self.down])
+        return float(left), float(right), float(up), float(down)
+
+    @classmethod
+    def symmetric(cls, *, vertical_rad: float, aspect: float) -> Fov:
+        """Build a symmetric frustum from its full vertical angle and width / height."""
+        up = vertical_rad / 2
+        right = float(np.arctan(np.tan(up) * aspect))
+        return cls(-right, right, up, -up)
+
+
+@dataclass(frozen=True)
+class View:
+    """One eye: its pose (in the frame its owner states) and its frustum."""
+
+    pose: Pose
+    fov: Fov
+
+
+def normalize(vector: ArrayLike) -> Array:
+    """Return (..., n) vectors scaled to unit length."""
+    array = np.asarray(vector, dtype=np.float64)
+    return array / np.linalg.norm(array, axis=-1, keepdims=True)
+
+
+def quaternion_multiply(a: ArrayLike, b: ArrayLike, /) -> Array:
+    """Return the Hamilton product of (..., 4) quaternions (x, y, z, w): `b` is applied first."""
+    ax, ay, az, aw = np.moveaxis(np.asarray(a, dtype=np.float64), -1, 0)
+    bx, by, bz, bw = np.moveaxis(np.asarray(b, dtype=np.float64), -1, 0)
+    return np.stack(
+        [
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+            aw * bw - ax * bx - ay * by - az * bz,
+        ],
+        axis=-1,
+    )
+
+
+def rotate(quaternion: ArrayLike, vector: ArrayLike, /) -> Array:
+    """Rotate (..., 3) vectors by (..., 4) unit quaternions."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    v = np.asarray(vector, dtype=np.float64)
+    axis, w = q[..., :3], q[..., 3:]
+    twice = 2.0 * np.cross(axis, v)
+    return v + w * twice + np.cross(axis, twice)
+
+
+def rotation_matrix(quaternion: ArrayLike, /) -> Array:
+    """Return the (..., 3, 3) rotation matrix of (..., 4) unit quaternions."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    columns = [rotate(q, np.broadcast_to(axis, (*q.shape[:-1], 3))) for axis in np.eye(3)]
+    return np.stack(columns, axis=-1)
+
+
+def axis_angle(axis: ArrayLike, angle_rad: ArrayLike, /) -> Array:
+    """Return the (..., 4) quaternion of a right-handed turn about a (..., 3) axis."""
+    half = np.asarray(angle_rad, dtype=np.float64)[..., None] / 2
+    return np.concatenate([normalize(axis) * np.sin(half), np.cos(half)], axis=-1)
+
+
+def yaw_pitch_roll(yaw_rad: float, pitch_rad: float, roll_rad: float) -> Array:
+    """Return the quaternion of a head that turns left, then up, then rolls to its left.
+
+    Intrinsic turns, each about the axis that the turn before left behind: +Y, +X, +Z.
+    """
+    yaw = axis_angle([0.0, 1.0, 0.0], yaw_rad)
+    pitch = axis_angle([1.0, 0.0, 0.0], pitch_rad)
+    roll = axis_angle([0.0, 0.0, 1.0], roll_rad)
+    return quaternion_multiply(quaternion_multiply(yaw, pitch), roll)
+
+
+def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike, /) -> Array:
+    """Interpolate (..., 4) unit quaternions along the shorter arc; `t` outside [0, 1] extrapolates.
+
+    Notes
+    -----
+    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985.
+    """
+    a = np.asarray(a, dtype=np.float64)
+    b = np.asarray(b, dtype=np.float64)
+    t = np.asarray(t, dtype=np.float64)[..., None]
+    cosine = np.sum(a * b, axis=-1, keepdims=True)
+    b = np.where(cosine < 0, -b, b)
+    # atan2 of half chords keeps its accuracy at both ends, where arccos loses half the digits.
+    theta = 2 * np.arctan2(
+        np.linalg.norm(a - b, axis=-1, keepdims=True), np.linalg.norm(a + b, axis=-1, keepdims=True)
+    )
+    sine = np.sin(theta)
+    near = theta < 1e-9
+    safe = np.where(near, 1.0, sine)
+    weight_a = np.where(near, 1.0 - t, np.sin((1.0 - t) * theta) / safe)
+    weight_b = np.where(near, t, np.sin(t * theta) / safe)
+    return normalize(weight_a * a + weight_b * b)
+
+
+def interpolate_pose(a: Pose, b: Pose, t: float) -> Pose:
+    """Interpolate two poses: positions linearly, orientations by `slerp`; extrapolates too."""
+    return Pose(a.position + (b.position - a.position) * t, slerp(a.orientation, b.orientation, t))
+
+
+def clip_from_view(fov: Fov, near_m: float) -> Array:
+    """Return the (4, 4) reverse-Z projection with infinite far plane and clip depth [0, 1].
+
+    Depth is ``near_m / distance``: 1 on the near plane, 0 at infinity, so ``1 / distance`` is
+    linear in depth and the sky needs no special case.
+    """
+    left, right, up, down = fov.tangents
+    matrix = np.zeros((4, 4))
+    matrix[0, 0] = 2 / (right - left)
+    matrix[0, 2] = (right + left) / (right - left)
+    matrix[1, 1] = 2 / (up - down)
+    matrix[1, 2] = (up + down) / (up - down)
+    matrix[2, 3] = near_m
+    matrix[3, 2] = -1.0
+    return matrix
+
+
+def focal_length_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float]:
+    """Return horizontal and vertical focal length in pixels of a (width, height) image."""
+    left, right, up, down = fov.tangents
+    return size_px[0] / (right - left), size_px[1] / (up - down)
+
+
+def principal_point_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float]:
+    """Return the pixel coordinates of the optical axis, from the lower left corner."""
+    left, right, up, down = fov.tangents
+    return -left / (right - left) * size_px[0], -down / (up - down) * size_px[1]

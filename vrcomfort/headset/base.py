@@ -1,0 +1,66 @@
+"""What every headset gives and takes: frames with poses, and images."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from vrcomfort.geometry import Pose, View
+
+if TYPE_CHECKING:
+    import moderngl
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame that the headset asks for.
+
+    Parameters
+    ----------
+    index
+        Counts up from 0 over the life of the headset.
+    predicted_display_time_ns, period_ns
+        When the frame is expected to be seen, and the time between frames.
+    head_pose
+        stage-from-head.
+    views
+        Left and right eye, stage-from-eye.
+    avatar_pose
+        world-from-stage: where locomotion (or a trace's anchor) has put the tracked space.
+    should_render
+        False where nobody sees the frame.
+    discontinuity
+        True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    """
+
+    index: int
+    predicted_display_time_ns: int
+    period_ns: int
+    head_pose: Pose
+    views: tuple[View, View]
+    avatar_pose: Pose
+    should_render: bool = True
+    discontinuity: bool = False
+
+
+class Headset(Protocol):
+    """A headset, a playback of one, or a window that stands in for one."""
+
+    @property
+    def name(self) -> str:
+        """Return what the manifest calls this headset."""
+
+    @property
+    def refresh_hz(self) -> float:
+        """Return the display's refresh rate."""
+
+    @property
+    def image_size_px(self) -> tuple[int, int]:
+        """Return (width, height) of one eye's image."""
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield frames until the headset (or its trace) ends; each must be submitted."""
+
+    def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
+        """Show the two images (linear sRGB already tone-mapped, RGBA8), or nothing for `None`."""

@@ -1,0 +1,1 @@
+"""Protocols: what a study shows, asks and when; read from TOML and validated."""
