@@ -79,7 +79,7 @@ class Pose:
 class Fov:
     """Half angles of an asymmetric frustum, radians, signed as in OpenXR.
 
-    `left` and `down` are negative for a frustum that contains its own axis.
+    left and down are negative for a frustum that contains its own axis.
     """
 
     left: float
@@ -112,7 +112,8 @@ class View:
 def normalize(vector: ArrayLike) -> Array:
     """Return (..., n) vectors scaled to unit length."""
     array = np.asarray(vector, dtype=np.float64)
-    return array / np.linalg.norm(array, axis=-1, keepdims=True)
+    unit: Array = array / np.linalg.norm(array, axis=-1, keepdims=True)
+    return unit
 
 
 def quaternion_multiply(a: ArrayLike, b: ArrayLike, /) -> Array:

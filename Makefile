@@ -1,0 +1,38 @@
+# Two commands on a fresh machine: `make demo` and `make test`. Both set up .venv first.
+BIN := .venv/bin
+OUT ?= out
+
+.PHONY: help setup demo test check bench scenes clean
+
+help:
+	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
+	@echo "make test    the tests"
+	@echo "make check   ruff, mypy --strict, import-linter"
+	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
+	@echo "make scenes  rebuild the shipped scenes and traces"
+
+setup:
+	@scripts/setup.sh
+
+demo: setup
+	@$(BIN)/vrcomfort demo --out $(OUT)/demo
+
+test: setup
+	@$(BIN)/pytest -q -n 2 --dist loadfile
+
+check: setup
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports --no-cache
+
+bench: setup
+	@$(BIN)/python -m bench --out $(OUT)/bench
+
+scenes: setup
+	@$(BIN)/python scenes/build_temple.py
+	@$(BIN)/python scenes/build_mountain.py
+	@$(BIN)/python scenes/build_traces.py
+
+clean:
+	rm -rf .venv $(OUT)
