@@ -50,12 +50,11 @@ def cast(
     directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
     eye = origins.mean(axis=0) if head is None else head.position
     nearest = np.full(len(origins), np.inf)
-    for index, world_from_node in enumerate(scene.world_from_node(time_s)):
-        node = scene.nodes[index]
-        if node.head_locked:
-            if head is None:
-                continue
-            world_from_node = head.matrix() @ world_from_node  # noqa: PLW2901
+    root = None if head is None else head.matrix()
+    for node, placed in zip(scene.nodes, scene.world_from_node(time_s), strict=True):
+        if node.head_locked and root is None:
+            continue
+        world_from_node = root @ placed if node.head_locked and root is not None else placed
         for item in node.mesh_at(_distance_m(scene, node.mesh, world_from_node, eye)):
             found = _cast_primitive(scene, item, world_from_node, origins, directions)
             nearest = np.minimum(nearest, found)
@@ -89,7 +88,7 @@ def _cast_primitive(
     rays = np.flatnonzero(_meets_box(primitive, local_origins, local_directions))
     if not len(rays):
         return nearest
-    triangles, hit_rays, places = _intersector(primitive).intersects_id(
+    triangles, hit_rays, places = _intersector(primitive).intersects_id(  # type: ignore[no-untyped-call]
         local_origins[rays], local_directions[rays], multiple_hits=True, return_locations=True
     )
     if not len(triangles):
@@ -124,7 +123,7 @@ def _intersector(primitive: Primitive) -> RayMeshIntersector:
     mesh = trimesh.Trimesh(
         primitive.positions.astype(np.float64), primitive.indices, process=False, validate=False
     )
-    return RayMeshIntersector(mesh)
+    return RayMeshIntersector(mesh)  # type: ignore[no-untyped-call]
 
 
 def _faces_ray(
@@ -152,7 +151,7 @@ def _alpha(
 ) -> Array:
     """Return the base colour's alpha at (n, 3) places on their triangles."""
     material = scene.materials[primitive.material]
-    weights = trimesh.triangles.points_to_barycentric(
+    weights = trimesh.triangles.points_to_barycentric(  # type: ignore[no-untyped-call]
         np.stack(_corners(primitive, triangles), axis=1), places
     )
     alpha = np.full(len(triangles), material.base_color[3])

@@ -55,6 +55,8 @@ class Sky(_Table):
     horizon: Color = Environment.sky_horizon
     ground: Color = Environment.ground
     cloud_cover: Share = 0.0
+    in_vertex_alpha: bool = False
+    """See `Environment.ambient_in_vertex_alpha`."""
 
 
 class Fog(_Table):
@@ -213,6 +215,7 @@ def _environment(side_car: SideCar, lamps_of_file: tuple[PointLight, ...]) -> En
         fog_density_per_m=side_car.fog.density_per_m,
         cloud_cover=side_car.sky.cloud_cover,
         shadow_distance_m=side_car.sun.shadow_distance_m,
+        ambient_in_vertex_alpha=side_car.sky.in_vertex_alpha,
         point_lights=lamps_of_file + lamps,
     )
 
