@@ -161,10 +161,10 @@ def _strata(levels: dict[str, tuple[str, ...]]) -> list[tuple[str, Floats]]:
 
 
 def _kron(parts: list[Floats]) -> Floats:
-    product_so_far = np.ones((1, 1))
+    together: Floats = np.ones((1, 1))
     for part in parts:
-        product_so_far = np.kron(product_so_far, part)
-    return product_so_far
+        together = np.asarray(np.kron(together, part), dtype=np.float64)
+    return together
 
 
 def _contrasts(k: int) -> Floats:
