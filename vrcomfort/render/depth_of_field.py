@@ -122,13 +122,12 @@ class DepthOfFieldPass:
         width, height = self._size_px
         columns = (ceil(width / TILE_PX), height)
         tiles = (columns[0], ceil(height / TILE_PX))
-        common = {"TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"}
         x_pass = FullscreenPass(
             ctx,
             "defocus_tiles.frag",
             size_px=columns,
             inputs={"source": self._points.target},
-            defines=common | {"AXIS": 0},
+            defines={"TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0", "AXIS": 0},
         )
         y_pass = FullscreenPass(
             ctx,

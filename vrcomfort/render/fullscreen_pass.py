@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import moderngl
@@ -27,6 +28,8 @@ class FullscreenPass:
         Texture for each sampler uniform.
     constants
         Uniforms that never change; a name that the shader does not use is an error.
+    filtered
+        Names of the inputs that are sampled bilinearly; the others as their textures say.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
     """
@@ -40,6 +43,7 @@ class FullscreenPass:
         inputs: Mapping[str, moderngl.Texture],
         constants: Uniforms | None = None,
         defines: shaders.Defines | None = None,
+        filtered: Collection[str] = (),
         components: int = 4,
         dtype: str = "f2",
     ) -> None:
@@ -48,6 +52,11 @@ class FullscreenPass:
         self._inputs = tuple(enumerate(inputs.values()))
         for unit, name in enumerate(inputs):
             self._triangle.program[name] = unit
+        self._samplers = tuple(
+            (unit, ctx.sampler(repeat_x=False, repeat_y=False))
+            for unit, name in enumerate(inputs)
+            if name in filtered
+        )
         if constants is not None:
             self._set(constants)
         self._framebuffer = ctx.framebuffer([self.target])
@@ -59,12 +68,21 @@ class FullscreenPass:
             self._set(uniforms)
         for unit, texture in self._inputs:
             texture.use(unit)
-        with self._scope:
+        with self._scope, self._filtering():
             self._triangle.render(moderngl.TRIANGLES, vertices=3)
+
+    @contextmanager
+    def _filtering(self) -> Iterator[None]:
+        for unit, sampler in self._samplers:
+            sampler.use(unit)
+        yield
+        for unit, sampler in self._samplers:
+            sampler.clear(unit)
 
     def _set(self, uniforms: Uniforms) -> None:
         for name, value in uniforms._asdict().items():
+            member: Any = self._triangle.program[name]
             if isinstance(value, bytes):
-                self._triangle.program[name].write(value)
+                member.write(value)
             else:
-                self._triangle.program[name] = value
+                member.value = value
