@@ -13,6 +13,7 @@ from vrcomfort.records.rows import (
     TrialRow,
 )
 from vrcomfort.records.study import (
+    completed_sessions,
     enrol,
     open_study,
     read_participants,
@@ -32,6 +33,7 @@ __all__ = [
     "Row",
     "Rows",
     "TrialRow",
+    "completed_sessions",
     "enrol",
     "open_study",
     "read_participants",

@@ -129,6 +129,23 @@ def recorded_sessions(study: Path, participant: str) -> list[int]:
     return sorted(int(number) for number in numbers if number.isdigit())
 
 
+def completed_sessions(study: Path, participant: str) -> list[int]:
+    """Return the numbers of a participant's sessions whose manifest says completed."""
+    return [
+        number
+        for number in recorded_sessions(study, participant)
+        if _manifest_status(session_folder(study, participant, number)) == "completed"
+    ]
+
+
+def _manifest_status(folder: Path) -> str | None:
+    try:
+        content = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return content.get("status") if isinstance(content, dict) else None
+
+
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
     lines = [csv_line(ParticipantRow.columns())]
     lines += [csv_line(map(cell_text, row.cells())) for row in rows]
