@@ -164,7 +164,7 @@ def _bounds(scene: Scene, primitives: list[int]) -> tuple[Array, Array]:
 
 def _commands(scene: Scene, primitives: list[int]) -> NDArray[np.void]:
     """Return one command per row; `base_instance` is filled in for each view."""
-    indices = np.array([len(primitive.indices) for primitive in scene.primitives], dtype=np.int64)
+    indices = np.array([primitive.indices.size for primitive in scene.primitives], dtype=np.int64)
     vertices = np.array([len(primitive.positions) for primitive in scene.primitives])
     commands = np.zeros(len(primitives), COMMAND)
     commands["index_count"] = indices[primitives]
