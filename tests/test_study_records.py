@@ -72,7 +72,7 @@ def test_the_columns_are_those_of_the_design():
     assert columns[26:28] == ("left_fov_left_rad", "left_fov_right_rad")
     assert columns[34] == "avatar_x_m"
     assert columns[40:43] == ("avatar_qw", "focus_m", "focus_raw_m")
-    assert columns[-4:] == ("max_blur_px", "cpu_ms", "gpu_ms", "dropped")
+    assert columns[-4:] == ("cpu_ms", "gpu_ms", "dropped", "discontinuity")
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 

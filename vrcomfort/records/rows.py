@@ -163,6 +163,8 @@ class FrameRow:
         Nine characters, 1 = used. Read this column as text.
     dropped
         1 where the interval to the frame before exceeded 1.2 × the period.
+    discontinuity
+        Whether the pose before has nothing to do with this one; a playback cuts there again.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -183,13 +185,15 @@ class FrameRow:
     cpu_ms: float | None = None
     gpu_ms: float | None = None
     dropped: int = 0
+    discontinuity: bool = False
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
         when = ("session_s", "xr_time_ns", "period_ns", "trial", "should_render")
         focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
-        return (*when, *POSE_COLUMNS, *focus, "max_blur_px", "cpu_ms", "gpu_ms", "dropped")
+        costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped")
+        return (*when, *POSE_COLUMNS, *focus, *costs, "discontinuity")
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -214,6 +218,7 @@ class FrameRow:
             self.cpu_ms,
             self.gpu_ms,
             self.dropped,
+            int(self.discontinuity),
         ]
 
 

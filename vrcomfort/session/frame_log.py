@@ -54,6 +54,7 @@ class FrameLog:
             max_blur_px=rendered.max_blur_px if rendered else None,
             cpu_ms=rendered.cpu_ms if rendered else None,
             dropped=int(dropped),
+            discontinuity=frame.discontinuity,
         )
         self.take(rendered.focus_samples if rendered else ())
 
