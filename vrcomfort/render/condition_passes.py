@@ -120,6 +120,7 @@ class ConditionPasses:
         self.tone_maps[index].render()
         return EyeImages(
             camera,
+            eye.previous,
             self.scene.colour,
             self.colour,
             self.scene.depth,

@@ -8,7 +8,7 @@ from typing import NamedTuple, Protocol
 import moderngl
 
 from vrcomfort.geometry import Pose, View
-from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.focus import FocusSample
 
 
@@ -44,10 +44,12 @@ class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
-    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets.
+    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is where
+    the eye counts as having been, None where motion blur needs none.
     """
 
     camera: EyeCamera
+    previous: PreviousCamera | None
     pinhole: moderngl.Texture
     linear: moderngl.Texture
     depth: moderngl.Texture

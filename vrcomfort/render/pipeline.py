@@ -70,7 +70,7 @@ class StereoRenderer:
         near_m: float = NEAR_M,
     ) -> None:
         self.size_px = size_px
-        self._ctx = ctx
+        self.ctx = ctx
         self._samples = samples
         self._near_m = near_m
         self._passes: ConditionPasses | None = None
@@ -82,7 +82,7 @@ class StereoRenderer:
         self._scene = scene
         self._condition = condition
         self._passes = ConditionPasses(
-            self._ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
+            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
         )
 
     def plan(self) -> list[PlannedPass]:
