@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.terminal import Quiet, Seed, Size, console, parse_size, progress_bar, warn
+from vrcomfort.cli.terminal import (
+    ProtocolArgument,
+    Quiet,
+    RefreshRate,
+    Seed,
+    Size,
+    console,
+    parse_size,
+    progress_bar,
+    warn,
+)
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, read_trace_if
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -22,15 +32,9 @@ if TYPE_CHECKING:
 
 EXIT_ABORTED = 130
 
-ProtocolArgument = Annotated[
-    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
-]
 Study = Annotated[Path, typer.Option("--out", help="The study folder; made if it is not there.")]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
-]
-RefreshOption = Annotated[
-    float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
 ]
 ExposureOption = Annotated[
     float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
@@ -70,7 +74,7 @@ def run(
     ] = None,
     seed: Seed = 0,
     size: Size = "640x800",
-    refresh_hz: RefreshOption = None,
+    refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
     quiet: Quiet = False,
 ) -> None:
@@ -78,8 +82,8 @@ def run(
 
     Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept.
 
-        vrcomfort run smoke --participant P01 --out my_study
-        vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated
+    - `vrcomfort run smoke --participant P01 --out my_study`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
     """
     del headset  # one kind so far
     study = load_protocol(protocol)
@@ -102,14 +106,14 @@ def simulate(
     seed: Seed = 0,
     trace: TraceOption = None,
     size: Size = "320x400",
-    refresh_hz: RefreshOption = None,
+    refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
     quiet: Quiet = False,
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
 
-        vrcomfort simulate smoke --participants 4 --out my_study
-        vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study
+    - `vrcomfort simulate smoke --participants 4 --out my_study`
+    - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_study(
         load_protocol(protocol),
