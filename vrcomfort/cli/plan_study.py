@@ -54,12 +54,13 @@ def plan(protocol: ProtocolArgument, as_json: Json = False) -> None:
     from vrcomfort.render.plan import plan_passes
 
     study = load_protocol(protocol)
-    rows: list[dict[str, Any]] = []
-    for name in study.scenes:
-        scene = load_scene(study.scene_source(name))
-        for condition in study.conditions:
-            for step in plan_passes(scene, condition):
-                rows.append({"scene": name, "condition": condition.name, **asdict(step)})
+    rows = [
+        {"scene": name, "condition": condition.name, **asdict(step)}
+        for name in study.scenes
+        for scene in [load_scene(study.scene_source(name))]
+        for condition in study.conditions
+        for step in plan_passes(scene, condition)
+    ]
     if as_json:
         answer(rows)
     else:

@@ -53,7 +53,7 @@ class PoseText:
             numbers = []
         if len(numbers) != 6 or not all(map(math.isfinite, numbers)):
             raise InputError(
-                f"{self.option} {self.text!r} is not a pose; write six numbers X,Y,Z,YAW,PITCH,ROLL "
+                f"{self.option} {self.text!r} is not a pose; write X,Y,Z,YAW,PITCH,ROLL "
                 "in metres and degrees, for example 0,1.6,0,30,-5,0"
             )
         return Pose(np.array(numbers[:3]), yaw_pitch_roll(*np.radians(numbers[3:])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from enum import StrEnum
 from functools import lru_cache
 from pathlib import Path
@@ -92,8 +93,8 @@ def run(
     )
     lab = _Lab(study, out, playback, seed, exposure_s)
     numbers = [session] if session else lab.next_session(participant)
-    with _session_progress(quiet) as tell:
-        outcome = lab.run(participant, respondent, numbers, tell)
+    with _SessionBars(quiet) as bars:
+        outcome = lab.run(participant, respondent, numbers, bars.tell)
     console(quiet).print(_sentence(outcome, out))
     if outcome.status == "aborted":
         raise typer.Exit(EXIT_ABORTED)
@@ -232,38 +233,28 @@ def _load_scene(source: str) -> Scene:
     return scene
 
 
-class _session_progress:  # noqa: N801 - used like a function
-    """A bar for exposures and rests; the questionnaires speak for themselves."""
+class _SessionBars(ExitStack):
+    """A bar for each exposure and rest; the questionnaires speak for themselves."""
 
     def __init__(self, quiet: bool) -> None:
+        super().__init__()
         self._quiet = quiet
-        self._bar: Any = None
         self._title = ""
         self._done = 0.0
 
-    def __enter__(self) -> Any:
-        return self._tell
-
-    def __exit__(self, *_: object) -> None:
-        self._close()
-
-    def _close(self) -> None:
-        if self._bar is not None:
-            self._bar.__exit__(None, None, None)
-            self._bar = None
-
-    def _tell(self, progress: Progress) -> None:
-        if progress.step not in {"training", "exposure", "rest"}:
-            self._close()
-            return
-        title = f"{progress.step} {progress.trial or ''}".strip()
-        if self._bar is None or title != self._title:
-            self._close()
-            self._bar = progress_bar(title, round(progress.total), quiet=self._quiet)
-            self._advance = self._bar.__enter__()
+    def tell(self, progress: Progress) -> None:
+        """Show how far a step of the session has come."""
+        timed = progress.step in {"training", "exposure", "rest"}
+        title = f"{progress.step} {progress.trial or ''}".strip() if timed else ""
+        if title != self._title:
+            self.close()
             self._title, self._done = title, 0.0
-        self._advance(progress.done - self._done)
-        self._done = progress.done
+            if title:
+                bar = progress_bar(title, round(progress.total), quiet=self._quiet)
+                self._advance = self.enter_context(bar)
+        if title:
+            self._advance(progress.done - self._done)
+            self._done = progress.done
 
 
 def _sentence(outcome: Outcome, out: Path) -> str:
