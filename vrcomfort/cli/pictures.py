@@ -18,7 +18,7 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import DEFAULT_IPD_M, pick_condition
+from vrcomfort.cli.wiring import DEFAULT_IPD_M, open_trace, pick_condition
 from vrcomfort.errors import InputError
 
 SceneOption = Annotated[
@@ -104,6 +104,9 @@ def play(
     out: Out,
     protocol: ProtocolOption = None,
     condition: ConditionOption = None,
+    trial: Annotated[
+        str | None, typer.Option(help="Only this trial of a recorded frames.csv.")
+    ] = None,
     size: Size = "640x800",
     frames: Annotated[
         int | None,
@@ -116,10 +119,11 @@ def play(
     """Play a head trace through a scene: one side-by-side picture per frame, and frames.csv.
 
     - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
+    - `vrcomfort play my_study/sub-P01/ses-1/frames.csv --trial 1 --scene temple --out replay`
     """
     study, shown = pick_condition(protocol, condition)
     count = play_trace(
-        trace,
+        open_trace(trace, trial=trial),
         study.scene_source(scene) if study else scene,
         shown,
         size_px=parse_size(size),

@@ -13,11 +13,12 @@ from vrcomfort.cli.wiring import make_renderer
 from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:
+    from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Row
 
 
 def play_trace(
-    trace_file: Path,
+    trace: Trace,
     scene_source: str,
     condition: Condition,
     *,
@@ -34,12 +35,10 @@ def play_trace(
     A trace without avatar poses is anchored at the scene's spawn point.
     """
     from vrcomfort.headset.playback import PlaybackHeadset
-    from vrcomfort.headset.trace import read_trace
     from vrcomfort.render.gltf import load_scene
 
-    trace = read_trace(trace_file)
     scene = load_scene(scene_source)
-    for warning in (*trace.warnings, *scene.warnings):
+    for warning in scene.warnings:
         warn(warning)
     headset = PlaybackHeadset(
         trace,

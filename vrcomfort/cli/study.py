@@ -21,7 +21,7 @@ from vrcomfort.cli.terminal import (
     progress_bar,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, read_trace_if
+from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, open_trace
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def run(
     del headset  # one kind so far
     study = load_protocol(protocol)
     playback = PlaybackIn(
-        parse_size(size), study.headset.ipd_m, read_trace_if(trace, warn), refresh_hz
+        parse_size(size), study.headset.ipd_m, open_trace(trace) if trace else None, refresh_hz
     )
     lab = _Lab(study, out, playback, seed, exposure_s)
     numbers = [session] if session else lab.next_session(participant)
@@ -121,7 +121,7 @@ def simulate(
         participants=participants,
         out=out,
         seed=seed,
-        playback_options=(parse_size(size), read_trace_if(trace, warn), refresh_hz),
+        playback_options=(parse_size(size), open_trace(trace) if trace else None, refresh_hz),
         exposure_s=exposure_s,
         quiet=quiet,
     )

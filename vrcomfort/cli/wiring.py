@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vrcomfort.cli.terminal import warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur, Protocol
 from vrcomfort.resources import data_folder
@@ -87,16 +87,14 @@ def shipped_walk(scene_name: str) -> Trace:
     return read_trace(file)
 
 
-def read_trace_if(path: Path | None, tell: Callable[[str], None]) -> Trace | None:
-    """Read the trace that an option names, if it names one; tell what was left out."""
-    if path is None:
-        return None
+def open_trace(path: Path, *, trial: str | None = None) -> Trace:
+    """Read a trace, or one trial of it; say what was left out."""
     from vrcomfort.headset.trace import read_trace
 
     trace = read_trace(path)
     for warning in trace.warnings:
-        tell(warning)
-    return trace
+        warn(warning)
+    return trace if trial is None else trace.only_trial(trial)
 
 
 def pick_condition(

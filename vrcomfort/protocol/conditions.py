@@ -31,9 +31,9 @@ class Focus(Settings):
     outlier_mad: Positive = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
     outlier_floor_fraction: NotNegative = 0.02
-    """Floor of that deviation, as a fraction of the median (metres)."""
+    """No ray nearer to the median than this fraction of it is dropped (mean in metres)."""
     outlier_floor_dioptre: NotNegative = 0.02
-    """Floor of that deviation in dioptres, when `mean` is in dioptres."""
+    """No ray nearer to the median than this is dropped (mean in dioptres)."""
     law: Literal["linear", "linear_dioptre", "instant"] = "linear"
     refocus_s: Positive = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
