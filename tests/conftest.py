@@ -38,11 +38,14 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
     }
     use_program = gl.function(session_context, "glUseProgram", ctypes.c_uint)
     idle = session_context.simple_framebuffer((1, 1))
+    stages = (f"#version 450\nvoid main() {{{body}}}" for body in ("gl_Position = vec4(0);", ""))
+    idle_draw = session_context.vertex_array(session_context.program(*stages), [])
 
     def count() -> dict[str, int]:
-        idle.use()  # what is in use outlives its last reference
-        use_program(0)
         gc.collect()
+        idle.use()  # what was used last outlives its last reference
+        idle_draw.render(vertices=3)
+        use_program(0)
         return {kind: sum(map(exists, range(1, HIGHEST_NAME))) for kind, exists in tests.items()}
 
     return count
