@@ -33,7 +33,7 @@ def demo(
         "vrcomfort-demo"
     ),
     participants: Annotated[int, typer.Option("--participants", "-n", min=2, max=200)] = 8,
-    seed: Seed = 2015,
+    seed: Seed = 1,
     quiet: Quiet = False,
 ) -> None:
     """Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.
