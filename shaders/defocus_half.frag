@@ -3,25 +3,23 @@
 //
 // Input:  points of defocus.frag. Output: rgb, a as there, at half size (rounded up).
 //
-// Only pixels that are about as blurred as the most blurred of the four are averaged: a sharp
-// pixel never gets into a blurred one, which is what keeps sharp silhouettes from bleeding.
+// Texel t stands for pixel 2t: its radius is that pixel's, so that areas keep their share, and its
+// colour is a tent over the 3x3 pixels around it that are about as blurred. A sharp pixel never
+// gets into a blurred one, which is what keeps sharp silhouettes from bleeding.
 uniform sampler2D points;
 
 out vec4 point;
 
 void main() {
     ivec2 last = textureSize(points, 0) - 1;
-    ivec2 corner = ivec2(gl_FragCoord.xy) * 2;
-    vec4 p[4];
-    float radius = 0.0;
-    for (int i = 0; i < 4; ++i) {
-        p[i] = texelFetch(points, min(corner + ivec2(i & 1, i >> 1), last), 0);
-        radius = abs(p[i].a) > abs(radius) ? p[i].a : radius;
-    }
+    ivec2 middle = ivec2(gl_FragCoord.xy) * 2;
+    float radius = texelFetch(points, middle, 0).a;
     vec4 sum = vec4(0.0);
-    for (int i = 0; i < 4; ++i) {
-        float like = max(1.0 - abs(p[i].a - radius), 0.0);
-        sum += like * vec4(p[i].rgb, 1.0);
-    }
-    point = vec4(sum.rgb / sum.a, radius);  // the most blurred pixel itself has weight 1
+    for (int y = -1; y <= 1; ++y)
+        for (int x = -1; x <= 1; ++x) {
+            vec4 q = texelFetch(points, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
+            float tent = float((2 - abs(x)) * (2 - abs(y)));
+            sum += tent * max(1.0 - abs(q.a - radius), 0.0) * vec4(q.rgb, 1.0);
+        }
+    point = vec4(sum.rgb / sum.a, radius);  // the middle itself has weight 4
 }

@@ -38,6 +38,13 @@ const float SPACING_PX = 1.25;
 // Beyond this spacing (px) taps read the half-resolution image.
 const float HALF_SPACING_PX = 1.6;
 
+// Radii around that differ by less than this part of p's own are alike ...
+const float ALIKE = 0.1;
+// ... where half resolution is fine enough (px).
+const float ALIKE_PX = 4.0;
+// Fronts up to this many times wider than p's disc need no walk of their own.
+const float ONE_WALK = 1.25;
+
 ivec2 pixel = ivec2(gl_FragCoord.xy);
 ivec2 last = textureSize(points, 0) - 1;
 vec4 p = texelFetch(points, pixel, 0);
@@ -87,9 +94,28 @@ void gather_rings(float disc_px, float back_px, vec2 front_px) {
             float away = spacing * sqrt(float(ring * ring) + 0.25);
             vec2 at = centre + away * directions[i] * vec2(1.0, pixel_aspect);
             ivec2 texel = clamp(ivec2(floor(at)), ivec2(0), last);
-            vec4 q = halved ? texelFetch(points_half, texel / 2, 0) : texelFetch(points, texel, 0);
+            ivec2 texel_half = ivec2(floor(clamp(0.5 * at + 0.25, vec2(0.0), vec2(last / 2))));
+            vec4 q = halved ? texelFetch(points_half, texel_half, 0) : texelFetch(points, texel, 0);
             add(q, away, spacing, area, back_px, front_px);
         }
+}
+
+// Rings where everything around is about as blurred as p: front and back are one, and nothing
+// sharp is near, so that taps may be filtered.
+void gather_alike() {
+    int rings = clamp(int(ceil(own_px / SPACING_PX - 0.5)), 1, RINGS);
+    float spacing = own_px / (float(rings) + 0.5);
+    vec2 centre = vec2(pixel) + 0.5;
+    vec2 texel = 0.5 / vec2(textureSize(points_half, 0));  // texel t stands for pixel 2t
+    int i = 0;
+    for (int ring = 1; ring <= rings; ++ring) {
+        float away = spacing * sqrt(float(ring * ring) + 0.25);
+        for (int tap = 0; tap < 8 * ring; ++tap, ++i) {
+            vec2 at = centre + away * directions[i] * vec2(1.0, pixel_aspect);
+            back.rgb += texture(points_half, (at + 0.5) * texel).rgb;
+        }
+    }
+    back += vec4(texture(points_half, (centre + 0.5) * texel).rgb, float(i + 1));
 }
 
 void main() {
@@ -98,18 +124,24 @@ void main() {
     blurred = texelFetch(colour, pixel, 0);
     if (own_px <= 0.5 && near_px <= 0.5)
         return;
-    const vec2 NONE = vec2(0.0);
+    if (own_px > ALIKE_PX && tile.g - tile.r <= ALIKE * own_px) {
+        gather_alike();
+        blurred.rgb = min(back.rgb / back.a, 65504.0);
+        return;
+    }
     float wide_px = max(own_px, SMALL_PX);
     bool some_front = tile.r < p.a;
     if (own_px <= SMALL_PX || (some_front && tile.b > 0.0)) {
         bool back_here = own_px <= SMALL_PX;
         gather_dense(int(SMALL_PX), back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
     }
+    bool one_walk = near_px <= ONE_WALK * own_px;  // wider fronts are still met by p's own rings
     if (own_px > SMALL_PX) {
         back += vec4(p.rgb, 1.0);
-        gather_rings(own_px, own_px, vec2(SMALL_PX, own_px));
+        float reach_px = one_walk ? max(own_px, near_px) : own_px;
+        gather_rings(reach_px, own_px, vec2(SMALL_PX, reach_px));
     }
-    if (near_px > wide_px && some_front)
+    if (near_px > wide_px && some_front && !one_walk)
         gather_rings(near_px, -near_px, vec2(wide_px, near_px));
     if (front.a <= 0.0 && own_px <= 0.5)
         return;

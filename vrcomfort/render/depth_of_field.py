@@ -113,6 +113,7 @@ class DepthOfFieldPass:
                 "points_half": self._half.target,
                 "reach": self._summaries[-1].target,
             },
+            filtered={"points_half"},
             constants=_Directions(directions.tobytes()),
             defines={"RINGS": settings.rings, "TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"},
         )
