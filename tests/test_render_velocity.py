@@ -15,7 +15,7 @@ from vrcomfort.render.scene_pass import ScenePass
 
 SIZE = (64, 64)
 SAMPLE_0 = (0.375, 0.125)
-"""Place of the kept sample in its pixel: the standard pattern of four."""
+"""Place of the lowest of four samples in its pixel: on floors and upright walls the nearest."""
 GREEN = glowing((0.0, 1.0, 0.0))
 
 
