@@ -36,7 +36,7 @@ out vec4 blurred;
 // Taps of a ring pattern lie about this far apart (px) until RINGS is reached.
 const float SPACING_PX = 1.25;
 // Beyond this spacing (px) taps read the half-resolution image.
-const float HALF_SPACING_PX = 1.6;
+const float HALF_SPACING_PX = 2.0;
 
 // Radii around that differ by less than this part of p's own are alike ...
 const float ALIKE = 0.1;

@@ -59,17 +59,19 @@ def test_a_sharp_foreground_does_not_leak(ctx):
 
 
 @pytest.mark.parametrize("near_is_left", [True, False])
-def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(ctx, near_is_left):
+@pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4, 12.0])
+def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(ctx, near_is_left, radius_px):
     near = (columns() < 64) == near_is_left
     rgb = np.where(near[..., None], [1.0, 0, 0], [0, 0, 1.0])
-    blurred = depth_of_field(ctx, rgb, np.where(near, 0.5, 1.0), 1.0, **WIDE).astype(float)
-    offset = (np.arange(128) - 63.5) * (1 if near_is_left else -1) / 6.4
+    settings = WIDE | {"max_radius_percent": radius_px / 1.28}
+    blurred = depth_of_field(ctx, rgb, np.where(near, 0.5, 1.0), 1.0, **settings).astype(float)
+    offset = (np.arange(128) - 63.5) * (1 if near_is_left else -1) / radius_px
     x = np.clip(offset, -1, 1)
     covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
     profile = blurred[48]
     assert np.sqrt(np.mean((profile[:, 0] - covered)[50:78] ** 2)) <= 0.03
     np.testing.assert_allclose(profile.sum(axis=-1), 1, atol=2e-3)
-    assert np.all(profile[:, 0][offset > 1.3] == 0)
+    assert np.all(profile[:, 0][offset > 1.3 + 0.5 / radius_px] == 0)
 
 
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])
