@@ -1,0 +1,59 @@
+"""Errors of images: known differences give known numbers."""
+
+import math
+
+import numpy as np
+import pytest
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Fov
+from vrcomfort.render.image_error import accuracy, hdr_flip, pixels_per_degree, psnr_db, rms
+
+
+@pytest.fixture
+def image():
+    return np.random.default_rng(3).uniform(0, 4, (40, 50, 3))
+
+
+def test_psnr_has_a_fixed_peak(image):
+    assert rms(image + 0.1, image) == pytest.approx(0.1)
+    assert psnr_db(image + 0.1, image) == pytest.approx(20)
+    assert psnr_db(image * 100 + 0.1, image * 100) == pytest.approx(20)
+    assert psnr_db(image + 0.1, image, peak=10.0) == pytest.approx(40)
+    assert psnr_db(image, image) == math.inf
+
+
+def test_flip_is_zero_for_equal_images_and_grows_with_the_difference(image):
+    assert hdr_flip(image, image, pixels_per_degree=8.0) == 0
+    small, large = (hdr_flip(image * f, image, pixels_per_degree=8.0) for f in (1.05, 1.5))
+    assert 0 < small < large < 1
+
+
+def test_flip_judges_a_crop_on_the_same_scale(image):
+    """Exposures do not follow the image: a highlight elsewhere changes nothing here."""
+    bright = image.copy()
+    bright[:3, :3] = 60_000
+    dim = hdr_flip(bright * [1, 1, 1.2], bright, pixels_per_degree=8.0)
+    assert dim == pytest.approx(
+        hdr_flip(image * [1, 1, 1.2], image, pixels_per_degree=8.0), rel=0.05
+    )
+
+
+def test_accuracy_knows_how_good_its_reference_is(image):
+    noise = np.random.default_rng(4).normal(0, 0.02, (2, *image.shape))
+    halves = (image + noise[0], image + noise[1])
+    found = accuracy(image + 0.3, halves, pixels_per_degree=8.0)
+    assert found.reference_rms == pytest.approx(0.02 / math.sqrt(2), rel=0.05)
+    assert found.rms == pytest.approx(0.3, rel=0.01)
+    assert found.counts
+    assert not accuracy(image + 0.05, halves, pixels_per_degree=8.0).counts
+
+
+def test_pixels_per_degree_of_a_known_view():
+    fov = Fov(*np.radians([-45, 45, 45, -45]))
+    assert pixels_per_degree(fov, (640, 640)) == pytest.approx(320 * math.pi / 180)
+
+
+def test_images_must_have_three_channels(image):
+    with pytest.raises(InputError, match="height, width, 3"):
+        rms(image[..., 0], image[..., 0])
