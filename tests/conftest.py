@@ -37,9 +37,10 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
         for kind in KINDS
     }
     use_program = gl.function(session_context, "glUseProgram", ctypes.c_uint)
-    idle = session_context.simple_framebuffer((1, 1))
     stages = (f"#version 450\nvoid main() {{{body}}}" for body in ("gl_Position = vec4(0);", ""))
-    idle_draw = session_context.vertex_array(session_context.program(*stages), [])
+    with session_context:
+        idle = session_context.simple_framebuffer((1, 1))
+        idle_draw = session_context.vertex_array(session_context.program(*stages), [])
 
     def count() -> dict[str, int]:
         gc.collect()
@@ -60,7 +61,9 @@ def ctx(
     Objects are released with their last reference, so a test need not release what it made;
     what stays is a leak (a reference cycle, a cache, a raw OpenGL name).
     """
-    before = count_objects()
-    yield session_context
-    gl.check_errors(session_context)
-    assert count_objects() == before, "the test left OpenGL objects behind"
+    # A test before may have made a context of its own, which is then the current one.
+    with session_context:
+        before = count_objects()
+        yield session_context
+        gl.check_errors(session_context)
+        assert count_objects() == before, "the test left OpenGL objects behind"

@@ -50,7 +50,7 @@ def studies(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Return the same small study, simulated twice."""
     folders = [tmp_path_factory.mktemp("study") / "study" for _ in range(2)]
     for folder in folders:
-        options = ("-n", 2, "--size", "48x60", "--exposure-s", 0.1, "--seed", 3, "--quiet")
+        options = ("-n", 2, "--size", "48x60", "--exposure-s", 0.05, "--seed", 3, "--quiet")
         vrcomfort("simulate", "smoke", *options, "--out", folder)
     return folders
 
@@ -63,7 +63,7 @@ def test_the_same_seed_gives_the_same_study(studies: list[Path]) -> None:
 def test_a_study_folder_explains_itself(studies: list[Path]) -> None:
     session = studies[0] / "sub-P01" / "ses-1"
     manifest = json.loads((session / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["exposure_override_s"] == 0.1
+    assert manifest["exposure_override_s"] == 0.05
     assert "depth_of_field" in manifest["passes"]["dof in temple"]
     assert "depth_of_field" not in manifest["passes"]["plain in temple"]
     assert manifest["shaders"]
