@@ -15,7 +15,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="folder to write to")
     parser.add_argument("--only", choices=["effects", "accuracy"], help="run one of the two")
-    parser.add_argument("--samples", type=int, default=1024, help="of each reference")
+    parser.add_argument("--samples", type=int, default=2048, help="of each reference")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each kind")
     arguments = parser.parse_args()
     ctx = create_context()

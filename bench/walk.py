@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,7 +19,7 @@ REFRESH_HZ = 90
 
 
 def pairs(scene: Scene, size_px: tuple[int, int], count: int) -> Iterator[tuple[Frame, Frame]]:
-    """Yield `count` pairs of consecutive frames, spread evenly over a walk through the scene.
+    """Yield `count` pairs of consecutive frames: of each part of a walk, where the head is fastest.
 
     The first of each pair is a cut; the second is the one to measure.
     """
@@ -27,5 +28,14 @@ def pairs(scene: Scene, size_px: tuple[int, int], count: int) -> Iterator[tuple[
         trace, image_size_px=size_px, refresh_hz=REFRESH_HZ, spawn=scene.spawn, loop=False
     )
     frames = list(headset.frames())
-    for index in np.linspace(1, len(frames) - 1, count + 1).astype(int)[:-1]:
-        yield replace(frames[index - 1], discontinuity=True), frames[index]
+    steps = [_movement(a, b) for a, b in pairwise(frames)]
+    for part in np.array_split(np.arange(len(steps)), count):
+        fastest = int(part[np.argmax(np.take(steps, part))])
+        yield replace(frames[fastest], discontinuity=True), frames[fastest + 1]
+
+
+def _movement(before: Frame, after: Frame) -> float:
+    """Return metres plus radians between two frames: about what things a metre away move by."""
+    step = before.head_pose.inverse() @ after.head_pose
+    half_turn = np.linalg.norm(step.orientation[:3])
+    return float(np.linalg.norm(step.position) + 2 * np.arcsin(min(float(half_turn), 1.0)))

@@ -32,9 +32,12 @@ vec4 p = texelFetch(streaks, pixel, 0);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-// 0 where q is p's surface or behind it, 1 where it is nearer by 4 % or more.
-float nearer(float depth) {
-    return clamp((depth - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
+// 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
+// and goes its own way. What moves together uncovers nothing: a plain average is exact there.
+float in_front(vec4 q) {
+    float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
+    float tolerance_px = 0.25 + 0.1 * length(p.xy);
+    return nearer * clamp(length(q.xy - p.xy) / tolerance_px - 1.0, 0.0, 1.0);
 }
 
 // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along: there,
@@ -53,7 +56,7 @@ void gather(vec2 half_streak, bool for_back, bool for_front, bool whole_pixels) 
         vec4 q = texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
         if (whole_pixels) at = floor(at) + 0.5;
         vec3 c = texture(colour, at * texel).rgb;
-        float is_front = nearer(q.z);
+        float is_front = in_front(q);
         if (for_back)
             back += (1.0 - is_front) * vec4(c, 1.0);
         // q sweeps over p if it moves this way far enough; its rim is one spacing soft.
