@@ -2,8 +2,8 @@
 // Sums up tiles of pixels, one axis at a time: a column of TILE pixels, then a row of columns.
 //
 // Input:  x-pass (AXIS 0): points of defocus.frag; y-pass (AXIS 1): the result of the x-pass.
-// Output: r = least and g = greatest signed CoC RADIUS (px) in the tile; b = 1 where some blur is
-//         small, above half a pixel and within SMALL_PX: those need the dense loop.
+// Output: r = least and g = greatest signed CoC RADIUS (px) in the tile; b = greatest RADIUS that
+//         is small (above half a pixel, within SMALL_PX), or 0: those need the dense loop.
 uniform sampler2D source;
 
 out vec4 tile;
@@ -16,8 +16,8 @@ void main() {
     for (int i = 0; i < TILE; ++i) {
         vec4 s = texelFetch(source, min(first + i * step_px, last), 0);
 #if AXIS == 0
-        float small = float(abs(s.a) > 0.5 && abs(s.a) <= SMALL_PX);
-        s = vec4(s.aa, small, 0.0);
+        bool small = abs(s.a) > 0.5 && abs(s.a) <= SMALL_PX;
+        s = vec4(s.aa, small ? abs(s.a) : 0.0, 0.0);
 #endif
         tile = vec4(min(tile.r, s.r), max(tile.gb, s.gb), 0.0);
     }

@@ -133,7 +133,10 @@ void main() {
     bool some_front = tile.r < p.a;
     if (own_px <= SMALL_PX || (some_front && tile.b > 0.0)) {
         bool back_here = own_px <= SMALL_PX;
-        gather_dense(int(SMALL_PX), back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
+        // Behind the focus all fronts are sharper than p, and the next pixels suffice up to 1.5 px.
+        float widest_px = near_px > 0.5 || !back_here ? max(own_px, tile.b) : own_px;
+        int cells = widest_px <= 1.5 ? 1 : int(SMALL_PX);
+        gather_dense(cells, back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
     }
     bool one_walk = near_px <= ONE_WALK * own_px;  // wider fronts are still met by p's own rings
     if (own_px > SMALL_PX) {
