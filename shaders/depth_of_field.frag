@@ -70,9 +70,10 @@ void add(vec4 q, float distance_px, float softness, float area, float back_px, v
     front += over * area / disc_area_px(radius, softness) * vec4(q.rgb, 1.0);
 }
 
-// Every pixel within `cells`: the back if it is small (back_px > 0), and small fronts.
-void gather_dense(int cells, float back_px, vec2 front_px) {
-    int rows = int(ceil((float(cells) + 0.5) * pixel_aspect)) - 1;
+// Every pixel nearer than reach_px: the back if it is small (back_px > 0), and small fronts.
+void gather_dense(float reach_px, float back_px, vec2 front_px) {
+    int cells = int(ceil(reach_px)) - 1;
+    int rows = int(ceil(reach_px * pixel_aspect)) - 1;
     for (int y = -rows; y <= rows; ++y)
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
@@ -135,8 +136,8 @@ void main() {
         bool back_here = own_px <= SMALL_PX;
         // Behind the focus all fronts are sharper than p, and the next pixels suffice up to 1.5 px.
         float widest_px = near_px > 0.5 || !back_here ? max(own_px, tile.b) : own_px;
-        int cells = widest_px <= 1.5 ? 1 : int(SMALL_PX);
-        gather_dense(cells, back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
+        float reach_px = 0.5 + (widest_px <= 1.5 ? 1.5 : SMALL_PX);
+        gather_dense(reach_px, back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
     }
     bool one_walk = near_px <= ONE_WALK * own_px;  // wider fronts are still met by p's own rings
     if (own_px > SMALL_PX) {
