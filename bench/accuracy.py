@@ -25,11 +25,13 @@ from vrcomfort.render.scene_data import Scene
 SIZE_PX = (160, 200)
 VIEWS = 2
 MARGIN_PX = 20
+SUN = 8.0
 FOCUS_M = 1.5
 LENS = DepthOfField(law="dioptre", max_radius_percent=3.5, full_blur_dioptre=1.0)
 SHUTTER = MotionBlur(mode="full", shutter_fraction=1.0, max_radius_percent=20.0)
 
 Pixels = NDArray[np.float32]
+Pixels64 = NDArray[np.float64]
 
 
 class Shot(NamedTuple):
@@ -59,7 +61,8 @@ def measure(ctx: moderngl.Context, *, samples: int) -> Result:
         f"{SIZE_PX[0]}×{SIZE_PX[1]} px, left eye, {VIEWS} views of the shipped walk (each the "
         "fastest of its part), linear HDR times the scene's exposure; PSNR with peak 1, HDR-FLIP "
         f"at the view's pixels per degree. A margin of {MARGIN_PX} px is left out: what blurs in "
-        "from outside the image is in no method's input.",
+        "from outside the image is in no method's input; so are pixels that the sun's disc, which is "
+        f"smaller than a pixel, makes brighter than {SUN:g} in the reference.",
         f"Reference: {samples} samples, the scene drawn again for each. Its own error is half the "
         "difference of two independent halves; it counts where that is at most a tenth of the "
         "method's.",
@@ -83,13 +86,7 @@ def _rows(
             shot.images.camera, _time_s(frame), shot.images.previous, focus_m=FOCUS_M
         )
         for name, method in _methods(condition).items():
-            errors = accuracy(
-                _inside(method(shot)),
-                (_inside(truth.halves[0]), _inside(truth.halves[1])),
-                pixels_per_degree=pixels_per_degree(shot.images.camera.fov, SIZE_PX),
-                exposure=scene.environment.exposure,
-            )
-            found.setdefault(name, []).append(errors)
+            found.setdefault(name, []).append(_errors(scene, shot, method(shot), truth.halves))
     return [_row(scene, condition, name, errors) for name, errors in found.items()]
 
 
@@ -107,10 +104,6 @@ def _row(scene: Scene, condition: Condition, method: str, errors: list[Accuracy]
         "reference FLIP": float(np.mean([e.reference_flip for e in errors])) / 2,
         "counts": own <= 0.1 * math.sqrt(mean_square),
     }
-
-
-def _inside(image: NDArray[np.floating]) -> NDArray[np.floating]:
-    return image[MARGIN_PX:-MARGIN_PX, MARGIN_PX:-MARGIN_PX]
 
 
 def _methods(condition: Condition) -> dict[str, Callable[[Shot], Pixels]]:
