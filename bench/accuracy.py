@@ -61,8 +61,8 @@ def measure(ctx: moderngl.Context, *, samples: int) -> Result:
         f"{SIZE_PX[0]}×{SIZE_PX[1]} px, left eye, {VIEWS} views of the shipped walk (each the "
         "fastest of its part), linear HDR times the scene's exposure; PSNR with peak 1, HDR-FLIP "
         f"at the view's pixels per degree. A margin of {MARGIN_PX} px is left out: what blurs in "
-        "from outside the image is in no method's input; so are pixels that the sun's disc, which is "
-        f"smaller than a pixel, makes brighter than {SUN:g} in the reference.",
+        "from outside the image is in no method's input; so are pixels that the sun's disc, "
+        f"which is smaller than a pixel, makes brighter than {SUN:g} in the reference.",
         f"Reference: {samples} samples, the scene drawn again for each. Its own error is half the "
         "difference of two independent halves; it counts where that is at most a tenth of the "
         "method's.",
@@ -88,6 +88,21 @@ def _rows(
         for name, method in _methods(condition).items():
             found.setdefault(name, []).append(_errors(scene, shot, method(shot), truth.halves))
     return [_row(scene, condition, name, errors) for name, errors in found.items()]
+
+
+def _errors(scene: Scene, shot: Shot, image: Pixels, halves: tuple[Pixels64, Pixels64]) -> Accuracy:
+    exposure = scene.environment.exposure
+    sun = np.maximum(*halves).max(axis=-1, keepdims=True) * exposure > SUN
+    inside = slice(MARGIN_PX, -MARGIN_PX)
+    test, first, second = (
+        np.where(sun, 0.0, pixels)[inside, inside] for pixels in (image, *halves)
+    )
+    return accuracy(
+        test,
+        (first, second),
+        pixels_per_degree=pixels_per_degree(shot.images.camera.fov, SIZE_PX),
+        exposure=exposure,
+    )
 
 
 def _row(scene: Scene, condition: Condition, method: str, errors: list[Accuracy]) -> dict[str, Any]:
