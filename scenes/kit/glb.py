@@ -23,8 +23,10 @@ class GlbWriter:
         self.position_step_m = position_step_m
         self.root: dict[str, Any] = {
             "asset": {"version": "2.0", "generator": "vrcomfort scene scripts"},
-            "scene": 0, "scenes": [{"nodes": []}], "samplers": [{"wrapS": 10497, "wrapT": 10497}],
-        }  # fmt: skip
+            "scene": 0,
+            "scenes": [{"nodes": []}],
+            "samplers": [{"wrapS": 10497, "wrapT": 10497}],
+        }
         self.binary = bytearray()
 
     def _add(self, key: str, item: dict[str, Any]) -> int:
@@ -39,8 +41,13 @@ class GlbWriter:
         return self._add("bufferViews", view)
 
     def _accessor(self, values: NDArray[Any], component: int, **extra: Any) -> int:
-        item = {"bufferView": self._view(values.tobytes()), "componentType": component,
-                "count": len(values), "type": _KIND[values.shape[1]], **extra}  # fmt: skip
+        item = {
+            "bufferView": self._view(values.tobytes()),
+            "componentType": component,
+            "count": len(values),
+            "type": _KIND[values.shape[1]],
+            **extra,
+        }
         return self._add("accessors", item)
 
     def texture(self, name: str, png: bytes) -> int:
@@ -49,14 +56,25 @@ class GlbWriter:
         return self._add("textures", {"source": self._add("images", image), "sampler": 0})
 
     def material(
-        self, name: str, *, color: ArrayLike = (1, 1, 1), texture: int | None = None,
-        normal: int | None = None, normal_scale: float = 1.0, metallic: float = 0.0,
-        roughness: float = 0.9, emissive: ArrayLike | None = None,
-        mask: float | None = None, double_sided: bool = False,
-    ) -> int:  # fmt: skip
+        self,
+        name: str,
+        *,
+        color: ArrayLike = (1, 1, 1),
+        texture: int | None = None,
+        normal: int | None = None,
+        normal_scale: float = 1.0,
+        metallic: float = 0.0,
+        roughness: float = 0.9,
+        emissive: ArrayLike | None = None,
+        mask: float | None = None,
+        double_sided: bool = False,
+    ) -> int:
         """Add a material; `mask` is the alpha cut-off of a MASK material."""
-        surface: dict[str, Any] = {"metallicFactor": metallic, "roughnessFactor": roughness,
-                                   "baseColorFactor": [*np.asarray(color).tolist(), 1]}  # fmt: skip
+        surface: dict[str, Any] = {
+            "metallicFactor": metallic,
+            "roughnessFactor": roughness,
+            "baseColorFactor": [*np.asarray(color).tolist(), 1],
+        }
         item: dict[str, Any] = {"name": name, "pbrMetallicRoughness": surface}
         if texture is not None:
             surface["baseColorTexture"] = {"index": texture}
@@ -89,11 +107,15 @@ class GlbWriter:
         step = self.position_step_m
         positions = (np.round(mesh.positions / step) * step).astype(np.float32)
         attributes = {
-            "POSITION": self._accessor(positions, _FLOAT, min=positions.min(axis=0).tolist(),
-                                       max=positions.max(axis=0).tolist()),
+            "POSITION": self._accessor(
+                positions,
+                _FLOAT,
+                min=positions.min(axis=0).tolist(),
+                max=positions.max(axis=0).tolist(),
+            ),
             "NORMAL": self._normals(mesh.normals),
             "TEXCOORD_0": self._accessor(np.round(mesh.uvs, 4).astype(np.float32), _FLOAT),
-        }  # fmt: skip
+        }
         if mesh.colors is not None:
             colors = np.round(np.clip(mesh.colors, 0, 1) * 255).astype(np.uint8)
             attributes["COLOR_0"] = self._accessor(colors, _U8, normalized=True)
@@ -112,14 +134,25 @@ class GlbWriter:
         padded[:, :3] = np.round(normals * 127)
         view = self._view(padded.tobytes())
         self.root["bufferViews"][view]["byteStride"] = 4
-        item = {"bufferView": view, "componentType": _I8, "count": len(normals),
-                "type": "VEC3", "normalized": True}  # fmt: skip
+        item = {
+            "bufferView": view,
+            "componentType": _I8,
+            "count": len(normals),
+            "type": "VEC3",
+            "normalized": True,
+        }
         return self._add("accessors", item)
 
     def node(
-        self, name: str, mesh: int | None = None, *, at: ArrayLike | None = None,
-        rotation: ArrayLike | None = None, children: list[int] | None = None, root: bool = True,
-    ) -> int:  # fmt: skip
+        self,
+        name: str,
+        mesh: int | None = None,
+        *,
+        at: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        children: list[int] | None = None,
+        root: bool = True,
+    ) -> int:
         """Add a node; without `root` it is only drawn as a child or as a level of detail."""
         item: dict[str, Any] = {"name": name}
         for key, value in (("translation", at), ("rotation", rotation)):
@@ -141,8 +174,11 @@ class GlbWriter:
         times = np.round(np.asarray(times_s, dtype=np.float64), 6).astype(np.float32).reshape(-1, 1)
         keys = np.round(np.asarray(values, dtype=np.float64), 7).astype(np.float32)
         span = {"min": [float(times.min())], "max": [float(times.max())]}
-        sampler = {"input": self._accessor(times, _FLOAT, **span),
-                   "output": self._accessor(keys, _FLOAT), "interpolation": "LINEAR"}  # fmt: skip
+        sampler = {
+            "input": self._accessor(times, _FLOAT, **span),
+            "output": self._accessor(keys, _FLOAT),
+            "interpolation": "LINEAR",
+        }
         channel = {"sampler": 0, "target": {"node": node, "path": path}}
         self._add("animations", {"name": name, "samplers": [sampler], "channels": [channel]})
 

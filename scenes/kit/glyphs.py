@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .noise import Array
 from .texture import coordinates
@@ -17,10 +18,10 @@ def glyph(rng: np.random.Generator, size: int) -> Array:
     if rng.random() < 0.6:
         sign |= _stroke(rng, np.abs(x), y)
     inside = np.maximum(np.abs(x), np.abs(y)) < 0.82
-    return (sign & inside).astype(np.float64)
+    return np.asarray(sign & inside, dtype=np.float64)
 
 
-def _stroke(rng: np.random.Generator, x: Array, y: Array) -> Array:
+def _stroke(rng: np.random.Generator, x: Array, y: Array) -> NDArray[np.bool_]:
     """Return one stroke: a circle, an arc, a bar, a zigzag or an eye."""
     kind = int(rng.integers(6))
     a, b = rng.uniform(-0.35, 0.35, 2)
@@ -54,7 +55,7 @@ def glyph_wall(seed: int, size: int, *, rows: int = 6, columns: int = 8) -> Arra
     return wall
 
 
-def frieze(size: int) -> Array:
+def frieze(size: int) -> NDArray[np.int64]:
     """Return ingredient numbers of a painted wall band (v: 0 at its upper edge).
 
     0 plaster, 1 red, 2 blue, 3 ochre, 4 black.
@@ -78,7 +79,7 @@ def frieze(size: int) -> Array:
     return kind
 
 
-def _meander(x: Array, y: Array) -> Array:
+def _meander(x: Array, y: Array) -> NDArray[np.bool_]:
     """Return the Greek key on a unit cell."""
     column, row = np.floor(x * 7), np.floor(y * 7)
     key = (row == 0) | (row == 6) & (column != 6)

@@ -68,7 +68,9 @@ def openness(
     side = unit(np.cross(n, np.where(np.abs(n[:, :1]) < 0.9, [1.0, 0, 0], [0, 0, 1.0])))
     frame = np.stack([side, np.cross(n, side), n], axis=2)
     directions = (frame @ _directions().T).transpose(0, 2, 1).reshape(-1, 3) / voxels.cell_m
-    start = np.repeat((points + n * voxels.cell_m * 1.3 - voxels.lower) / voxels.cell_m, RAYS, axis=0)
+    start = np.repeat(
+        (points + n * voxels.cell_m * 1.3 - voxels.lower) / voxels.cell_m, RAYS, axis=0
+    )
     free, sky = np.full(len(start), far_m), np.zeros(len(start), bool)
     shape = np.array(voxels.solid.shape, np.int32)
     flat = voxels.solid.reshape(-1)
@@ -78,7 +80,7 @@ def openness(
         place = start[alive] + directions[alive] * distance
         inside = (place >= 0).all(axis=1) & (place < shape).all(axis=1)
         index = np.where(inside[:, None], place, 0).astype(np.int32)
-        solid = inside & flat[(index[:, 0] * shape[1] + index[:, 1]) * shape[2] + index[:, 2]]
+        solid = flat[(index[:, 0] * shape[1] + index[:, 1]) * shape[2] + index[:, 2]] & inside
         free[alive[solid]] = distance
         sky[alive[~inside]] = directions[alive[~inside], 1] > -0.05 / voxels.cell_m
         alive = alive[inside & ~solid]
@@ -94,7 +96,9 @@ def baked(
     `bounce` is, for each vertex, the light (share of the sky's) that walls around give back.
     """
     places = np.concatenate([mesh.positions, mesh.normals], axis=1)
-    _, first, back = np.unique(np.round(places * 200), axis=0, return_index=True, return_inverse=True)
+    _, first, back = np.unique(
+        np.round(places * 200), axis=0, return_index=True, return_inverse=True
+    )
     near, sky = openness(
         voxels, mesh.positions[first], mesh.normals[first], reach_m=reach_m, far_m=far_m
     )

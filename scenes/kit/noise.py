@@ -11,9 +11,14 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 def cloud(
-    seed: int, size: int, *, exponent: float = 1.6, low: float = 1, high: float | None = None,
+    seed: int,
+    size: int,
+    *,
+    exponent: float = 1.6,
+    low: float = 1,
+    high: float | None = None,
     stretch: tuple[float, float] = (1.0, 1.0),
-) -> Array:  # fmt: skip
+) -> Array:
     """Return a (size, size) picture that repeats, with a 1/f^exponent spectrum, in [0, 1].
 
     `low` and `high` bound the frequencies (cycles per picture); `stretch` divides the

@@ -35,7 +35,9 @@ class Stage:
 
     def voxels(self, cell_m: float) -> Voxels:
         """Return what blocks the light, from the finest levels."""
-        solid = [m for levels in self.nodes.values() for m, name in levels[0] if name not in NOT_SOLID]
+        solid = [
+            m for levels in self.nodes.values() for m, name in levels[0] if name not in NOT_SOLID
+        ]
         return voxelise(solid, cell_m)
 
     def write(self, voxels: Voxels) -> None:
@@ -43,14 +45,19 @@ class Stage:
         for name, levels in self.nodes.items():
             for level, parts in enumerate(levels):
                 mesh = self.writer.mesh(f"{name}_lod{level}", self.lit(voxels, parts))
-                self.writer.node(name if level == 0 else f"{name}_lod{level}", mesh, root=level == 0)
+                self.writer.node(
+                    name if level == 0 else f"{name}_lod{level}", mesh, root=level == 0
+                )
 
     def lit(self, voxels: Voxels, parts: Parts) -> list[tuple[Mesh, int]]:
         """Return baked meshes, one for each material."""
         by_material: dict[str, list[Mesh]] = {}
         for mesh, name in parts:
             by_material.setdefault(name, []).append(mesh)
-        return [(self._lit(voxels, join(meshes), name), self.materials[name]) for name, meshes in by_material.items()]
+        return [
+            (self._lit(voxels, join(meshes), name), self.materials[name])
+            for name, meshes in by_material.items()
+        ]
 
     def _lit(self, voxels: Voxels, mesh: Mesh, name: str) -> Mesh:
         if name in NOT_SOLID:

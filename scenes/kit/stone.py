@@ -7,8 +7,16 @@ import numpy as np
 from .glyphs import frieze, glyph_wall
 from .noise import Array, cloud
 from .texture import (
-    Ramp, blurred, coordinates, cutout_png, hollow, normal_png, ramp_png, rgb_png, step,
-)  # fmt: skip
+    Ramp,
+    blurred,
+    coordinates,
+    cutout_png,
+    hollow,
+    normal_png,
+    ramp_png,
+    rgb_png,
+    step,
+)
 
 SAND: Ramp = [(92, 70, 48), (158, 128, 92), (196, 167, 126), (222, 198, 160)]
 BASALT: Ramp = [(24, 23, 25), (52, 50, 52), (84, 80, 80), (112, 106, 102)]
@@ -44,7 +52,7 @@ def marble(seed: int, *, size: int = 512) -> bytes:
     vein = np.abs(cloud(seed + 1, size, exponent=1.7, low=2) + 0.25 * (warp - 0.5) - 0.5)
     veins = np.exp(-vein * 42) * step(0.42, warp, 0.2)
     tone = 0.82 + 0.5 * (cloud(seed + 2, size, exponent=1.5) - 0.5) * 0.5 - 0.42 * veins
-    return ramp_png(tone, 0, [[(120, 112, 108), (188, 180, 170), (226, 220, 208), (244, 240, 232)]])
+    return ramp_png(tone, 0, [[(104, 95, 86), (166, 155, 140), (204, 194, 176), (226, 217, 200)]])
 
 
 def star_tiles(seed: int, *, size: int = 512) -> tuple[bytes, bytes]:
@@ -66,9 +74,11 @@ def star_tiles(seed: int, *, size: int = 512) -> tuple[bytes, bytes]:
         [(40, 62, 74), (66, 98, 112), (104, 138, 146)],
         [(92, 38, 28), (146, 70, 50), (184, 110, 82)],
         GROUT,
-    ]  # fmt: skip
+    ]
     kind = np.where(face > 0.5, stone, 3)
-    return ramp_png(tone, kind, ramps, levels=24), normal_png(face * 1.6 + 0.35 * wear, strength=1.1)
+    return ramp_png(tone, kind, ramps, levels=24), normal_png(
+        face * 1.6 + 0.35 * wear, strength=1.1
+    )
 
 
 def mosaic(seed: int, *, size: int = 512, cells: int = 48) -> tuple[bytes, bytes]:
@@ -94,7 +104,7 @@ def mosaic(seed: int, *, size: int = 512, cells: int = 48) -> tuple[bytes, bytes
         [(120, 60, 30), (178, 104, 52), (206, 146, 84)],
         [(90, 30, 26), (138, 54, 44), (164, 88, 72)],
         GROUT,
-    ]  # fmt: skip
+    ]
     kind = np.where(face > 0.4, ring, 4).astype(np.int64)
     tone = 0.55 + own + 0.3 * (cloud(seed, size, exponent=1.2) - 0.5)
     return ramp_png(tone, kind, ramps), normal_png(face, strength=0.8)
@@ -147,7 +157,7 @@ def painted_frieze(seed: int, *, size: int = 512) -> bytes:
         [(20, 62, 78), (42, 98, 112), (92, 140, 146)],
         [(150, 104, 34), (200, 150, 62), (222, 184, 106)],
         [(28, 22, 20), (52, 44, 38)],
-    ]  # fmt: skip
+    ]
     tone = 0.55 + 0.5 * (wear - 0.5) + 0.4 * (grain - 0.5)
     return ramp_png(tone, np.where(bare, 0, kind), ramps, levels=20)
 
@@ -243,6 +253,21 @@ def fronds(seed: int, *, size: int = 256) -> bytes:
 
 
 __all__ = [
-    "BASALT", "GROUT", "SAND", "blocks", "cloth", "fronds", "hollow", "inscription", "marble",
-    "mosaic", "painted_frieze", "plaster", "rgb_png", "star_tiles", "vase_paint", "wood", "Array",
-]  # fmt: skip
+    "BASALT",
+    "GROUT",
+    "SAND",
+    "Array",
+    "blocks",
+    "cloth",
+    "fronds",
+    "hollow",
+    "inscription",
+    "marble",
+    "mosaic",
+    "painted_frieze",
+    "plaster",
+    "rgb_png",
+    "star_tiles",
+    "vase_paint",
+    "wood",
+]

@@ -6,11 +6,13 @@ u is the azimuth, v the logarithm of the distance. Heights are metres above the 
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .mesh import Mesh, grid, unit
-from .noise import Array, cloud, fractal, gradient_noise, ridges
+from .mesh import Array, Mesh, grid, unit
+from .noise import cloud, fractal, gradient_noise, ridges
 from .texture import Ramp, blurred, ramp_png, slopes_png
 
 CENTER = (8.0, 1.5)
@@ -19,6 +21,8 @@ LAKE_M = -338.0
 NEAR_M, FAR_M = 120.0, 32_000.0
 """Where the polar picture begins and where the land ends."""
 SNOW_M = 760.0
+MARGIN = 0.008
+"""Part of the polar picture that repeats its first and last row: mipmaps must not mix them."""
 
 MEADOW, FOREST, ROCK, SNOW, SCREE = range(5)
 RAMPS: list[Ramp] = [
@@ -27,7 +31,7 @@ RAMPS: list[Ramp] = [
     [(52, 49, 47), (96, 90, 84), (142, 134, 124)],
     [(190, 202, 222), (228, 234, 242), (250, 251, 252)],
     [(86, 80, 70), (124, 116, 102), (160, 150, 134)],
-]  # fmt: skip
+]
 
 
 def smoothstep(low: float, high: float, x: Array) -> Array:
@@ -49,10 +53,13 @@ def height(x: Array, z: Array) -> Array:
     land = -355 * (1 - np.exp(-north / 640)) + 260 * (1 - np.exp(-south / 1500))
     land = land - 150 * (1 - np.exp(-aside / 900)) * smoothstep(400, -300, z)
     land = land + 75 * smoothstep(150, 1500, r) * fractal(x / 1100, z / 1100, 11, octaves=5)
-    land = land + 3.2 * smoothstep(1.05, 4.0, from_terrace(x, z)) * fractal(x / 46, z / 46, 23, octaves=4)
+    land = land + 3.2 * smoothstep(1.05, 4.0, from_terrace(x, z)) * fractal(
+        x / 46, z / 46, 23, octaves=4
+    )
     azimuth = np.arctan2(x - CENTER[0], -(z - CENTER[1]))
-    valley = np.exp(-(((azimuth + 0.10) / 0.30) ** 2)) * smoothstep(15_000, 9_000, r)
-    reach = smoothstep(3_000, 10_500, r) * (1 - 0.9 * valley)
+    valley = np.exp(-(((azimuth + 0.10) / 0.30) ** 2)) * smoothstep(17_000, 11_000, r)
+    reach = 0.72 * smoothstep(3_000, 9_500, r) + 0.8 * smoothstep(11_000, 23_000, r)
+    reach = reach * (1 - 0.9 * valley)
     crest = ridges(x / 6_100 + 3.3, z / 6_100 - 1.7, 41, octaves=8, gain=0.46)
     massif = 0.75 + 0.5 * gradient_noise(x / 11_000, z / 11_000, 77)
     land = land + reach * (2_350 * crest * massif + 130)
@@ -70,8 +77,8 @@ def ground_height(x: float, z: float) -> float:
 def rings() -> tuple[Array, Array]:
     """Return the radii of the near and of the far part of the mesh; they share one."""
     inner = np.arange(0, 19, 1.9)
-    outer = np.geomspace(19, NEAR_M, 26)
-    return np.concatenate([inner, outer]), np.geomspace(NEAR_M, FAR_M, 56)
+    outer = np.geomspace(19, NEAR_M, 24)
+    return np.concatenate([inner, outer]), np.geomspace(NEAR_M, FAR_M, 54)
 
 
 def _places(radius: Array, azimuth: Array) -> tuple[Array, Array]:
@@ -84,43 +91,46 @@ def sheet(radius: Array, azimuth: Array) -> Array:
     return np.stack([x, np.maximum(height(x, z), LAKE_M - 12), z], axis=-1)
 
 
-def near_tiles(count: int = 6, sectors: int = 96) -> list[Mesh]:
-    """Return the land up to NEAR_M in wedges, coloured by its cover for a neutral texture."""
+def near_tiles(wedges: int = 12, sectors: int = 72) -> list[Mesh]:
+    """Return the land up to NEAR_M in tiles, coloured by its cover for a neutral texture."""
     radius, _ = rings()
     azimuth = np.linspace(0, 2 * np.pi, sectors + 1)
     points = sheet(radius, azimuth)
     whole = grid(points, points[..., [0, 2]] / 2.4)
     color = cover_color(whole.positions[:, 0], whole.positions[:, 2])
     mesh = Mesh(whole.positions, whole.normals, whole.uvs, whole.indices, color)
-    return _wedges(mesh, count)
+    return _tiles(mesh, sectors, np.array([0, 14, len(radius) - 1]), wedges)
 
 
-def far_tiles(wedges: int = 18, bands: int = 3, sectors: int = 360) -> list[Mesh]:
+def far_tiles(wedges: int = 30, bands: int = 9, sectors: int = 300) -> list[Mesh]:
     """Return the land from NEAR_M to FAR_M in tiles, mapped to the polar picture."""
     _, radius = rings()
     azimuth = np.linspace(0, 2 * np.pi, sectors + 1)
     points = sheet(radius, azimuth)
-    points[0] = _on_chords(points[0], sectors)
-    v = 1 - np.log(radius / NEAR_M) / np.log(FAR_M / NEAR_M)
+    points[0] = _on_chords(sectors)
+    v = MARGIN + (1 - 2 * MARGIN) * (1 - np.log(radius / NEAR_M) / np.log(FAR_M / NEAR_M))
     uvs = np.stack(np.broadcast_arrays(azimuth[None] / (2 * np.pi), v[:, None]), axis=-1)
     whole = grid(points, uvs)
     edges = np.linspace(0, len(radius) - 1, bands + 1).astype(int)
+    return _tiles(whole, sectors, edges, wedges)
+
+
+def _tiles(mesh: Mesh, sectors: int, edges: NDArray[np.int64], wedges: int) -> list[Mesh]:
+    """Cut a polar mesh at some of its rings, and into wedges: small boxes cull well."""
+    row = (np.arange(len(mesh.positions)) // (sectors + 1))[mesh.indices]
     tiles = []
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
-        row = np.arange(len(whole.positions)) // (sectors + 1)
-        inside = ((row >= low) & (row <= high))[whole.indices].all(axis=1)
-        tiles += _wedges(_part(whole, inside), wedges)
+    for low, high in itertools.pairwise(edges):
+        tiles += _wedges(_part(mesh, ((row >= low) & (row <= high)).all(axis=1)), wedges)
     return tiles
 
 
-def _on_chords(rim: Array, sectors: int, near_sectors: int = 96) -> Array:
+def _on_chords(sectors: int, near_sectors: int = 72) -> Array:
     """Put the far part's first ring on the near part's last edges, so that no gap shows."""
     radius = np.array([NEAR_M])
     coarse = sheet(radius, np.linspace(0, 2 * np.pi, near_sectors + 1))[0]
     at = np.linspace(0, near_sectors, sectors + 1)
     low = np.minimum(at.astype(int), near_sectors - 1)
     t = (at - low)[:, None]
-    del rim
     return np.asarray(coarse[low] * (1 - t) + coarse[low + 1] * t)
 
 
@@ -136,7 +146,9 @@ def _part(mesh: Mesh, faces: NDArray[np.bool_]) -> Mesh:
     """Return some faces with only the vertices that they use; normals stay."""
     used, indices = np.unique(mesh.indices[faces], return_inverse=True)
     colors = None if mesh.colors is None else mesh.colors[used]
-    return Mesh(mesh.positions[used], mesh.normals[used], mesh.uvs[used], indices.reshape(-1, 3), colors)
+    return Mesh(
+        mesh.positions[used], mesh.normals[used], mesh.uvs[used], indices.reshape(-1, 3), colors
+    )
 
 
 def cover(x: Array, z: Array, y: Array, slope: Array) -> tuple[NDArray[np.int64], Array]:
@@ -147,7 +159,11 @@ def cover(x: Array, z: Array, y: Array, slope: Array) -> tuple[NDArray[np.int64]
     broad = fractal(x / 700, z / 700, 61, octaves=4)
     fine = fractal(x / 90, z / 90, 67, octaves=3)
     kind = np.full(x.shape, MEADOW)
-    wooded = (broad + 0.6 * fine + smoothstep(60, -250, y) * 0.5 > 0.12) & (y < 420 + 160 * fine) & (slope < 0.75)
+    wooded = (
+        (broad + 0.6 * fine + smoothstep(60, -250, y) * 0.5 > 0.12)
+        & (y < 420 + 160 * fine)
+        & (slope < 0.75)
+    )
     beyond = np.hypot(x - CENTER[0], z - CENTER[1]) > 140
     kind[wooded & beyond & (y > LAKE_M + 8)] = FOREST
     kind[(y > 520 + 160 * broad) | (y < LAKE_M + 5 + 3 * fine)] = SCREE
@@ -167,8 +183,11 @@ def cover_color(x: Array, z: Array) -> Array:
     ramps = np.array(RAMPS, dtype=np.float64)
     place = np.clip(tone, 0, 1)[:, None]
     chosen = ramps[kind]
-    srgb = np.where(place < 0.5, chosen[:, 0] + (chosen[:, 1] - chosen[:, 0]) * 2 * place,
-                    chosen[:, 1] + (chosen[:, 2] - chosen[:, 1]) * (2 * place - 1))  # fmt: skip
+    srgb = np.where(
+        place < 0.5,
+        chosen[:, 0] + (chosen[:, 1] - chosen[:, 0]) * 2 * place,
+        chosen[:, 1] + (chosen[:, 2] - chosen[:, 1]) * (2 * place - 1),
+    )
     linear = (srgb / 255) ** 2.2 / NEUTRAL
     return np.concatenate([np.clip(linear, 0, 1), np.ones((len(x), 1))], axis=1)
 
@@ -183,24 +202,28 @@ def polar_pictures(width: int = 3072, rows: int = 768) -> tuple[bytes, bytes]:
     The normal map holds what the mesh's own smooth normals leave out.
     """
     azimuth = (np.arange(width) + 0.5) / width * 2 * np.pi
-    v = (np.arange(rows) + 0.5) / rows
+    v = np.clip(((np.arange(rows) + 0.5) / rows - MARGIN) / (1 - 2 * MARGIN), 0, 1)
     radius = NEAR_M * (FAR_M / NEAR_M) ** (1 - v)
     x, z = _places(*np.broadcast_arrays(radius[:, None], azimuth[None]))
     y = height(x, z)
     along_u = (np.roll(y, -1, 1) - np.roll(y, 1, 1)) / (4 * np.pi / width * radius[:, None])
-    outward = np.gradient(y, axis=0) / np.gradient(radius)[:, None]
+    step_m = 0.004 * radius[:, None]
+    beyond = _places(*np.broadcast_arrays(radius[:, None] + step_m, azimuth[None]))
+    outward = (height(*beyond) - y) / step_m
     kind, tone = cover(x, z, y, np.hypot(along_u, outward))
     hollow = np.clip((blurred(y, 3) - y) / (0.012 * radius[:, None]), -1, 1)
     speckle = cloud(5, width, exponent=0.5, low=60)[:rows]
     tone = tone - 0.25 * hollow + np.where(kind == FOREST, 0.7, 0.22) * (speckle - 0.5)
-    return ramp_png(tone, kind, RAMPS, levels=20), slopes_png(*_residual(along_u, outward, azimuth, v))
+    return ramp_png(tone, kind, RAMPS, levels=20), slopes_png(
+        *_residual(along_u, outward, azimuth, v)
+    )
 
 
 def _residual(along_u: Array, outward: Array, azimuth: Array, v: Array) -> tuple[Array, Array]:
     """Return the slopes of the fine land over the coarse mesh, to the right and up the picture."""
     fine = unit(np.stack([-along_u, np.ones_like(along_u), -outward], axis=-1))
     _, radius = rings()
-    sectors = 360
+    sectors = 300
     points = sheet(radius, np.linspace(0, 2 * np.pi, sectors + 1))
     mesh = grid(points, points[..., :2])
     normals = mesh.normals.reshape(len(radius), sectors + 1, 3)

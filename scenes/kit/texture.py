@@ -20,9 +20,9 @@ Ramp: TypeAlias = Sequence[tuple[int, int, int]]
 
 
 def ramp_png(
-    tone: Array, ingredient: NDArray[np.int64] | int, ramps: Sequence[Ramp], *, levels: int = 28
+    tone: Array, ingredient: NDArray[np.int64] | int, ramps: Sequence[Ramp], *, levels: int = 24
 ) -> bytes:
-    """Return a palette PNG: `ingredient` chooses the ramp, `tone` in [0, 1] the place on it, in `levels` steps."""
+    """Return a palette PNG: `ingredient` chooses the ramp, `tone` in [0, 1] one of its steps."""
     levels = min(levels, 256 // len(ramps))
     step = np.round(np.clip(tone, 0, 1) * (levels - 1)).astype(np.int64)
     index = np.asarray(ingredient) * levels + step
@@ -85,7 +85,7 @@ def coordinates(size: int) -> tuple[Array, Array]:
     return np.broadcast_to(axis, (size, size)), np.broadcast_to(axis[:, None], (size, size))
 
 
-def step(edge: float, x: Array, width: float) -> Array:
+def step(edge: float | Array, x: Array, width: float) -> Array:
     """Return a smooth step from 0 to 1 as `x` passes `edge` within ± `width`."""
     t = np.clip((x - edge) / (2 * width) + 0.5, 0, 1)
     return np.asarray(t * t * (3 - 2 * t))

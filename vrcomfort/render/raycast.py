@@ -9,7 +9,7 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_triangle import RayMeshIntersector
 
-from vrcomfort.geometry import Array, Pose
+from vrcomfort.geometry import Array, Pose, normalize
 from vrcomfort.render.scene_data import Image, Material, Primitive, Scene
 
 
@@ -39,26 +39,25 @@ def cast(
 
     Notes
     -----
-    The rules are the renderer's: a single-sided triangle is seen from its front only (a node
-    that mirrors turns its triangles), a double-sided one from both sides. MASK surfaces count
+    The rules are the renderer's: a single-sided triangle is seen from its front only (also
+    where its node mirrors), a double-sided one from both sides. MASK surfaces count
     where base colour alpha (factor × image, bilinear on the full-size image × vertex colour)
     reaches the cut-off; the GPU's mipmaps may disagree by about a texel along such edges.
     BLEND surfaces are transparent to rays: they write no depth.
     """
-    origins = np.asarray(origins, np.float64).reshape(-1, 3)
-    directions = np.asarray(directions, np.float64).reshape(-1, 3)
-    directions = directions / np.linalg.norm(directions, axis=1, keepdims=True)
-    eye = origins.mean(axis=0) if head is None else head.position
-    nearest = np.full(len(origins), np.inf)
-    root = None if head is None else head.matrix()
-    for node, placed in zip(scene.nodes, scene.world_from_node(time_s), strict=True):
-        if node.head_locked and root is None:
-            continue
-        world_from_node = np.asarray(
-            root @ placed if node.head_locked and root is not None else placed
-        )
+    starts = np.asarray(origins, np.float64).reshape(-1, 3)
+    along = normalize(np.asarray(directions, np.float64).reshape(-1, 3))
+    eye = starts.mean(axis=0) if head is None else head.position
+    nearest = np.full(len(starts), np.inf)
+    world = scene.world_from_node(time_s)
+    for index, node in enumerate(scene.nodes):
+        world_from_node: Array = world[index]
+        if node.head_locked:
+            if head is None:
+                continue
+            world_from_node = head.matrix() @ world_from_node
         for item in node.mesh_at(_distance_m(scene, node.mesh, world_from_node, eye)):
-            found = _cast_primitive(scene, item, world_from_node, origins, directions)
+            found = _cast_primitive(scene, item, world_from_node, starts, along)
             nearest = np.minimum(nearest, found)
     return nearest
 
@@ -97,8 +96,8 @@ def _cast_primitive(
         return nearest
     hit_rays = rays[hit_rays]
     material = scene.materials[primitive.material]
-    mirrored = np.linalg.det(world_from_node[:3, :3]) < 0
-    seen = _faces_ray(primitive, triangles, local_directions[hit_rays], material, mirrored)
+    # In the node's own frame a front is a front, also where the node mirrors.
+    seen = _faces_ray(primitive, triangles, local_directions[hit_rays], material)
     if material.alpha_mode == "BLEND":
         seen[:] = False
     elif material.alpha_mode == "MASK":
@@ -133,14 +132,12 @@ def _faces_ray(
     triangles: NDArray[np.int64],
     directions: Array,
     material: Material,
-    mirrored: bool,
 ) -> NDArray[np.bool_]:
     """Return which hits are on a drawn side of their triangle."""
     if material.double_sided:
         return np.ones(len(triangles), np.bool_)
     a, b, c = _corners(primitive, triangles)
-    towards = np.einsum("ij,ij->i", np.cross(b - a, c - a), directions)
-    return np.asarray(towards > 0 if mirrored else towards < 0)
+    return np.asarray(np.einsum("ij,ij->i", np.cross(b - a, c - a), directions) < 0)
 
 
 def _corners(primitive: Primitive, triangles: NDArray[np.int64]) -> tuple[Array, Array, Array]:
