@@ -32,6 +32,13 @@ def test_a_constant_image_stays_constant(ctx, rng, rings):
     assert ulps(blurred, rgb) <= 1
 
 
+def test_a_constant_sky_stays_constant(ctx):
+    """Everything equally out of focus: the filtered half-resolution way."""
+    rgb = np.tile(np.array([0.3, 1.7, 60_000.0], "f2"), (45, 63, 1))
+    blurred = depth_of_field(ctx, rgb, np.inf, 1.0, max_radius_percent=10.0, full_blur_m=1.0)
+    assert ulps(blurred, rgb) <= 1
+
+
 def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng):
     rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
     blurred = depth_of_field(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 1.0, max_radius_percent=0)

@@ -89,8 +89,12 @@ def test_the_limit_shortens_and_says_so(ctx, rng):
     effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], **WHOLE)
     assert effect.limit_px == pytest.approx(12.8)
     assert effect.longest_half_streak_px() == pytest.approx(50, rel=1e-3)
+    assert effect.clamps() == (
+        "motion blur: half streaks of up to 50.0 px were shortened to 12.8 px",
+    )
     gentle = motion_blur_pass(ctx, rgb, 2.0, [3.0, 4.0], **WHOLE)
     assert gentle.longest_half_streak_px() == pytest.approx(2.5, rel=1e-3)
+    assert gentle.clamps() == ()
 
 
 def test_the_longest_streak_is_remembered_over_frames(ctx, rng):

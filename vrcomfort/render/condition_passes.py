@@ -96,6 +96,10 @@ class ConditionPasses:
         self.colour = self._motion_blur.target
         self.max_blur_px = max(self.max_blur_px, self._motion_blur.limit_px)
 
+    def clamps(self) -> tuple[str, ...]:
+        """Return which limits have shortened a blur so far, in words; waits for the GPU."""
+        return () if self._motion_blur is None else self._motion_blur.clamps()
+
     def find_focus(self, frame: FrameToRender, world_from_head: Pose) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:

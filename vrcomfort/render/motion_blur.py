@@ -86,6 +86,16 @@ class MotionBlurPass:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
         return self._peak.read()
 
+    def clamps(self) -> tuple[str, ...]:
+        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        longest_px = self.longest_half_streak_px()
+        if longest_px <= self.limit_px:
+            return ()
+        return (
+            f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
+            f"{self.limit_px:.1f} px",
+        )
+
 
 def _tile_passes(
     ctx: moderngl.Context, streaks: moderngl.Texture, tile: int

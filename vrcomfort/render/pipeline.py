@@ -140,6 +140,10 @@ class StereoRenderer:
         focus = None if self._passes is None else self._passes.focus
         return () if focus is None else focus.drain()
 
+    def clamps(self) -> tuple[str, ...]:
+        """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""
+        return self._built().clamps()
+
     def release(self) -> None:
         """Let go of everything on the GPU; `begin` may follow."""
         self._passes = None
