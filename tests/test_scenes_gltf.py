@@ -1,9 +1,6 @@
-"""Any glTF 2.0 file loads; what cannot is named; broken files are refused in one sentence."""
+"""Any glTF 2.0 file loads; what the loader does not support is named."""
 
 from __future__ import annotations
-
-import json
-import struct
 
 import numpy as np
 import pytest
@@ -12,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scene_files import Gltf, png
 
-from vrcomfort.errors import InputError
 from vrcomfort.geometry import axis_angle, normalize
 from vrcomfort.render.animation import Channel, sample
 from vrcomfort.render.gltf import load_scene
@@ -246,106 +242,6 @@ def test_rotations_turn_at_an_even_rate(t, angle):
     keys = np.stack([axis_angle([0, 1, 0], 0.0), axis_angle([0, 1, 0], angle)])
     value = sample(Channel(0, "rotation", np.array([0.0, 1.0]), keys, "LINEAR"), t)
     np.testing.assert_allclose(value, normalize(axis_angle([0, 1, 0], angle * t)), atol=1e-9)
-
-
-def truncated(path):
-    trimesh.Scene([trimesh.creation.box()]).export(path)
-    path.write_bytes(path.read_bytes()[:-40])
-
-
-def no_json_chunk(path):
-    path.write_bytes(struct.pack("<4sIIII", b"glTF", 2, 20, 0, 0x004E4942))
-
-
-def old_version(path):
-    path.write_text(json.dumps({"asset": {"version": "1.0"}}))
-
-
-def not_gltf(path):
-    path.write_bytes(b"\x89PNG\r\n\x1a\n\0\0\0")
-
-
-def two_parents(path):
-    file = Gltf()
-    file.save(
-        path, meshes=[{"primitives": [file.triangle()]}], nodes=[{"mesh": 0, "children": [0]}]
-    )
-
-
-def short_buffer(path):
-    file = Gltf()
-    triangle = file.triangle()
-    file.root["accessors"][0]["count"] = 4
-    file.save(path, meshes=[{"primitives": [triangle]}])
-
-
-def missing_buffer_file(path):
-    file = Gltf()
-    triangle = file.triangle()
-    file.root["buffers"][0]["uri"] = "gone.bin"
-    file.save(path, meshes=[{"primitives": [triangle]}])
-
-
-def index_out_of_range(path):
-    file = Gltf()
-    triangle = file.triangle() | {"indices": file.accessor([0, 1, 9], "uint16")}
-    file.save(path, meshes=[{"primitives": [triangle]}])
-
-
-def not_a_number(path):
-    file = Gltf()
-    triangle = {"attributes": {"POSITION": file.accessor([[0, 0, np.nan], [1, 0, 0], [0, 1, 0]])}}
-    file.save(path, meshes=[{"primitives": [triangle]}])
-
-
-def bad_image(path):
-    file = Gltf()
-    view = file.view(b"not a picture")
-    material = {"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}
-    file.save(
-        path,
-        meshes=[{"primitives": [file.triangle()]}],
-        materials=[material],
-        textures=[{"source": 0}],
-        images=[{"bufferView": view}],
-    )
-
-
-def nothing_to_draw(path):
-    file = Gltf()
-    file.save(path, meshes=[{"primitives": [file.triangle() | {"mode": 1}]}])
-
-
-BROKEN = {
-    truncated: "cut off",
-    no_json_chunk: "JSON chunk",
-    old_version: "not glTF 2.0",
-    not_gltf: "not glTF",
-    two_parents: "two parents",
-    short_buffer: "beyond its buffer",
-    missing_buffer_file: "gone.bin",
-    index_out_of_range: "out of range",
-    not_a_number: "not finite",
-    bad_image: "cannot be decoded",
-    nothing_to_draw: "no triangles",
-}
-
-
-@pytest.mark.parametrize("break_it", BROKEN, ids=lambda make: make.__name__)
-def test_broken_files_are_refused_with_the_reason(tmp_path, break_it):
-    path = tmp_path / ("a.glb" if break_it in (truncated, no_json_chunk, not_gltf) else "a.gltf")
-    break_it(path)
-    with pytest.raises(InputError, match=BROKEN[break_it]) as caught:
-        load_scene(path)
-    assert caught.value.file == path
-    assert "\n" not in str(caught.value)
-
-
-def test_unknown_names_list_what_there_is(tmp_path):
-    with pytest.raises(InputError, match="mountain, temple"):
-        load_scene("valley")
-    with pytest.raises(InputError, match="no such scene file"):
-        load_scene(tmp_path / "gone.glb")
 
 
 def test_objects_are_looked_at_and_rooms_are_entered(tmp_path):

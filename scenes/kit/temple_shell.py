@@ -37,76 +37,46 @@ def _windowed(
 
 def walls() -> dict[str, Parts]:
     """Return every wall as a node of its own."""
-    north = (-9.25, 12.25)
-    nodes: dict[str, Parts] = {
-        "court_west": [
-            (
-                _along_z(arch_wall(21.5, COURT, 0.5, [(10.05, 3.4, 2.3)], uv_m=2.4), -5.25, -9.25),
-                "sandstone",
-            )
-        ],
-        "court_east": [
-            (
-                _along_z(
-                    arch_wall(
-                        21.5,
-                        COURT,
-                        0.5,
-                        [(2.85, 2.2, 2.2), (10.45, 2.4, 2.2), (19.1, 2.4, 2.2)],
-                        uv_m=2.4,
-                    ),
-                    5.25,
-                    -9.25,
-                ),
-                "sandstone",
-            )
-        ],
-        "hall_east": [
-            (
-                _along_z(
-                    _windowed(21.5, HALL, [(1.9, 1.1, 2.5), (4.4, 1.1, 2.5)], [(12.25, 2.0, 2.0)]),
-                    13.25,
-                    -9.25,
-                ),
-                "sandstone",
-            )
-        ],
-        "hall_north": [
-            (
-                _windowed(8.0, HALL, [(2.2, 1.2, 2.6), (5.6, 1.2, 2.6)], []).at(5.25, 0, north[0]),
-                "sandstone",
-            )
-        ],
-        "hall_south": [
-            (
-                _windowed(8.0, HALL, [(1.6, 1.2, 2.6), (4.0, 1.2, 2.6), (6.4, 1.2, 2.6)], []).at(
-                    5.25, 0, north[1]
-                ),
-                "sandstone",
-            )
-        ],
-        "court_north": [
-            (arch_wall(10.5, COURT, 0.5, [], uv_m=2.4).at(-5.25, 0, north[0]), "sandstone")
-        ],
-        "court_south": [
-            (arch_wall(10.5, COURT, 0.5, [], uv_m=2.4).at(-5.25, 0, north[1]), "sandstone")
-        ],
-        "crypt_north": [(arch_wall(11.5, CRYPT, 0.5, [], uv_m=1.8).at(13.25, 0, -2.25), "basalt")],
-        "crypt_south": [(arch_wall(11.5, CRYPT, 0.5, [], uv_m=1.8).at(13.25, 0, 11.25), "basalt")],
-        "crypt_east": [
-            (_along_z(arch_wall(13.5, CRYPT, 0.5, [], uv_m=1.8), 24.75, -2.25), "basalt")
-        ],
+    stone = {name: [(mesh, "sandstone")] for name, mesh in (_court() | _hall()).items()}
+    return stone | {name: [(mesh, "basalt")] for name, mesh in _crypt().items()}
+
+
+def _court() -> dict[str, Mesh]:
+    arches = [(2.85, 2.2, 2.2), (10.45, 2.4, 2.2), (19.1, 2.4, 2.2)]
+    west = arch_wall(21.5, COURT, 0.5, [(10.05, 3.4, 2.3)], uv_m=2.4)
+    end = arch_wall(10.5, COURT, 0.5, [], uv_m=2.4)
+    side = arch_wall(2.4, 4.4, 0.3, [], uv_m=2.4)
+    back = _along_z(arch_wall(4.9, 4.4, 0.3, [], uv_m=2.4), -7.65, -1.65)
+    return {
+        "court_west": _along_z(west, -5.25, -9.25),
+        "court_east": _along_z(arch_wall(21.5, COURT, 0.5, arches, uv_m=2.4), 5.25, -9.25),
+        "court_north": end.at(-5.25, 0, -9.25),
+        "court_south": end.at(-5.25, 0, 12.25),
+        "alcove_walls": join([back, side.at(-7.7, 0, -1.5), side.at(-7.7, 0, 3.1)]),
     }
-    alcove = [
-        _along_z(arch_wall(4.9, 4.4, 0.3, [], uv_m=2.4), -7.65, -1.65),
-        arch_wall(2.4, 4.4, 0.3, [], uv_m=2.4).at(-7.7, 0, -1.5),
-        arch_wall(2.4, 4.4, 0.3, [], uv_m=2.4).at(-7.7, 0, 3.1),
-    ]
-    nodes["alcove_walls"] = [(join(alcove), "sandstone")]
-    # The crypt's side of the wall it shares with the hall is dark stone: a lining 3 cm before it.
-    lining = _along_z(arch_wall(13.0, CRYPT, 0.06, [(5.0, 2.0, 2.0)], uv_m=1.8), 13.52, -2.0)
-    nodes["crypt_west"] = [(lining, "basalt")]
-    return nodes
+
+
+def _hall() -> dict[str, Mesh]:
+    north = [(2.2, 1.2, 2.6), (5.6, 1.2, 2.6)]
+    south = [(1.6, 1.2, 2.6), (4.0, 1.2, 2.6), (6.4, 1.2, 2.6)]
+    east = _windowed(21.5, HALL, [(1.9, 1.1, 2.5), (4.4, 1.1, 2.5)], [(12.25, 2.0, 2.0)])
+    return {
+        "hall_east": _along_z(east, 13.25, -9.25),
+        "hall_north": _windowed(8.0, HALL, north, []).at(5.25, 0, -9.25),
+        "hall_south": _windowed(8.0, HALL, south, []).at(5.25, 0, 12.25),
+    }
+
+
+def _crypt() -> dict[str, Mesh]:
+    end = arch_wall(11.5, CRYPT, 0.5, [], uv_m=1.8)
+    # Its side of the wall it shares with the hall is dark stone: a lining 3 cm before it.
+    lining = arch_wall(13.0, CRYPT, 0.06, [(5.0, 2.0, 2.0)], uv_m=1.8)
+    return {
+        "crypt_north": end.at(13.25, 0, -2.25),
+        "crypt_south": end.at(13.25, 0, 11.25),
+        "crypt_east": _along_z(arch_wall(13.5, CRYPT, 0.5, [], uv_m=1.8), 24.75, -2.25),
+        "crypt_west": _along_z(lining, 13.52, -2.0),
+    }
 
 
 def floors() -> dict[str, Parts]:
