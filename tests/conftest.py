@@ -12,7 +12,6 @@ import pytest
 from vrcomfort.render import gl
 
 KINDS = ("Texture", "Buffer", "Framebuffer", "Program", "VertexArray", "Query", "Sampler")
-HIGHEST_NAME = 2048
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -29,13 +28,44 @@ def session_context() -> Iterator[moderngl.Context]:
     ctx.release()
 
 
+class Alive:
+    """The names of all objects of one kind; drivers count names up and never use one again."""
+
+    def __init__(self, ctx: moderngl.Context, kind: str) -> None:
+        self._exists = gl.function(ctx, f"glIs{kind}", ctypes.c_uint, result=ctypes.c_ubyte)
+        self._new_name = _new_program if kind == "Program" else _new_object
+        self._ctx, self._kind = ctx, kind
+        self._names: list[int] = []
+        self._first_unseen = 1
+
+    def count(self) -> int:
+        """Return how many there are now."""
+        end = self._new_name(self._ctx, self._kind)
+        unseen = range(self._first_unseen, end)
+        self._names = [name for name in (*self._names, *unseen) if self._exists(name)]
+        self._first_unseen = end + 1
+        return len(self._names)
+
+
+def _new_program(ctx: moderngl.Context, _: str) -> int:
+    name = gl.function(ctx, "glCreateProgram", result=ctypes.c_uint)()
+    gl.function(ctx, "glDeleteProgram", ctypes.c_uint)(name)
+    return int(name)
+
+
+def _new_object(ctx: moderngl.Context, kind: str) -> int:
+    plural = "Queries" if kind == "Query" else f"{kind}s"
+    name = ctypes.c_uint()
+    for verb in ("Gen", "Delete"):
+        call = gl.function(ctx, f"gl{verb}{plural}", ctypes.c_int, ctypes.c_void_p)
+        call(1, ctypes.byref(name))
+    return name.value
+
+
 @pytest.fixture(scope="session")
 def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, int]]:
     """Return a function that counts the live OpenGL objects of each kind."""
-    tests = {
-        kind: gl.function(session_context, f"glIs{kind}", ctypes.c_uint, result=ctypes.c_ubyte)
-        for kind in KINDS
-    }
+    alive = {kind: Alive(session_context, kind) for kind in KINDS}
     use_program = gl.function(session_context, "glUseProgram", ctypes.c_uint)
     stages = (f"#version 450\nvoid main() {{{body}}}" for body in ("gl_Position = vec4(0);", ""))
     with session_context:
@@ -47,7 +77,7 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
         idle.use()  # what was used last outlives its last reference
         idle_draw.render(vertices=3)
         use_program(0)
-        return {kind: sum(map(exists, range(1, HIGHEST_NAME))) for kind, exists in tests.items()}
+        return {kind: names.count() for kind, names in alive.items()}
 
     return count
 
