@@ -67,7 +67,7 @@ def column(detail: float = 1.0, *, height: float = 4.6, radius: float = 0.3) -> 
         uv=(2, 0.5),
     )
     plinth = box([r * 3, 0.16, r * 3], bevel_m=0.0 if far else 0.02)
-    abacus = box([r * 2.9, 0.12, r * 2.9], bevel_m=0.0 if far else 0.015).at(0, h - 0.12)
+    abacus = box([r * 2.9, 0.12, r * 2.9]).at(0, h - 0.12)
     return [(join([low, shaft, cap, cube_mapped(join([plinth, abacus]))]), "marble")]
 
 
@@ -225,7 +225,7 @@ def sarcophagus(detail: float = 1.0) -> Parts:
         ]
     )
     uvs = np.stack([rows[..., 0] / 1.1, rows[..., 2] / 1.1], axis=-1)
-    lid = smooth(grid(rows, uvs), 40)
+    lid = smooth(grid(rows, uvs, flip=True), 40)
     ends = [
         grid(
             np.array(

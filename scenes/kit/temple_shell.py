@@ -136,16 +136,16 @@ def ceilings() -> dict[str, Parts]:
         "alcove_ceiling": [(_ceiling(-7.5, -5.5, -1.35, 2.95, 4.4), "wood")],
     }
     top = 0.3
-    hall = [(5.0, 13.5, -9.5, -5.2), (5.0, 13.5, -3.8, 6.2), (5.0, 13.5, 7.8, 12.5)]
-    hall += [(5.0, 7.8, a, b) for a, b in ((-5.2, -3.8), (6.2, 7.8))] + [
+    hall = [(5.2, 13.5, -9.5, -5.2), (5.2, 13.5, -3.8, 6.2), (5.2, 13.5, 7.8, 12.5)]
+    hall += [(5.2, 7.8, a, b) for a, b in ((-5.2, -3.8), (6.2, 7.8))] + [
         (10.8, 13.5, a, b) for a, b in ((-5.2, -3.8), (6.2, 7.8))
     ]
     outer = [(-5.5, x0, -9.5, 12.5), (x1, 5.5, -9.5, 12.5), (x0, x1, -9.5, z0), (x0, x1, z1, 12.5)]
     roofs = [_slab(*part, COURT, COURT + top) for part in outer]
     roofs += [_slab(*part, HALL, HALL + top) for part in hall]
     roofs += [
-        _slab(13.0, 25.0, -2.5, 11.5, CRYPT, CRYPT + top),
-        _slab(-7.8, -5.0, -1.65, 3.25, 4.4, 4.7),
+        _slab(13.2, 25.0, -2.5, 11.5, CRYPT, CRYPT + top),
+        _slab(-7.8, -5.2, -1.65, 3.25, 4.4, 4.7),
     ]
     nodes["roofs"] = [(join(roofs), "sandstone")]
     return nodes
@@ -153,8 +153,8 @@ def ceilings() -> dict[str, Parts]:
 
 def _slab(x0: float, x1: float, z0: float, z1: float, y0: float, y1: float) -> Mesh:
     """Return a roof slab: sides and top."""
-    return box([x1 - x0, y1 - y0, z1 - z0], uv_m=2.4, bottom=False).at(
-        (x0 + x1) / 2, y0 + 0.002, (z0 + z1) / 2
+    return box([x1 - x0, y1 - y0 + 0.01, z1 - z0], uv_m=2.4, bottom=False).at(
+        (x0 + x1) / 2, y0 - 0.01, (z0 + z1) / 2
     )
 
 
