@@ -91,7 +91,7 @@ def test_interpolated_pose_meets_both_ends(a, b):
 def test_reverse_z_depth_is_near_over_distance():
     clip = clip_from_view(Fov(-0.7, 0.6, 0.8, -0.9), 0.05)
     for distance, depth in ((0.05, 1.0), (1.0, 0.05), (30_000.0, 0.05 / 30_000)):
-        x, y, z, w = clip @ [0.1, 0.2, -distance, 1]
+        _, _, z, w = clip @ [0.1, 0.2, -distance, 1]
         assert z / w == pytest.approx(depth, rel=1e-15)
     direction_at_infinity = clip @ [0, 0, -1, 0]
     assert direction_at_infinity[2] == 0

@@ -13,7 +13,7 @@ from typing import Any
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.recorder import replace_text
 
-_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh", "pygltflib")
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
 
 
 @dataclass(frozen=True)
