@@ -26,6 +26,7 @@ SIZE_PX = (160, 200)
 VIEWS = 2
 MARGIN_PX = 20
 SUN = 8.0
+UNSURE = 0.25
 FOCUS_M = 1.5
 LENS = DepthOfField(law="dioptre", max_radius_percent=3.5, full_blur_dioptre=1.0)
 SHUTTER = MotionBlur(mode="full", shutter_fraction=1.0, max_radius_percent=20.0)
@@ -61,8 +62,8 @@ def measure(ctx: moderngl.Context, *, samples: int) -> Result:
         f"{SIZE_PX[0]}×{SIZE_PX[1]} px, left eye, {VIEWS} views of the shipped walk (each the "
         "fastest of its part), linear HDR times the scene's exposure; PSNR with peak 1, HDR-FLIP "
         f"at the view's pixels per degree. A margin of {MARGIN_PX} px is left out: what blurs in "
-        "from outside the image is in no method's input; so are pixels that the sun's disc, "
-        f"which is smaller than a pixel, makes brighter than {SUN:g} in the reference.",
+        "from outside the image is in no method's input; so is the sun's disc, smaller "
+        f"than a pixel: pixels above {SUN:g}, or whose two halves differ by more than {UNSURE:g}.",
         f"Reference: {samples} samples, the scene drawn again for each. Its own error is half the "
         "difference of two independent halves; it counts where that is at most a tenth of the "
         "method's.",
@@ -92,7 +93,8 @@ def _rows(
 
 def _errors(scene: Scene, shot: Shot, image: Pixels, halves: tuple[Pixels64, Pixels64]) -> Accuracy:
     exposure = scene.environment.exposure
-    sun = np.maximum(*halves).max(axis=-1, keepdims=True) * exposure > SUN
+    bright, apart = np.maximum(*halves) * exposure, np.abs(halves[0] - halves[1]) * exposure
+    sun = np.any((bright > SUN) | (apart > UNSURE), axis=-1, keepdims=True)
     inside = slice(MARGIN_PX, -MARGIN_PX)
     test, first, second = (
         np.where(sun, 0.0, pixels)[inside, inside] for pixels in (image, *halves)
