@@ -81,7 +81,6 @@ def materials(w: GlbWriter) -> dict[str, int]:
             texture=w.texture("grass", maps.grass_png(81)),
             roughness=0.9,
             mask=0.3,
-            double_sided=True,
         ),
         "bark": w.material("bark", texture=plain, color=(0.16, 0.11, 0.08), roughness=0.95),
         "red_paint": w.material(

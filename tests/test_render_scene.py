@@ -92,6 +92,10 @@ def test_the_sun_lights_by_the_cosine_and_casts_shadows(ctx):
     assert np.all(shaded[28:36, 28:36] == 0)
     np.testing.assert_allclose(shaded[5], lit[5], rtol=1e-2)
 
+    nodes[1] = replace(nodes[1], casts_shadow=False)
+    spared, _ = drawn(ctx, scene(nodes, [floor(), box(1)], [gray], environment=sun), looking_down)
+    np.testing.assert_array_equal(spared, lit)
+
 
 def test_shadows_move_with_what_casts_them_and_stay_put_when_the_head_moves(ctx):
     sun = Environment(sun_direction=np.array([0.0, 1.0, 0.0]), shadow_distance_m=8.0)

@@ -63,12 +63,13 @@ def test_patterns_reach_nodes_and_head_locking_reaches_children(tmp_path):
     scene = scene_with(
         tmp_path,
         '[nodes."stone *"]\nsemantic_weight = 3.0\n'
-        '[nodes."stone 2"]\nhead_locked = true\nambient = 0.25\n',
+        '[nodes."stone 2"]\nhead_locked = true\nambient = 0.25\ncasts_shadow = false\n',
     )
     assert [node.name for node in scene.nodes] == ["stone 1", "stone 2", "moss"]
     assert [node.semantic_weight for node in scene.nodes] == [3.0, 3.0, 1.0]
     assert [node.head_locked for node in scene.nodes] == [False, True, True]
     assert [node.ambient for node in scene.nodes] == [1.0, 0.25, 1.0]
+    assert [node.casts_shadow for node in scene.nodes] == [True, False, True]
 
 
 def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):

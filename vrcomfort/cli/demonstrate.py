@@ -18,6 +18,8 @@ from vrcomfort.resources import data_folder
 PROTOCOL = "carnegie_2015"
 SIZE_PX = (320, 400)
 PICTURE_SIZE_PX = (640, 800)
+PICTURE_POSES = {"temple": "-1,1.6,-4.3,47,-4,0", "mountain": "1.2,1.5,-1.9,-32,-8,0"}
+"""Close to something detailed, with the room or the range behind it."""
 REFRESH_HZ = 4.0
 EXPOSURE_S = 4.0
 """16 frames an exposure that span 4 s of walking: about 500 stereo frames for 8 participants."""
@@ -86,7 +88,7 @@ def _pictures(folder: Path) -> list[Path]:
         still(
             scene,
             condition,
-            poses=(PoseText(""), PoseText("")),
+            poses=(PoseText("pose", PICTURE_POSES[scene]), PoseText("previous pose")),
             size_px=PICTURE_SIZE_PX,
             ipd_m=study.headset.ipd_m,
             out=folder / f"{scene}_{condition.name}",

@@ -67,6 +67,7 @@ class DrawList:
     until_m: Array
     base_level: NDArray[np.bool_]
     ambient: NDArray[np.float32]
+    casts_shadow: NDArray[np.bool_]
 
     @classmethod
     def of(cls, scene: Scene) -> DrawList:
@@ -92,6 +93,7 @@ class DrawList:
             until_m=np.array([item.until_m for item in items]),
             base_level=np.array([item.base_level for item in items], dtype=bool),
             ambient=np.array([scene.nodes[item.node].ambient for item in items], dtype=np.float32),
+            casts_shadow=np.array([scene.nodes[item.node].casts_shadow for item in items], bool),
         )
 
     def world_boxes(self, world_from_node: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:

@@ -87,6 +87,7 @@ class GpuScene:
         self._locked_row = self._poses.locked[table.node]
         self._moving_row = self._poses.moving[table.node] | self._locked_row
         self._moving_rows = np.flatnonzero(self._moving_row)
+        self._shadow_row = table.casts_shadow & ~self._locked_row
         self._blended_row = np.array([s.blended for s in self._surfaces], dtype=bool)[table.key]
         self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
         self._thing[:, 0] = table.ambient
@@ -188,11 +189,11 @@ class GpuScene:
         movement
             Leave out what moves (or what does not).
         shadow
-            Draw for a shadow map: nothing head-locked, back faces too, levels of detail by the
+            Draw for a shadow map: what casts one only, back faces too, levels of detail by the
             distance from `origin_m`, no near plane (the target must clamp depth).
         """
         seen = self._seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
-        in_use = self._level_in_use(origin_m) & ~self._locked_row if shadow else self._in_use
+        in_use = self._level_in_use(origin_m) & self._shadow_row if shadow else self._in_use
         rows = np.flatnonzero(seen & in_use & self._chosen(movement) & ~self._blended_row)
         if not len(rows):
             return 0

@@ -128,6 +128,8 @@ class Node:
         An animation moves this node or one of its ancestors.
     ambient
         Share of the sky's and ground's light that reaches the node (0 in a closed room).
+    casts_shadow
+        False for things finer than a texel of the shadow map: they would darken themselves.
     """
 
     name: str
@@ -142,6 +144,7 @@ class Node:
     lod: tuple[LodLevel, ...] = ()
     moving: bool = False
     ambient: float = 1.0
+    casts_shadow: bool = True
 
     def mesh_at(self, distance_m: float) -> tuple[int, ...]:
         """Return the primitives to draw when the node is `distance_m` from the head."""

@@ -104,6 +104,7 @@ class NodeSettings(_Table):
     semantic_weight: NotNegative | None = None
     head_locked: bool | None = None
     ambient: Share | None = None
+    casts_shadow: bool | None = None
     lod: tuple[Lod, ...] = ()
 
 
@@ -251,7 +252,7 @@ def _nodes(
 
 def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ...]]) -> Node:
     given = entry.model_dump(
-        include={"semantic_weight", "head_locked", "ambient"}, exclude_none=True
+        include={"semantic_weight", "head_locked", "ambient", "casts_shadow"}, exclude_none=True
     )
     lod = tuple(
         LodLevel(
