@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike, NDArray
-from trimesh.ray.ray_triangle import RayMeshIntersector
+from trimesh.ray.ray_triangle import RayMeshIntersector, ray_triangle_id
 
 from vrcomfort.geometry import Array, Pose, normalize
 from vrcomfort.render.scene_data import Image, Material, Primitive, Scene
@@ -89,8 +89,8 @@ def _cast_primitive(
     rays = np.flatnonzero(_meets_box(primitive, local_origins, local_directions))
     if not len(rays):
         return nearest
-    triangles, hit_rays, places = _intersector(primitive).intersects_id(  # type: ignore[no-untyped-call]
-        local_origins[rays], local_directions[rays], multiple_hits=True, return_locations=True
+    triangles, hit_rays, places = _every_hit(
+        _intersector(primitive), local_origins[rays], local_directions[rays]
     )
     if not len(triangles):
         return nearest
@@ -125,6 +125,24 @@ def _intersector(primitive: Primitive) -> RayMeshIntersector:
         primitive.positions.astype(np.float64), primitive.indices, process=False, validate=False
     )
     return RayMeshIntersector(mesh)  # type: ignore[no-untyped-call]
+
+
+def _every_hit(
+    intersector: RayMeshIntersector, origins: Array, directions: Array
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Return triangle, ray and (hits, 3) place of all hits.
+
+    `RayMeshIntersector.intersects_id` would keep one of two triangles in one place, such as the
+    front and the back of a leaf, and perhaps the one that faces away.
+    """
+    mesh = intersector.mesh
+    return ray_triangle_id(  # type: ignore[no-untyped-call, no-any-return]
+        triangles=mesh.triangles,
+        ray_origins=origins,
+        ray_directions=directions,
+        tree=mesh.triangles_tree,
+        triangles_normal=mesh.face_normals,
+    )
 
 
 def _faces_ray(
