@@ -74,11 +74,14 @@ void main() {
     vec4 albedo = base_color;
     float ambient = thing.x;
 #ifdef VERTEX_COLORS
+    // A pixel's centre may lie outside the triangle: what is interpolated there leaves its range,
+    // and a sliver's leaves it far enough to make a spark that one eye alone sees.
+    vec4 tint = clamp(color, 0.0, 1.0);
 #ifdef AMBIENT_IN_ALPHA
-    albedo.rgb *= color.rgb;
-    ambient *= color.a;
+    albedo.rgb *= tint.rgb;
+    ambient *= tint.a;
 #else
-    albedo *= color;
+    albedo *= tint;
 #endif
 #endif
 #ifdef BASE_COLOR_IMAGE

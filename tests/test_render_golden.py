@@ -1,12 +1,19 @@
 import golden_images
 import numpy as np
+import pytest
 from render_parts import eye, still_life
 
 from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
-from vrcomfort.render.output import read_rgb8, read_texture
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
+from vrcomfort.resources import data_folder
 
 SIZE = (160, 120)
 
@@ -24,3 +31,25 @@ def test_still_life(ctx, request, tmp_path):
     coded = np.clip(128 + 8 * velocity, 0, 255).astype(np.uint8)
     coded = np.concatenate([coded, np.zeros((*coded.shape[:2], 1), np.uint8)], axis=-1)
     golden_images.compare(request, ctx, tmp_path, "still_life_velocity", coded)
+
+
+@pytest.mark.parametrize("name", ["temple", "mountain"])
+def test_shipped_scene(ctx, request, tmp_path, name):
+    """Both eyes of the second frame of the shipped walk under every effect."""
+    scene = load_scene(name)
+    blur = MotionBlur(mode="full", shutter_fraction=1.0)
+    lens = DepthOfField(law="dioptre", full_blur_dioptre=1.0)
+    renderer = StereoRenderer(ctx, (128, 160))
+    renderer.begin(scene, Condition(name="both", depth_of_field=lens, motion_blur=blur))
+    headset = PlaybackHeadset(
+        read_trace(data_folder("scenes") / f"{name}_walk.csv"),
+        image_size_px=(128, 160),
+        refresh_hz=10,
+        spawn=scene.spawn,
+        max_frames=40,
+    )
+    for frame in list(headset.frames())[-2:]:
+        left, right = renderer.render(frame, frame.index / 10).eyes
+    golden_images.compare(
+        request, ctx, tmp_path, name, side_by_side(read_rgb8(left), read_rgb8(right))
+    )
