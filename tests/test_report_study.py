@@ -54,6 +54,18 @@ def test_primary_analysis_has_those_with_every_exposure(carnegie):
     assert results["participants"]["exposures_per_condition"] == {"dof_off": 2, "dof_on": 2}
 
 
+def test_whom_the_experimenter_excluded_is_in_no_analysis(tmp_path):
+    study = carnegie_like(tmp_path / "study")
+    study.people[1] |= {"status": "excluded", "note": "fell asleep"}
+    study.person("P09", "off", "enrolled")
+    results = report(tmp_path / "study", tmp_path / "out")
+    assert "P02" not in results["participants"]["analysed"]
+    reasons = {row["participant"]: row["reason"] for row in results["participants"]["left_out"]}
+    assert reasons["P02"] == "excluded by the experimenter (fell asleep)"
+    assert "P02" not in (tmp_path / "out" / "tables" / "scores.csv").read_text("utf-8")
+    assert results["mixed_models"][0]["n_participants"] == 6  # not P02, nor P05 without answers
+
+
 def test_differences_are_taken_on_integers_and_tests_match_the_statistics(carnegie):
     results, _ = carnegie
     expected = []

@@ -66,12 +66,16 @@ class _Baselines:
 
 
 def score_exposures(study: StudyData, plan: Plan) -> Exposures:
-    """Score every questionnaire on integer raw sums, minus the baseline where there is one."""
+    """Score every questionnaire on integer raw sums, minus the baseline where there is one.
+
+    Nothing of a participant whom the experimenter has excluded is scored.
+    """
     excluded: list[dict[str, str]] = []
-    sheets = [s for s in study.sheets if s.timepoint in _timepoints(plan)]
+    kept = _kept_by_the_experimenter(study)
+    sheets = [s for s in kept if s.timepoint in _timepoints(plan)]
     whole = [s for s in sheets if _is_whole(s, excluded)]
     baselines = _baselines(whole, plan)
-    has_baseline = any(s.timepoint == plan.baseline_timepoint for s in study.sheets)
+    has_baseline = any(s.timepoint == plan.baseline_timepoint for s in kept)
     after = [s for s in whole if s.timepoint != plan.baseline_timepoint]
     facts = _facts(study, plan)
     rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
@@ -86,6 +90,12 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
 
 
 _COLUMNS = ("participant", "session", "position", "timepoint", "condition", "scene", "early")
+
+
+def _kept_by_the_experimenter(study: StudyData) -> list[Sheet]:
+    """Leave out those whom participants.csv calls excluded; `left_out` gives the reason."""
+    gone = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    return [sheet for sheet in study.sheets if sheet.participant not in gone]
 
 
 def _timepoints(plan: Plan) -> set[str]:
