@@ -29,6 +29,17 @@ def test_files_are_found_at_any_depth(tmp_path):
     assert build_report(tmp_path / "s", out=tmp_path / "o").participants == 2
 
 
+def test_other_tables_from_elsewhere_are_told_and_not_used(tmp_path):
+    foreign(tmp_path / "a" / "questionnaires.csv", {"P1": {"on": 3, "off": 5}})
+    (tmp_path / "participants.csv").write_text("participant_id,age\nP1,30\n")
+    (tmp_path / "a" / "trials.csv").write_text("trial,rt\n1,0.3\n")
+    warnings = build_report(tmp_path, out=tmp_path / "out").warnings
+    assert warnings == (
+        "participants.csv: not used, because it has no column participant",
+        "a/trials.csv: not used, because it has no column participant",
+    )
+
+
 def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_path):
     file = foreign(tmp_path / "s/questionnaires.csv", SCORES)
     text = file.read_text("utf-8")

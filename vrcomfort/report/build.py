@@ -140,5 +140,5 @@ def _summary(
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
         headlines=tuple(headline(test, labels) for test in results["tests"]),
-        warnings=(*quality["half_written_rows"], *excluded),
+        warnings=(*quality["reading"], *excluded),
     )

@@ -17,7 +17,7 @@ def quality(study: StudyData, scored: Exposures) -> dict[str, Any]:
         "questionnaires": len(study.sheets),
         "excluded_questionnaires": list(scored.excluded),
         "scored_after_early_end": int(scored.table["early"].sum()),
-        "half_written_rows": list(study.warnings),
+        "reading": list(study.warnings),
         "frames": _frames(study),
         "ratings": _ratings(study),
         "sessions": _sessions(study),

@@ -17,6 +17,11 @@ _KEYS = (
     "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint"
 )  # fmt: skip
 NEEDED = ("participant", "condition", "item", "response")
+_NEEDED_ELSEWHERE = {
+    "participants.csv": ("participant", "status"),
+    "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
+    "ratings.csv": ("missed",),
+}
 
 
 @dataclass
@@ -107,7 +112,17 @@ def _read(file: Path, source: Path, warnings: list[str]) -> Rows:
 
 
 def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str], ...]:
-    return tuple(row for f in _files(source, name) for row in _read(f, source, warnings).rows)
+    """Read what enriches a report; a file of that name from elsewhere is told and left alone."""
+    rows: list[dict[str, str]] = []
+    for file in _files(source, name):
+        found = _read(file, source, warnings)
+        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.columns]
+        if missing and found.columns:
+            place = file.relative_to(source)
+            warnings.append(f"{place}: not used, because it has no column {missing[0]}")
+        else:
+            rows += found.rows
+    return tuple(rows)
 
 
 def _json(file: Path) -> dict[str, Any]:
