@@ -38,7 +38,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", _frozen(self.position, 3))
-        object.__setattr__(self, "orientation", normalize(_frozen(self.orientation, 4)))
+        object.__setattr__(self, "orientation", _frozen(unit_quaternion(self.orientation), 4))
 
     def __matmul__(self, other: Pose) -> Pose:
         """Compose: ``a_from_c = a_from_b @ b_from_c``."""
@@ -114,6 +114,16 @@ def normalize(vector: ArrayLike) -> Array:
     array = np.asarray(vector, dtype=np.float64)
     unit: Array = array / np.linalg.norm(array, axis=-1, keepdims=True)
     return unit
+
+
+def unit_quaternion(quaternion: ArrayLike) -> Array:
+    """Return the (4,) quaternion scaled to unit length, unchanged where only rounding is missing.
+
+    Normalising twice may differ from normalising once in the last bit; so a pose that was
+    written to a file and read back would not be the same pose.
+    """
+    q = np.asarray(quaternion, dtype=np.float64)
+    return q if abs(float(q @ q) - 1.0) < 1e-14 else normalize(q)
 
 
 def quaternion_multiply(a: ArrayLike, b: ArrayLike, /) -> Array:

@@ -1,1 +1,21 @@
 """Protocols: what a study shows, asks and when; read from TOML and validated."""
+
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.protocol.load import load_protocol, parse_protocol
+from vrcomfort.protocol.model import Ask, Order, Protocol, Ratings, Sequence, Simulation, Trial
+
+__all__ = [
+    "Ask",
+    "Condition",
+    "DepthOfField",
+    "Focus",
+    "MotionBlur",
+    "Order",
+    "Protocol",
+    "Ratings",
+    "Sequence",
+    "Simulation",
+    "Trial",
+    "load_protocol",
+    "parse_protocol",
+]

@@ -181,6 +181,9 @@ class Environment:
         Share of the sky that clouds cover, 0 to 1; clouds are part of the sky, at infinity.
     shadow_distance_m
         How far from the eye the sun's shadows are wanted.
+    ambient_in_vertex_alpha
+        Alpha of the vertex colours of OPAQUE materials (which glTF ignores) holds the share of
+        sky and ground light that reaches the vertex; it multiplies ambient light only.
     """
 
     sun_direction: Array = field(default_factory=lambda: np.array([0.36, 0.8, 0.48]))
@@ -193,6 +196,7 @@ class Environment:
     fog_density_per_m: float = 0.0
     cloud_cover: float = 0.0
     shadow_distance_m: float = 40.0
+    ambient_in_vertex_alpha: bool = False
     point_lights: tuple[PointLight, ...] = ()
 
 

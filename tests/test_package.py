@@ -1,0 +1,78 @@
+"""The wheel carries what it needs, and importing it needs no GPU."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+
+COMPILE_EVERY_SHADER = """
+import vrcomfort
+from vrcomfort.render.gl import create_context
+from vrcomfort.render.shaders import compile_all
+from vrcomfort.resources import data_folder
+
+assert "_data" in str(data_folder("shaders")), data_folder("shaders")
+assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
+print(*compile_all(create_context()))
+"""
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("wheel")
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", str(out)]
+    subprocess.run([*command, str(ROOT)], check=True, capture_output=True)
+    return next(out.glob("*.whl"))
+
+
+@pytest.mark.parametrize("folder", ["shaders", "protocols", "scenes", "analysis"])
+def test_wheel_carries_every_committed_file_of_the_data_folders(wheel: Path, folder: str) -> None:
+    tracked = subprocess.run(
+        ["git", "ls-files", folder], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.split()
+    carried = set(zipfile.ZipFile(wheel).namelist())
+    assert tracked
+    assert {f"vrcomfort/_data/{name}" for name in tracked} <= carried
+
+
+def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Path) -> None:
+    environment = tmp_path / "venv"
+    venv.create(environment, with_pip=False)
+    site = next((environment / "lib").glob("python*")) / "site-packages"
+    # Dependencies come from the running environment; vrcomfort itself from the wheel alone.
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
+    zipfile.ZipFile(wheel).extractall(site)
+    result = subprocess.run(
+        [environment / "bin" / "python", "-c", COMPILE_EVERY_SHADER],
+        check=False,
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+    )
+    assert result.returncode == 0, result.stderr
+    shaders = {path.name for path in (ROOT / "shaders").glob("*.frag")}
+    assert shaders <= set(result.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("module", "forbidden"),
+    [
+        ("vrcomfort", ("moderngl", "xr", "pingouin", "matplotlib", "pandas")),
+        ("vrcomfort.cli", ("moderngl", "xr", "pingouin", "matplotlib")),
+        ("vrcomfort.report", ("moderngl", "xr")),
+    ],
+)
+def test_importing_loads_no_graphics(module: str, forbidden: tuple[str, ...]) -> None:
+    code = f"import sys, {module}; print(*(set({forbidden!r}) & set(sys.modules)))"
+    result = subprocess.run(
+        [sys.executable, "-c", code], check=True, capture_output=True, text=True
+    )
+    assert result.stdout.strip() == ""

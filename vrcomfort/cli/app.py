@@ -1,0 +1,77 @@
+"""The `vrcomfort` command: collects the sub-commands and turns bad input into one sentence."""
+
+from __future__ import annotations
+
+import errno
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from vrcomfort import __version__
+from vrcomfort.cli import analyse, check, demonstrate, pictures, plan_study, study
+from vrcomfort.cli.terminal import complain
+from vrcomfort.errors import InputError
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+FAULTS_OF_THE_MACHINE = {
+    errno.ENOSPC: "the disk is full; what was already written stays",
+    errno.EDQUOT: "your disk quota is used up; what was already written stays",
+    errno.EROFS: "the disk is read-only; choose another --out",
+    errno.EACCES: "no permission; choose another --out or ask for access",
+    errno.ENOTDIR: "part of this path is a file, not a folder",
+    errno.EISDIR: "this is a folder, a file was expected",
+    errno.ENOENT: "this file or folder does not exist",
+}
+
+app = typer.Typer(
+    name="vrcomfort",
+    help="Comfort experiments for stereo head-mounted displays: run, play back, report.",
+    no_args_is_help=True,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+for module in (study, pictures, analyse, plan_study, check, demonstrate):
+    module.register(app)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"vrcomfort {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[  # noqa: ARG001 - typer calls the callback
+        bool,
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Comfort experiments for stereo head-mounted displays: run, play back, report."""
+
+
+def main() -> None:
+    """Run the command line; bad input ends with one sentence and exit code 2."""
+    try:
+        app()
+    except InputError as error:
+        complain(str(error))
+        sys.exit(EXIT_BAD_INPUT)
+    except BrokenPipeError:
+        # The reader (`| head`) has gone: nothing to say, and nobody to say it to.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
+    except KeyboardInterrupt:
+        complain("stopped; what was already written stays")
+        sys.exit(EXIT_INTERRUPTED)
+    except OSError as error:
+        if error.errno not in FAULTS_OF_THE_MACHINE:
+            raise
+        place = f"{error.filename}: " if error.filename else ""
+        complain(f"{place}{FAULTS_OF_THE_MACHINE[error.errno]}")
+        sys.exit(EXIT_BAD_INPUT)

@@ -1,0 +1,105 @@
+"""What the commands share: options with their help, printing, progress bars."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    TextColumn,
+    TimeRemainingColumn,
+)
+
+from vrcomfort.errors import InputError
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
+Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
+Seed = Annotated[int, typer.Option(help="Every random choice derives from it.", min=0)]
+Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's image.")]
+
+_errors = Console(stderr=True, highlight=False, soft_wrap=True)
+
+
+def complain(sentence: str) -> None:
+    """Say on stderr what went wrong."""
+    _errors.print(f"[bold red]error:[/] {_escape(sentence)}")
+
+
+def warn(sentence: str) -> None:
+    """Say on stderr what the user should know, although the command goes on."""
+    _errors.print(f"[yellow]note:[/] {_escape(sentence)}")
+
+
+def answer(data: Any) -> None:
+    """Print JSON for a program to read; NaN and infinity, which JSON lacks, are errors."""
+    typer.echo(json.dumps(data, indent=2, allow_nan=False, default=str))
+
+
+def console(quiet: bool = False) -> Console:
+    """Return where people read, silent if `quiet`."""
+    return Console(quiet=quiet, highlight=False, soft_wrap=True)
+
+
+@contextmanager
+def progress_bar(title: str, total: int | None, *, quiet: bool) -> Iterator[Any]:
+    """Show a bar on stderr; yields ``advance(steps=1, title=None)``."""
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+    )
+    hidden = quiet or not sys.stderr.isatty()
+    with Progress(*columns, console=_errors, disable=hidden, transient=True) as progress:
+        task = progress.add_task(title, total=total)
+
+        def advance(steps: int = 1, title: str | None = None) -> None:
+            progress.update(task, advance=steps, description=title)
+
+        yield advance
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read ``WIDTHxHEIGHT`` in pixels.
+
+    Raises
+    ------
+    InputError
+        If it is not two positive whole numbers, or larger than any headset's eye.
+    """
+    width, _, height = text.lower().partition("x")
+    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+        raise InputError(f"--size {text!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
+    size = int(width), int(height)
+    if max(size) > 8192:
+        raise InputError(f"--size {text!r} is larger than 8192 pixels on a side; choose a smaller one")
+    return size
+
+
+def output_folder(path: Path) -> Path:
+    """Make the folder for results that can be made again; its old files are replaced.
+
+    Raises
+    ------
+    InputError
+        If `path` is a file, or a study folder: recordings are never overwritten.
+    """
+    if path.exists() and not path.is_dir():
+        raise InputError("is a file; --out needs a folder", file=path)
+    if (path / "participants.csv").exists():
+        raise InputError("is a study folder; choose another --out for the results", file=path)
+    path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+def _escape(text: str) -> str:
+    return text.replace("[", r"\[")

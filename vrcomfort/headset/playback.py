@@ -1,0 +1,244 @@
+"""A headset that plays a head trace: a real headset without a person, in lockstep.
+
+Frames come as fast as they are drawn, and the same trace gives the same frames every time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice, pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
+from vrcomfort.headset.base import Frame
+from vrcomfort.headset.pose_track import PoseTrack, Times
+from vrcomfort.headset.trace import Trace
+
+if TYPE_CHECKING:
+    import moderngl
+
+SECOND_NS = 1_000_000_000
+TEMPORAL_TANGENT, NASAL_TANGENT = 1.1, 0.9
+"""Horizontal half fields of the default eyes: 47.7° outwards, 42.0° inwards."""
+
+
+@dataclass(frozen=True)
+class _Sample:
+    """Where a frame falls in a trace: between sample `index` and the next one."""
+
+    index: int
+    fraction: float
+    time_ns: int
+    cut: bool
+
+
+class PlaybackHeadset:
+    """Plays a trace through the headset protocol.
+
+    Parameters
+    ----------
+    trace
+        What the head did. With avatar poses it plays in the world; without them it is anchored:
+        its first floor point and heading are put on `spawn`. It is never clamped to a floor.
+    image_size_px
+        (width, height) of one eye's image.
+    refresh_hz
+        Display rate. `None` is the trace's own: one frame per sample, at the sample's own time,
+        with the recorded poses bit for bit.
+    ipd_m
+        Distance between the eyes, where the trace has no eye poses.
+    fovs
+        Left and right frustum; `None` takes the trace's, or else `default_fovs`.
+    spawn
+        world-from-stage of the scene's starting point.
+    loop
+        Start again after the end, as a cut. Without it, `frames` ends with the trace.
+    max_frames
+        End each run of `frames` after so many.
+    """
+
+    def __init__(
+        self,
+        trace: Trace,
+        *,
+        image_size_px: tuple[int, int],
+        refresh_hz: float | None = None,
+        ipd_m: float = 0.063,
+        fovs: tuple[Fov, Fov] | None = None,
+        spawn: Pose | None = None,
+        loop: bool = True,
+        max_frames: int | None = None,
+    ) -> None:
+        if refresh_hz is not None and not 0 < refresh_hz < np.inf:
+            raise InputError(f"a refresh rate must be greater than 0 Hz, not {refresh_hz}")
+        self._size_px = image_size_px
+        self._rate = None if refresh_hz is None else Fraction(refresh_hz)
+        self._ipd_m = ipd_m
+        self._fovs = fovs
+        self._loop = loop
+        self._max_frames = max_frames
+        self._next_index = 0
+        self._next_time_ns = int(trace.time_ns[0])
+        self._trace = trace
+        self.place(spawn=spawn)
+
+    @property
+    def name(self) -> str:
+        """Return what the manifest calls this headset."""
+        return "playback"
+
+    @property
+    def refresh_hz(self) -> float:
+        """Return the display rate; the trace's own is its median."""
+        own_hz = SECOND_NS / self._trace.median_period_ns
+        return own_hz if self._rate is None else float(self._rate)
+
+    @property
+    def image_size_px(self) -> tuple[int, int]:
+        """Return (width, height) of one eye's image."""
+        return self._size_px
+
+    @property
+    def ipd_m(self) -> float:
+        """Return the distance between the eyes (of the first sample, where they are recorded)."""
+        if self._trace.eyes is None:
+            return self._ipd_m
+        left, right = self._trace.eyes
+        return float(np.linalg.norm(right.positions[0] - left.positions[0]))
+
+    def place(self, trace: Trace | None = None, *, spawn: Pose | None = None) -> None:
+        """Put the participant elsewhere: the next `frames` start `trace` there.
+
+        Frame indices and display times run on, so that a session has one clock.
+        """
+        self._trace = self._trace if trace is None else trace
+        self._anchor = world_from_stage(self._trace.head, Pose() if spawn is None else spawn)
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield the frames of the trace from its start; the first is a discontinuity."""
+        schedule = self._schedule(self._next_time_ns)
+        for sample, display_ns in islice(schedule, self._max_frames):
+            period_ns = self._period_ns(sample)
+            frame = self._frame(sample, self._next_index, display_ns, period_ns)
+            # Before the frame is given away: a session may drop the iterator at any frame.
+            self._next_time_ns = display_ns + period_ns
+            self._next_index += 1
+            yield frame
+
+    def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
+        """Take the images and show them to nobody."""
+
+    def _schedule(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
+        if self._rate is None:
+            yield from self._own_times(start_ns)
+            return
+        for count, sample in enumerate(self._resampled()):
+            yield sample, start_ns + round(count * SECOND_NS / self._rate)
+
+    def _own_times(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
+        times = self._trace.time_ns.tolist()
+        cuts = self._trace.cuts.tolist()
+        while True:
+            for index, (time_ns, cut) in enumerate(zip(times, cuts, strict=True)):
+                sample = _Sample(index, 0.0, time_ns, cut)
+                yield sample, start_ns + time_ns - times[0]
+            if not self._loop:
+                return
+            start_ns += times[-1] - times[0] + self._period_ns(sample)
+
+    def _resampled(self) -> Iterator[_Sample]:
+        bounds = [*np.flatnonzero(self._trace.cuts).tolist(), len(self._trace)]
+        while True:
+            for first, end in pairwise(bounds):
+                yield from self._resampled_piece(first, end)
+            if not self._loop:
+                return
+
+    def _resampled_piece(self, first: int, end: int) -> Iterator[_Sample]:
+        """Yield the display times between two cuts: never a pose across one."""
+        assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
+        times = self._trace.time_ns[first:end]
+        count = 0
+        while (time_ns := int(times[0]) + round(count * SECOND_NS / self._rate)) <= times[-1]:
+            before = int(np.searchsorted(times, time_ns, side="right")) - 1
+            yield _Sample(first + before, _fraction(times, before, time_ns), time_ns, count == 0)
+            count += 1
+
+    def _period_ns(self, sample: _Sample) -> int:
+        if self._rate is not None:
+            return round(SECOND_NS / self._rate)
+        if self._trace.period_ns is not None:
+            return int(self._trace.period_ns[sample.index])
+        return self._trace.median_period_ns
+
+    def _frame(self, sample: _Sample, index: int, display_ns: int, period_ns: int) -> Frame:
+        trace = self._trace
+        head = _pose_at(trace.head, sample)
+        return Frame(
+            index=index,
+            predicted_display_time_ns=display_ns,
+            period_ns=period_ns,
+            head_pose=head,
+            views=self._views(head, sample),
+            avatar_pose=self._anchor if trace.avatar is None else _pose_at(trace.avatar, sample),
+            discontinuity=sample.cut,
+        )
+
+    def _views(self, head: Pose, sample: _Sample) -> tuple[View, View]:
+        left, right = self._fovs_at(sample)
+        if self._trace.eyes is not None:
+            eyes = [_pose_at(eye, sample) for eye in self._trace.eyes]
+        else:
+            half = np.array([self._ipd_m / 2, 0.0, 0.0])
+            eyes = [head @ Pose(-half), head @ Pose(half)]
+        return View(eyes[0], left), View(eyes[1], right)
+
+    def _fovs_at(self, sample: _Sample) -> tuple[Fov, Fov]:
+        if self._fovs is not None:
+            return self._fovs
+        if self._trace.fovs is None:
+            return default_fovs(self._size_px)
+        left, right = self._trace.fovs[sample.index].tolist()
+        return Fov(*left), Fov(*right)
+
+
+def default_fovs(image_size_px: tuple[int, int]) -> tuple[Fov, Fov]:
+    """Return mirrored frusta with square pixels: wider outwards, and a little wider downwards."""
+    width, height = image_size_px
+    vertical = (TEMPORAL_TANGENT + NASAL_TANGENT) * height / width
+    out, nasal = float(np.arctan(TEMPORAL_TANGENT)), float(np.arctan(NASAL_TANGENT))
+    up, down = float(np.arctan(0.48 * vertical)), -float(np.arctan(0.52 * vertical))
+    return Fov(-out, nasal, up, down), Fov(-nasal, out, up, down)
+
+
+def world_from_stage(head: PoseTrack, spawn: Pose) -> Pose:
+    """Return the anchor that puts the first head's floor point and heading on `spawn`."""
+    x, _, z = head.positions[0]
+    return spawn @ Pose(np.array([x, 0.0, z]), heading(head.pose(0))).inverse()
+
+
+def heading(pose: Pose) -> Array:
+    """Return the turn about +Y that a pose holds; steep looks up or down keep their meaning."""
+    # Straight up or down, forward has no heading: the top of the head tells it then.
+    forward = rotate(pose.orientation, [0.0, 0.0, -1.0])
+    up = rotate(pose.orientation, [0.0, 1.0, 0.0])
+    level = forward if abs(forward[1]) < 0.99 else -np.sign(forward[1]) * up
+    return axis_angle([0.0, 1.0, 0.0], np.arctan2(-level[0], -level[2]))
+
+
+def _fraction(times: Times, before: int, time_ns: int) -> float:
+    elapsed = time_ns - int(times[before])
+    return elapsed / int(times[before + 1] - times[before]) if elapsed else 0.0
+
+
+def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:
+    if sample.fraction == 0.0:
+        return track.pose(sample.index)
+    a, b = sample.index, sample.index + 1
+    position = track.positions[a] + (track.positions[b] - track.positions[a]) * sample.fraction
+    return Pose(position, slerp(track.orientations[a], track.orientations[b], sample.fraction))

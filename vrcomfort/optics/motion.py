@@ -1,0 +1,59 @@
+"""Motion on the image: velocity, shutter and streaks.
+
+NumPy twins, in float64, of ``shaders/include/velocity.glsl``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vrcomfort.geometry import Array
+
+SPEED_LIMIT_PX = 16_384.0
+"""No velocity is longer than this, so that half floats hold it; far above every streak limit."""
+
+BEHIND = 1e-3
+"""Least ratio of previous to present distance: what was behind the eye came from its rim."""
+
+
+def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[int, int]) -> Array:
+    """Return (..., 2) pixels per frame, now minus before, +x right and +y up.
+
+    Parameters
+    ----------
+    clip_now, clip_before
+        (..., 4) clip coordinates of one surface point; `clip_now` is in front of the eye (w > 0).
+
+    Notes
+    -----
+    A point whose previous w is not positive was behind the eye, where a projection means nothing:
+    w is held at a small part of the present one, which keeps the direction and makes the speed
+    large; :data:`SPEED_LIMIT_PX` bounds it.
+    """
+    now = np.asarray(clip_now, dtype=np.float64)
+    before = np.asarray(clip_before, dtype=np.float64)
+    w = np.maximum(before[..., 3:], BEHIND * now[..., 3:])
+    half_size = np.array(size_px, dtype=np.float64) / 2
+    velocity = (now[..., :2] / now[..., 3:] - before[..., :2] / w) * half_size
+    return shorten(velocity, SPEED_LIMIT_PX)
+
+
+def shorten(vector: ArrayLike, limit: float, /) -> Array:
+    """Return (..., 2) vectors no longer than `limit`, their direction kept; zero stays zero."""
+    array = np.asarray(vector, dtype=np.float64)
+    length = np.linalg.norm(array, axis=-1, keepdims=True)
+    shortened: Array = array * (limit / np.maximum(length, limit))
+    return shortened
+
+
+def half_streak_px(
+    velocity: ArrayLike, /, *, shutter_fraction: float, radius_limit_px: float
+) -> Array:
+    """Return (..., 2): how far a point moves from the middle of the shutter's opening to its end.
+
+    The shutter is open for `shutter_fraction` of the frame period, centred on the frame's pose, so
+    a streak reaches this far to both sides. Longer ones are shortened to `radius_limit_px`.
+    """
+    reach = np.asarray(velocity, dtype=np.float64) * (shutter_fraction / 2)
+    return shorten(reach, radius_limit_px)

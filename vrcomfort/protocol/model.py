@@ -1,0 +1,169 @@
+"""The frozen tables of a protocol file. Every default is resolved when the file is read."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, PrivateAttr
+
+from vrcomfort.protocol.conditions import Condition, NotNegative, Positive, Settings
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
+Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+InstrumentName = Literal["ssq", "fms", "misc"]
+Probability = Annotated[float, Field(ge=0, le=1)]
+
+
+class Headset(Settings):
+    """What the headset should be set to; a playback headset is built from it."""
+
+    ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = 0.063
+
+
+class Locomotion(Settings):
+    """How participants move through a scene."""
+
+    walking_speed_m_s: Positive = 1.4
+    """Total speed, stairs included: climbing takes from the horizontal part."""
+
+
+class Trial(Settings):
+    """One exposure: a scene seen under a condition."""
+
+    scene: str
+    condition: str
+
+
+class Sequence(Settings):
+    """The order in which one participant meets the trials, session by session."""
+
+    name: Name
+    sessions: Annotated[tuple[tuple[Trial, ...], ...], Field(min_length=1)]
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """Return all trials in order, sessions joined."""
+        return tuple(trial for session in self.sessions for trial in session)
+
+
+class Order(Settings):
+    """How trials are ordered over participants.
+
+    `explicit` takes the listed sequences; the other rules order every condition in every scene:
+    `williams` (balanced Latin square), `full` (every order once), `random` (one seeded order per
+    participant).
+    """
+
+    rule: Literal["explicit", "williams", "full", "random"]
+    sessions: Annotated[int, Field(ge=1)] = 1
+    """Sessions over which the generated rules deal the trials; explicit sequences say it."""
+    assignment: Literal["in_turn", "shuffled"] = "in_turn"
+    """Among equally filled sequences take the first, or one drawn with the study's seed."""
+    sequences: tuple[Sequence, ...] = ()
+
+
+class Ask(Settings):
+    """A questionnaire and the moment at which it is asked."""
+
+    instrument: InstrumentName = "ssq"
+    timepoint: Word
+    when: Literal["session_start", "before_trial", "after_trial", "session_end"]
+    wait_s: NotNegative = 0.0
+    """Rest without the headset before asking."""
+
+
+class Ratings(Settings):
+    """A single-item scale answered during exposure."""
+
+    instrument: Literal["fms", "misc"] = "fms"
+    every_s: Positive = 60.0
+    timeout_s: Positive = 15.0
+    """An answer that has not come by then is recorded as missed."""
+    stop_at: Annotated[int, Field(ge=1, le=20)] | None = None
+    """An answer this high ends the exposure and the participant's study."""
+
+
+class Simulation(Settings):
+    """Coefficients of the simulated participants (`vrcomfort.respondent.simulated`).
+
+    Sickness grows by `rate_per_min` × susceptibility × condition × scene × habituation^(session−1)
+    and decays with time constant `recovery_min`.
+    """
+
+    susceptibility_sigma: NotNegative = 0.7
+    """Standard deviation of the logarithm of susceptibility (median 1)."""
+    rate_per_min: NotNegative = 0.06
+    recovery_min: Positive = 20.0
+    habituation: Positive = 0.85
+    condition_effects: dict[str, NotNegative] = Field(default_factory=dict)
+    scene_effects: dict[str, NotNegative] = Field(default_factory=dict)
+    baseline_sd: NotNegative = 0.45
+    """Spread of stable item levels: most people do not start at zero."""
+    noise_sd: NotNegative = 0.3
+    """Spread of one answer around its latent value."""
+    hazard_per_min: NotNegative = 0.05
+    """Withdrawal rate per minute and unit of sickness above `tolerance`."""
+    tolerance: NotNegative = 0.8
+    refusal: Probability = 0.5
+    """Chance that somebody who withdrew refuses the questionnaire that follows."""
+    question_hazard: Probability = 0.0005
+    """Chance of withdrawing at any one question, per unit of sickness."""
+    missed_rating: Probability = 0.05
+
+
+class Protocol(Settings):
+    """A study: what is shown, in which order, what is asked and when."""
+
+    name: Name
+    title: str
+    citation: str = ""
+    participants: Annotated[int, Field(ge=1)] | None = None
+    """Planned number of participants."""
+    exposure_s: Positive
+    training_s: NotNegative = 0.0
+    """Time to learn the controls, before the first exposure of each session, in its scene."""
+    break_s: NotNegative = 0.0
+    """Rest between two exposures of a session."""
+    scenes: Annotated[tuple[str, ...], Field(min_length=1)]
+    """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
+    conditions: Annotated[tuple[Condition, ...], Field(min_length=1)]
+    order: Order
+    questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
+    ratings: Ratings | None = None
+    headset: Headset = Headset()
+    locomotion: Locomotion = Locomotion()
+    simulation: Simulation = Simulation()
+
+    _text: str = PrivateAttr(default="")
+    _file: Path | None = PrivateAttr(default=None)
+
+    @property
+    def text(self) -> str:
+        """Return the TOML text that this was read from."""
+        return self._text
+
+    @property
+    def file(self) -> Path | None:
+        """Return the file that this was read from."""
+        return self._file
+
+    @property
+    def sha256(self) -> str:
+        """Return the hash of the text, by which two runs of the same protocol are known."""
+        return hashlib.sha256(self._text.encode()).hexdigest()
+
+    def condition(self, name: str) -> Condition:
+        """Return the condition called `name`; loading made sure that trials name real ones."""
+        return next(condition for condition in self.conditions if condition.name == name)
+
+    def asks(self, when: str) -> Iterator[Ask]:
+        """Yield the questionnaires asked at a moment, in the file's order."""
+        return (ask for ask in self.questionnaires if ask.when == when)
+
+    def scene_source(self, scene: str) -> str:
+        """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""
+        is_file = scene.endswith((".glb", ".gltf"))
+        return str(self._file.parent / scene) if is_file and self._file is not None else scene

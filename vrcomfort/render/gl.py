@@ -1,0 +1,119 @@
+"""The context, and the few things moderngl does not do: float depth and [0, 1] clip depth.
+
+Everything that is drawn into the scene is in reverse-Z: depth 1 on the near plane, 0 at infinity,
+``GL_GREATER`` wins. Only a 32-bit float depth buffer and a [0, 1] clip range make that precise
+(2 mm at 30 km); see https://developer.nvidia.com/blog/visualizing-depth-precision/.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from vrcomfort.errors import InputError
+
+MINIMUM_VERSION = 450
+"""OpenGL 4.5: the first with clip control."""
+
+DEPTH_FUNC = ">"
+"""Nearer is greater, everywhere in `render` (shadow maps too)."""
+
+_LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
+_TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
+_DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
+
+
+def create_context() -> moderngl.Context:
+    """Return a context without a window, in reverse-Z clip space; objects die with their owner.
+
+    Raises
+    ------
+    InputError
+        If the machine has no OpenGL 4.5; says what to install.
+    """
+    backend: dict[str, Any] = {"backend": "egl"} if sys.platform.startswith("linux") else {}
+    try:
+        ctx = moderngl.create_context(standalone=True, require=MINIMUM_VERSION, **backend)
+    except Exception as error:
+        raise InputError(
+            f"no OpenGL 4.5 context could be made ({error}); install a driver: on Debian or Ubuntu "
+            "'apt-get install libegl1 libgl1 libgl1-mesa-dri', on Fedora "
+            "'dnf install mesa-libEGL mesa-libGL mesa-dri-drivers', elsewhere your graphics driver"
+        ) from error
+    return prepare(ctx)
+
+
+def prepare(ctx: moderngl.Context) -> moderngl.Context:
+    """Set the clip space that `geometry.clip_from_view` assumes, on any context."""
+    ctx.gc_mode = "auto"
+    function(ctx, "glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, _ZERO_TO_ONE)
+    return ctx
+
+
+def function(
+    ctx: moderngl.Context, name: str, *types: Any, result: Any = None
+) -> Callable[..., Any]:
+    """Return an OpenGL function that moderngl has no name for, for the context that is current."""
+    address = ctx.mglo._context.load(name)
+    if not address:
+        raise InputError(f"this OpenGL driver has no {name}; update the graphics driver")
+    prototype = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)(result, *types)
+    call: Callable[..., Any] = prototype(address)
+    return call
+
+
+def depth_texture(
+    ctx: moderngl.Context, size_px: tuple[int, int], *, samples: int = 0
+) -> moderngl.Texture:
+    """Return a D32F texture: attach it as depth, sample it as `sampler2D` (or `sampler2DMS`).
+
+    moderngl allocates 24-bit integers; the same texture gets new storage here, so that moderngl
+    still owns, attaches and releases it.
+    """
+    texture = ctx.depth_texture(size_px, samples=samples)
+    bind = function(ctx, "glBindTexture", ctypes.c_uint, ctypes.c_uint)
+    if samples:
+        bind(_TEXTURE_2D_MULTISAMPLE, texture.glo)
+        allocate = function(ctx, "glTexImage2DMultisample", *[ctypes.c_int] * 5, ctypes.c_ubyte)
+        allocate(_TEXTURE_2D_MULTISAMPLE, samples, _DEPTH_COMPONENT32F, *size_px, 1)
+        return texture
+    bind(_TEXTURE_2D, texture.glo)
+    allocate = function(ctx, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
+    allocate(_TEXTURE_2D, 0, _DEPTH_COMPONENT32F, *size_px, 0, _DEPTH_COMPONENT, _FLOAT, None)
+    return point_sampled(texture, comparison=False)
+
+
+def color_texture(
+    ctx: moderngl.Context,
+    size_px: tuple[int, int],
+    *,
+    components: int = 4,
+    dtype: str = "f2",
+    samples: int = 0,
+) -> moderngl.Texture:
+    """Return a texture to draw into; single-sample ones clamp to their edge and are not filtered.
+
+    `dtype` is moderngl's: ``f2`` half float, ``f4`` float, ``f1`` 8-bit normalised.
+    """
+    texture = ctx.texture(size_px, components, dtype=dtype, samples=samples)
+    return texture if samples else point_sampled(texture)
+
+
+def point_sampled(texture: moderngl.Texture, *, comparison: bool | None = None) -> moderngl.Texture:
+    """Switch filtering and repetition off; `comparison=False` reads a depth texture as values."""
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = False
+    if comparison is False:
+        texture.compare_func = ""
+    return texture
+
+
+def check_errors(ctx: moderngl.Context) -> None:
+    """Raise if OpenGL has recorded an error since the last call (this waits for the driver)."""
+    error = ctx.error
+    if error != "GL_NO_ERROR":
+        raise RuntimeError(f"OpenGL reports {error}")

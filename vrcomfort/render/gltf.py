@@ -1,0 +1,85 @@
+"""Loads any glTF 2.0 file, and the TOML side-car beside it, as a `Scene`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from vrcomfort.errors import InputError
+from vrcomfort.render.gltf_file import STRUCTURE_ERRORS, read_gltf_file
+from vrcomfort.render.gltf_graph import read_graph
+from vrcomfort.render.gltf_mesh import read_materials, read_meshes
+from vrcomfort.render.scene_data import Scene
+from vrcomfort.render.scene_defaults import with_defaults
+from vrcomfort.render.side_car import apply_side_car
+from vrcomfort.resources import data_folder
+
+SUFFIXES = (".glb", ".gltf")
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Load a shipped scene by its name, or any .glb or .gltf file by its path.
+
+    What the file has and this loader does not support is named in one string in
+    `Scene.warnings`.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene or file, or it (or its side-car) is broken.
+    """
+    path = find_scene(name_or_path)
+    try:
+        scene, stand_ins = _read(path)
+    except InputError:
+        raise
+    except STRUCTURE_ERRORS as error:
+        raise InputError(
+            f"is not valid glTF 2.0 ({type(error).__name__}: {error}); "
+            "check it with a glTF validator and export it again",
+            file=path,
+        ) from error
+    scene = with_defaults(scene)
+    side_car = path.with_suffix(".toml")
+    return apply_side_car(scene, stand_ins, side_car) if side_car.is_file() else scene
+
+
+def find_scene(name_or_path: str | Path) -> Path:
+    """Return the path of a scene file given by name or path."""
+    path = Path(name_or_path)
+    if path.suffix.lower() in SUFFIXES:
+        if not path.is_file():
+            raise InputError("there is no such scene file; check the path", file=path)
+        return path
+    folder = data_folder("scenes")
+    shipped = sorted(file.stem for file in folder.glob("*.glb"))
+    if str(name_or_path) in shipped:
+        return folder / f"{name_or_path}.glb"
+    raise InputError(
+        f"there is no scene {str(name_or_path)!r}; use one of {', '.join(shipped)} "
+        "or the path of a .glb or .gltf file"
+    )
+
+
+def _read(path: Path) -> tuple[Scene, dict[str, tuple[int, ...]]]:
+    """Return the scene as the glTF file has it, and the meshes of nodes outside its graph."""
+    file = read_gltf_file(path)
+    unsupported: set[str] = set()
+    materials, images = read_materials(file, unsupported)
+    primitives, meshes = read_meshes(file, unsupported)
+    if not primitives:
+        raise InputError(
+            "has no triangles that can be drawn"
+            + (f" (it needs {', '.join(sorted(unsupported))})" if unsupported else ""),
+            file=path,
+        )
+    nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
+    scene = Scene(path.stem, nodes, primitives, materials, images, animations)
+    scene = replace(scene, environment=replace(scene.environment, point_lights=lights))
+    return replace(scene, warnings=_warning(path, unsupported)), stand_ins
+
+
+def _warning(path: Path, unsupported: set[str]) -> tuple[str, ...]:
+    if not unsupported:
+        return ()
+    return (f"{path.name}: not supported and left out: {', '.join(sorted(unsupported))}",)
