@@ -40,7 +40,7 @@ inside() { # inside VENV CHECKOUT FOLDER COMMAND...
     export HOME=/root LANG=C.UTF-8 PYTHONPATH=$checkout PATH=$venv/bin:/usr/sbin:/usr/bin
     local bundle=/etc/ssl/certs/ca-certificates.crt
     export SSL_CERT_FILE=$bundle PIP_CERT=$bundle REQUESTS_CA_BUNDLE=$bundle
-    unset PIP_CONFIG_FILE PYTHONHOME VIRTUAL_ENV XDG_RUNTIME_DIR XDG_CONFIG_HOME
+    unset PIP_CONFIG_FILE PIP_FIND_LINKS PIP_EXTRA_INDEX_URL PYTHONHOME VIRTUAL_ENV XDG_RUNTIME_DIR XDG_CONFIG_HOME
     prepare_venv "$venv" "$checkout"
     cd "$folder"
     "$@"

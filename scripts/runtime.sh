@@ -49,16 +49,19 @@ host_certificates() {
     return 1
 }
 
+pip_place() { [ "$1" = /etc/pip.conf ] && echo "$1" || echo /root/.config/pip/pip.conf; }
+
 # How this system reaches the world: proxies and other download settings of apt, pip's
 # configuration, certificate authorities, name servers.
 copy_network_settings() { # copy_network_settings FOLDER
     local folder=$1 bundle file
+    mkdir -p "$folder/root/.config/pip"
     apt-config dump 2>/dev/null | grep '^Acquire::' | grep -v -e IndexTargets -e Proxy-Auto \
         >"$folder/etc/apt/apt.conf.d/90host" || true
-    for file in /etc/pip.conf "$HOME/.pip/pip.conf" "$HOME/.config/pip/pip.conf" \
-        "${PIP_CONFIG_FILE:-}"; do
-        [ -s "$file" ] && cat "$file" && echo
-    done >"$folder/etc/pip.conf" || true
+    # Without what names files of this system: local wheels, certificates (set when running).
+    for file in /etc/pip.conf "${PIP_CONFIG_FILE:-$HOME/.config/pip/pip.conf}"; do
+        [ ! -s "$file" ] || sed -e '/file:/d' -e '/= *\//d' "$file" >"$folder$(pip_place "$file")"
+    done
     cp -L /etc/resolv.conf /etc/hosts "$folder/etc/"
     if bundle=$(host_certificates); then
         mkdir -p "$folder/etc/ssl/certs"
@@ -105,7 +108,7 @@ if [ ! -e "$root/complete" ]; then
     "${as_root[@]}" env DEBIAN_MIRROR="${DEBIAN_MIRROR:-}" HOME="$HOME" \
         unshare --mount --propagation private bash -euo pipefail -c "
             $(declare -p suite packages)
-            $(declare -f make_folder copy_network_settings host_certificates)
+            $(declare -f make_folder copy_network_settings pip_place host_certificates)
             make_folder \"\$@\"" make_folder "$root.partial" "$(debian_mirror)" ||
         fail "the folder could not be made." "The last lines of $root.partial.log say why."
     "${as_root[@]}" mv "$root.partial" "$root"

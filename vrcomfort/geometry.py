@@ -109,6 +109,36 @@ class View:
     fov: Fov
 
 
+@dataclass(frozen=True)
+class Quad:
+    """A rectangle in space that faces +Z of its own frame: a panel.
+
+    Parameters
+    ----------
+    pose
+        stage-from-quad: the centre, and which way it faces.
+    size_m
+        (width, height).
+    """
+
+    pose: Pose
+    size_m: tuple[float, float]
+
+    def intersection(self, ray: Pose) -> tuple[float, float] | None:
+        """Return where the ray along −Z of `ray` meets the front: (right, down), each 0 to 1.
+
+        None where it misses, runs along the rectangle, or comes from behind.
+        """
+        local = self.pose.inverse() @ ray
+        height_m, fall = local.position[2], -local.forward[2]
+        if height_m <= 0 or fall <= 0:
+            return None
+        x_m, y_m = (local.position + local.forward * (height_m / fall))[:2]
+        right, down = x_m / self.size_m[0] + 0.5, 0.5 - y_m / self.size_m[1]
+        inside = 0 <= right <= 1 and 0 <= down <= 1
+        return (float(right), float(down)) if inside else None
+
+
 def normalize(vector: ArrayLike) -> Array:
     """Return (..., n) vectors scaled to unit length."""
     array = np.asarray(vector, dtype=np.float64)

@@ -32,6 +32,9 @@ class Frame:
         False where nobody sees the frame.
     discontinuity
         True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    paused
+        True where the participant sees nothing of it (headset taken off or asleep): time that
+        does not count as exposure.
     """
 
     index: int
@@ -42,6 +45,23 @@ class Frame:
     avatar_pose: Pose
     should_render: bool = True
     discontinuity: bool = False
+    paused: bool = False
+
+
+@dataclass(frozen=True)
+class HeadsetEvent:
+    """Something that happened to the headset, for the record.
+
+    Parameters
+    ----------
+    name
+        In ``snake_case``: ``session_state``, ``tracking_lost``, ``recentered`` ...
+    detail
+        What it changed to, in words.
+    """
+
+    name: str
+    detail: str = ""
 
 
 class Headset(Protocol):

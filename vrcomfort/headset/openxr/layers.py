@@ -1,0 +1,160 @@
+"""What the runtime composes: the two eyes' images, and panels that stand in the room."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+import numpy as np
+import xr
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Quad
+from vrcomfort.headset.openxr.convert import pose_to_xr
+from vrcomfort.headset.openxr.swapchain import Swapchain
+
+Eyes = tuple[moderngl.Texture, moderngl.Texture]
+Layer = xr.CompositionLayerProjection | xr.CompositionLayerQuad
+MakeSwapchain = Callable[[tuple[int, int]], Swapchain]
+Mirror = Callable[[int, moderngl.Framebuffer], None]
+
+PANEL_FLAGS = (
+    xr.CompositionLayerFlags.BLEND_TEXTURE_SOURCE_ALPHA_BIT
+    | xr.CompositionLayerFlags.UNPREMULTIPLIED_ALPHA_BIT
+)
+
+
+class EyeLayer:
+    """The projection layer: copies the renderer's images, byte for byte.
+
+    Parameters
+    ----------
+    ctx
+        The context that the session was made with.
+    make_swapchain
+        Makes a swapchain of a size in pixels.
+    size_px
+        (width, height) of one eye's image.
+    mirror
+        Called with (0 left or 1 right, the image that the runtime is about to get).
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        make_swapchain: MakeSwapchain,
+        size_px: tuple[int, int],
+        mirror: Mirror | None,
+    ) -> None:
+        self._ctx = ctx
+        self._mirror = mirror
+        self._swapchains = make_swapchain(size_px), make_swapchain(size_px)
+        self._sources: dict[int, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
+
+    def draw(self, eyes: Eyes) -> None:
+        """Hand both images to the runtime.
+
+        Raises
+        ------
+        ValueError
+            If an image has not the size that was asked for.
+        """
+        for eye, (texture, swapchain) in enumerate(zip(eyes, self._swapchains, strict=True)):
+            if texture.size != swapchain.size_px:
+                raise ValueError(f"image of {texture.size} pixels, wanted {swapchain.size_px}")
+            source = self._source(eye, texture)
+            swapchain.draw(lambda target, eye=eye, source=source: self._copy(eye, source, target))
+
+    def structure(self, space: xr.Space, views: Any) -> xr.CompositionLayerProjection:
+        """Return the layer, seen from the runtime's own `views`."""
+        projections = [
+            xr.CompositionLayerProjectionView(
+                pose=view.pose, fov=view.fov, sub_image=swapchain.sub_image
+            )
+            for view, swapchain in zip(views, self._swapchains, strict=True)
+        ]
+        return xr.CompositionLayerProjection(space=space, views=projections)
+
+    def release(self) -> None:
+        """Release the images."""
+        self._sources.clear()
+        for swapchain in self._swapchains:
+            swapchain.release()
+
+    def _source(self, eye: int, texture: moderngl.Texture) -> moderngl.Framebuffer:
+        """Return a framebuffer to copy from; renderers draw into the same textures each frame."""
+        kept = self._sources.get(eye)
+        if kept is None or kept[0] is not texture:
+            kept = texture, self._ctx.framebuffer([texture])
+            self._sources[eye] = kept
+        return kept[1]
+
+    def _copy(
+        self, eye: int, source: moderngl.Framebuffer, target: moderngl.Framebuffer
+    ) -> None:
+        self._ctx.copy_framebuffer(target, source)
+        if self._mirror is not None:
+            self._mirror(eye, target)
+
+
+class PanelLayer:
+    """A picture on a rectangle that stands in the room.
+
+    Parameters
+    ----------
+    make_swapchain
+        Makes a swapchain of a size in pixels.
+    size_px
+        (width, height) of the picture.
+    quad
+        Where it stands in the stage, and how large.
+    """
+
+    def __init__(
+        self, make_swapchain: MakeSwapchain, size_px: tuple[int, int], quad: Quad
+    ) -> None:
+        self.quad = quad
+        self._swapchain = make_swapchain(size_px)
+        self._shown: NDArray[np.uint8] | None = None
+
+    def draw(self, picture: NDArray[np.uint8]) -> None:
+        """Show `picture`, (height, width, 4) sRGB with straight alpha, top row first.
+
+        The same array again costs nothing.
+        """
+        if picture is self._shown:
+            return
+        self._swapchain.draw(
+            lambda target: target.color_attachments[0].write(picture[::-1].tobytes())
+        )
+        self._shown = picture
+
+    def structure(self, space: xr.Space) -> xr.CompositionLayerQuad | None:
+        """Return the layer, or None before the first picture."""
+        if self._shown is None:
+            return None
+        return xr.CompositionLayerQuad(
+            layer_flags=PANEL_FLAGS,
+            space=space,
+            sub_image=self._swapchain.sub_image,
+            pose=pose_to_xr(self.quad.pose),
+            size=xr.Extent2Df(*self.quad.size_m),
+        )
+
+    def release(self) -> None:
+        """Release the images."""
+        self._swapchain.release()
+
+
+def end_frame(session: xr.Session, display_time_ns: int, layers: list[Layer]) -> None:
+    """Give the frame to the runtime, from back to front."""
+    xr.end_frame(
+        session,
+        xr.FrameEndInfo(
+            display_time=display_time_ns,
+            environment_blend_mode=xr.EnvironmentBlendMode.OPAQUE,
+            layers=[ctypes.byref(layer) for layer in layers],
+        ),
+    )

@@ -1,0 +1,117 @@
+"""Images that belong to the runtime: acquire, draw, give back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import moderngl
+import xr
+
+from vrcomfort.errors import InputError
+from vrcomfort.headset.openxr.binding import make_current
+from vrcomfort.headset.openxr.faults import lost
+
+FORMATS = {0x8C43: "SRGB8_ALPHA8"}
+"""Our images are sRGB-encoded in 8 bits: this format takes their bytes as they are."""
+
+USAGE = xr.SwapchainUsageFlags.COLOR_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
+
+
+def choose_format(offered: Sequence[int]) -> int:
+    """Return the first of `FORMATS` that the runtime offers.
+
+    Raises
+    ------
+    InputError
+        If it offers none: any other would change the colours of the stimulus.
+    """
+    for candidate in FORMATS:
+        if candidate in offered:
+            return candidate
+    raise InputError(
+        f"the OpenXR runtime offers no {' or '.join(FORMATS.values())} images (it offers "
+        f"{', '.join(hex(each) for each in offered)}); colours would change: use another runtime"
+    )
+
+
+class Swapchain:
+    """A ring of images of one size.
+
+    Parameters
+    ----------
+    ctx
+        The context that the session was made with.
+    session
+        OpenXR's handle.
+    size_px
+        (width, height).
+    color_format
+        OpenGL's number, from `choose_format`.
+    timeout_s
+        How long the runtime may keep an image.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        session: xr.Session,
+        size_px: tuple[int, int],
+        color_format: int,
+        timeout_s: float,
+    ) -> None:
+        self.size_px = size_px
+        self._timeout_ns = int(timeout_s * 1e9)
+        self._handle = xr.create_swapchain(session, _create_info(size_px, color_format))
+        images = xr.enumerate_swapchain_images(self._handle, xr.SwapchainImageOpenGLKHR)
+        make_current(ctx)
+        self._targets = [_framebuffer(ctx, image.image, size_px) for image in images]
+
+    def draw(self, paint: Callable[[moderngl.Framebuffer], Any]) -> None:
+        """Let `paint` fill the next image, and hand it to the runtime.
+
+        Raises
+        ------
+        RuntimeLostError
+            If the runtime gives none in time.
+        """
+        index = xr.acquire_swapchain_image(self._handle, xr.SwapchainImageAcquireInfo())
+        try:
+            xr.wait_swapchain_image(
+                self._handle, xr.SwapchainImageWaitInfo(timeout=self._timeout_ns)
+            )
+        except xr.exception.TimeoutExpired as error:
+            raise lost(f"it gave no image within {self._timeout_ns / 1e9:g} s") from error
+        paint(self._targets[index])
+        xr.release_swapchain_image(self._handle, xr.SwapchainImageReleaseInfo())
+
+    @property
+    def sub_image(self) -> xr.SwapchainSubImage:
+        """Return the whole of the image that was given back last."""
+        area = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*self.size_px))
+        return xr.SwapchainSubImage(self._handle, area)
+
+    def release(self) -> None:
+        """Give the images back for good."""
+        self._targets.clear()
+        xr.destroy_swapchain(self._handle)
+
+
+def _create_info(size_px: tuple[int, int], color_format: int) -> xr.SwapchainCreateInfo:
+    width, height = size_px
+    return xr.SwapchainCreateInfo(
+        usage_flags=USAGE,
+        format=color_format,
+        sample_count=1,
+        width=width,
+        height=height,
+        face_count=1,
+        array_size=1,
+        mip_count=1,
+    )
+
+
+def _framebuffer(
+    ctx: moderngl.Context, name: int, size_px: tuple[int, int]
+) -> moderngl.Framebuffer:
+    return ctx.framebuffer([ctx.external_texture(name, size_px, 4, 0, "f1")])
