@@ -37,7 +37,7 @@ PYTHON
 inside() { # inside VENV CHECKOUT FOLDER COMMAND...
     local venv=$1 checkout=$2 folder=$3
     shift 3
-    export HOME=/root LANG=C.UTF-8 PYTHONPATH=$checkout PATH=$venv/bin:/usr/sbin:/usr/bin
+    export VRCOMFORT_RUNTIME=1 HOME=/root LANG=C.UTF-8 PYTHONPATH=$checkout PATH=$venv/bin:/usr/sbin:/usr/bin
     local bundle=/etc/ssl/certs/ca-certificates.crt
     export SSL_CERT_FILE=$bundle PIP_CERT=$bundle REQUESTS_CA_BUNDLE=$bundle
     unset PIP_CONFIG_FILE PIP_FIND_LINKS PIP_EXTRA_INDEX_URL PYTHONHOME VIRTUAL_ENV XDG_RUNTIME_DIR XDG_CONFIG_HOME

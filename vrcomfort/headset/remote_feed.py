@@ -12,6 +12,8 @@ import time
 from dataclasses import dataclass, field
 from typing import Self
 
+import numpy as np
+
 from vrcomfort.geometry import Fov, Pose, View
 
 HEADER = b"mndrmt3\0"
@@ -23,7 +25,7 @@ HALF_FOV = Fov(-0.7, 0.7, 0.7, -0.7)
 
 
 def _default_views() -> tuple[View, View]:
-    left, right = (Pose([x, 0.0, 0.0]) for x in (-IPD_M / 2, IPD_M / 2))
+    left, right = (Pose(np.array([x, 0.0, 0.0])) for x in (-IPD_M / 2, IPD_M / 2))
     return View(left, HALF_FOV), View(right, HALF_FOV)
 
 
@@ -61,8 +63,8 @@ class RemoteState:
 
     head: Pose
     eyes: tuple[View, View] = field(default_factory=_default_views)
-    left: RemoteHand = field(default_factory=lambda: RemoteHand(Pose([-0.2, 1.2, -0.3])))
-    right: RemoteHand = field(default_factory=lambda: RemoteHand(Pose([0.2, 1.2, -0.3])))
+    left: RemoteHand = field(default_factory=lambda: RemoteHand(Pose(np.array([-0.2, 1.2, -0.3]))))
+    right: RemoteHand = field(default_factory=lambda: RemoteHand(Pose(np.array([0.2, 1.2, -0.3]))))
 
     def packet(self) -> bytes:
         """Return the 376 bytes of this state."""

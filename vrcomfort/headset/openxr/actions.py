@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from contextlib import suppress
 from typing import Any
 
 import xr
@@ -51,16 +52,12 @@ class Actions:
         )
         self._aims = [self._space(self._actions["aim"], hand) for hand in self._hands]
         self._gaze_space = None if self._gaze is None else self._space(self._gaze)
-        self._sync_info = xr.ActionsSyncInfo(
-            active_action_sets=[xr.ActiveActionSet(self._set, 0)]
-        )
+        self._sync_info = xr.ActionsSyncInfo(active_action_sets=[xr.ActiveActionSet(self._set, 0)])
 
     def sync(self) -> None:
         """Take the state of all buttons, once per frame."""
-        try:
+        with suppress(xr.exception.SessionNotFocused):  # controllers read as inactive then
             xr.sync_actions(self._session, self._sync_info)
-        except xr.exception.SessionNotFocused:
-            return  # the runtime's own menu has the controllers; they read as inactive
 
     def read(self, stage: Stage, time_ns: int) -> Inputs:
         """Return what hands and eyes do at `time_ns`."""
@@ -76,7 +73,8 @@ class Actions:
         pulse = xr.HapticVibration(
             duration=TICK_NS, frequency=xr.FREQUENCY_UNSPECIFIED, amplitude=TICK_AMPLITUDE
         )
-        xr.apply_haptic_feedback(self._session, info, pulse)
+        with suppress(xr.exception.SessionNotFocused):  # the runtime's own menu has the controllers
+            xr.apply_haptic_feedback(self._session, info, pulse)
 
     def profile(self, hand: int) -> str:
         """Return which controller the runtime uses for `hand`, or an empty string."""
@@ -113,7 +111,7 @@ class Actions:
         location = xr.SpaceLocation(next=seen)
         locate = xr.raw_functions.xrLocateSpace
         check(locate(self._gaze_space, stage.space, time_ns, ctypes.byref(location)))
-        flags = location._location_flags  # noqa: SLF001 - the enum costs 10 µs
+        flags = location._location_flags  # the enum costs 10 µs
         if flags & VALID != VALID:
             return Gaze(Pose(), int(seen.time), valid=False)
         return Gaze(pose_from_xr(location.pose), int(seen.time), flags & TRACKED == TRACKED)

@@ -49,7 +49,7 @@ class _Current:
 
 def make_current(ctx: moderngl.Context) -> None:
     """Take the context back: a runtime may leave its own, or none, behind."""
-    ctx.__enter__()  # noqa: PLC2801 - leaving again would restore the runtime's
+    ctx.__enter__()  # type: ignore[no-untyped-call]  # leaving again would restore the runtime's
 
 
 def current_binding() -> Binding:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 
 import moderngl
 import xr
@@ -66,9 +66,7 @@ class Connection:
         self._platform = binding.platform
         self.runtime = connect(self._settings, binding.extensions)
         self._owned.callback(self.runtime.release)
-        create = xr.SessionCreateInfo(
-            system_id=self.runtime.system, next=binding.structure.pointer
-        )
+        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
         self.session = xr.create_session(self.runtime.instance, create)
         self._owned.callback(xr.destroy_session, self.session)
         self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
@@ -109,8 +107,6 @@ class Connection:
 
     def release(self) -> None:
         """Release everything, newest first; a runtime that is gone keeps nothing."""
-        try:
+        with suppress(xr.exception.ErrorResult):
             self._owned.close()
-        except xr.exception.ErrorResult:
-            self._owned.pop_all()
         make_current(self._ctx)

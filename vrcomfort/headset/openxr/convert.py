@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xr
 
 from vrcomfort.geometry import Fov, Pose, View
 
-Posef = xr.Posef
 
-
-def pose_from_xr(pose: Posef) -> Pose:
+def pose_from_xr(pose: xr.Posef) -> Pose:
     """Return the same pose in float64."""
     p, q = pose.position, pose.orientation
-    return Pose([p.x, p.y, p.z], [q.x, q.y, q.z, q.w])
+    return Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
 
 
-def pose_to_xr(pose: Pose) -> Posef:
+def pose_to_xr(pose: Pose) -> xr.Posef:
     """Return the same pose, rounded to float32."""
     return xr.Posef(
         orientation=xr.Quaternionf(*map(float, pose.orientation)),

@@ -165,6 +165,8 @@ class OpenXrHeadset:
         except (xr.exception.ResultException, RuntimeLostError):
             pass  # the runtime is gone already
         finally:
+            for panel in list(self._panels):
+                self.hide_panel(panel)
             self._xr.release()
 
     def request_exit(self) -> None:

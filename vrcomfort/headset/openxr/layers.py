@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 import moderngl
 import numpy as np
@@ -16,7 +16,7 @@ from vrcomfort.headset.openxr.convert import pose_to_xr
 from vrcomfort.headset.openxr.swapchain import Swapchain
 
 Eyes = tuple[moderngl.Texture, moderngl.Texture]
-Layer = xr.CompositionLayerProjection | xr.CompositionLayerQuad
+Layer = Any
 MakeSwapchain = Callable[[tuple[int, int]], Swapchain]
 Mirror = Callable[[int, moderngl.Framebuffer], None]
 
@@ -65,7 +65,10 @@ class EyeLayer:
             if texture.size != swapchain.size_px:
                 raise ValueError(f"image of {texture.size} pixels, wanted {swapchain.size_px}")
             source = self._source(eye, texture)
-            swapchain.draw(lambda target, eye=eye, source=source: self._copy(eye, source, target))
+            with swapchain.image() as target:
+                self._ctx.copy_framebuffer(target, source)
+                if self._mirror is not None:
+                    self._mirror(eye, target)
 
     def structure(self, space: xr.Space, views: Any) -> xr.CompositionLayerProjection:
         """Return the layer, seen from the runtime's own `views`."""
@@ -91,13 +94,6 @@ class EyeLayer:
             self._sources[eye] = kept
         return kept[1]
 
-    def _copy(
-        self, eye: int, source: moderngl.Framebuffer, target: moderngl.Framebuffer
-    ) -> None:
-        self._ctx.copy_framebuffer(target, source)
-        if self._mirror is not None:
-            self._mirror(eye, target)
-
 
 class PanelLayer:
     """A picture on a rectangle that stands in the room.
@@ -112,9 +108,7 @@ class PanelLayer:
         Where it stands in the stage, and how large.
     """
 
-    def __init__(
-        self, make_swapchain: MakeSwapchain, size_px: tuple[int, int], quad: Quad
-    ) -> None:
+    def __init__(self, make_swapchain: MakeSwapchain, size_px: tuple[int, int], quad: Quad) -> None:
         self.quad = quad
         self._swapchain = make_swapchain(size_px)
         self._shown: NDArray[np.uint8] | None = None
@@ -126,9 +120,8 @@ class PanelLayer:
         """
         if picture is self._shown:
             return
-        self._swapchain.draw(
-            lambda target: target.color_attachments[0].write(picture[::-1].tobytes())
-        )
+        with self._swapchain.image() as target:
+            cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
         self._shown = picture
 
     def structure(self, space: xr.Space) -> xr.CompositionLayerQuad | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import xr
 
 from vrcomfort.geometry import Pose
@@ -12,9 +13,7 @@ Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
 """The floor as origin where there is one; LOCAL starts at eye height."""
 
-VALID = int(
-    xr.SpaceLocationFlags.ORIENTATION_VALID_BIT | xr.SpaceLocationFlags.POSITION_VALID_BIT
-)
+VALID = int(xr.SpaceLocationFlags.ORIENTATION_VALID_BIT | xr.SpaceLocationFlags.POSITION_VALID_BIT)
 
 
 class Stage:
@@ -41,14 +40,14 @@ class Stage:
         self._type = next(each for each in PREFERRED if each in offered)
         self.kind = self._type.name.lower()
         floor_m = -eye_height_m if self._type is Space.LOCAL else 0.0
-        self._origin = Pose([0.0, floor_m, 0.0])
+        self._origin = Pose(np.array([0.0, floor_m, 0.0]))
         self.space = self._reference(self._type, self._origin)
         self._head = self._reference(Space.VIEW, Pose())
 
     def locate(self, space: xr.Space, time_ns: int) -> Pose | None:
         """Return stage-from-`space`, or None where it is not known."""
         location = xr.locate_space(space, self.space, time_ns)
-        if location._location_flags & VALID != VALID:  # noqa: SLF001 - the enum costs 10 µs
+        if location._location_flags & VALID != VALID:  # the enum costs 10 µs
             return None
         return pose_from_xr(location.pose)
 
@@ -71,4 +70,4 @@ class Stage:
 def floor_under(head: Pose) -> Pose:
     """Return the floor point below `head`, turned to its heading."""
     x, _, z = head.position
-    return Pose([x, 0.0, z], heading(head))
+    return Pose(np.array([x, 0.0, z]), heading(head))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import moderngl
 import xr
@@ -67,8 +67,9 @@ class Swapchain:
         make_current(ctx)
         self._targets = [_framebuffer(ctx, image.image, size_px) for image in images]
 
-    def draw(self, paint: Callable[[moderngl.Framebuffer], Any]) -> None:
-        """Let `paint` fill the next image, and hand it to the runtime.
+    @contextmanager
+    def image(self) -> Iterator[moderngl.Framebuffer]:
+        """Lend the next image to draw on; afterwards the runtime has it.
 
         Raises
         ------
@@ -82,8 +83,10 @@ class Swapchain:
             )
         except xr.exception.TimeoutExpired as error:
             raise lost(f"it gave no image within {self._timeout_ns / 1e9:g} s") from error
-        paint(self._targets[index])
-        xr.release_swapchain_image(self._handle, xr.SwapchainImageReleaseInfo())
+        try:
+            yield self._targets[index]
+        finally:
+            xr.release_swapchain_image(self._handle, xr.SwapchainImageReleaseInfo())
 
     @property
     def sub_image(self) -> xr.SwapchainSubImage:

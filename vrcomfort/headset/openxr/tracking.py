@@ -52,7 +52,7 @@ class Tracking:
         state, views = xr.locate_views(
             self._session, xr.ViewLocateInfo(STEREO, time_ns, self._stage.space)
         )
-        valid = state._view_state_flags & VALID == VALID  # noqa: SLF001 - the enum costs 10 µs
+        valid = state._view_state_flags & VALID == VALID  # the enum costs 10 µs
         known = head is not None and valid
         if head is not None and valid:
             left, right = views
