@@ -52,6 +52,8 @@ class DepthOfField(Settings):
     """Defocus at which the `linear` law reaches r_max (the paper gives no constant)."""
     full_blur_dioptre: Positive = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
+    rings: Annotated[int, Field(ge=1, le=8)] = 3
+    """Rings of samples in the widest discs, 8·k on ring k: speed against smoothness."""
 
 
 class MotionBlur(Settings):
@@ -63,6 +65,7 @@ class MotionBlur(Settings):
     max_radius_percent: Annotated[float, Field(gt=0, le=20)] = 5.0
     """Longest half streak, as a percentage of one eye's image width (logged when it clamps)."""
     samples: Annotated[int, Field(ge=2, le=64)] = 8
+    """Samples along 16 px of a streak; longer ones take proportionally more."""
 
 
 class Condition(Settings):

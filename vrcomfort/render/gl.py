@@ -117,3 +117,9 @@ def check_errors(ctx: moderngl.Context) -> None:
     error = ctx.error
     if error != "GL_NO_ERROR":
         raise RuntimeError(f"OpenGL reports {error}")
+
+
+def describe(ctx: moderngl.Context) -> dict[str, str]:
+    """Return the driver's own words: vendor, renderer, version, and the GLSL version."""
+    names = {"GL_VENDOR": "vendor", "GL_RENDERER": "renderer", "GL_VERSION": "version"}
+    return {name: str(ctx.info[key]) for key, name in names.items()}

@@ -238,7 +238,8 @@ def parent_from_node(
 ) -> Array:
     """Return (n, 4, 4) parent-from-node of all nodes at `time_s`, animations looping."""
     moved = sample_all(animations, time_s)
-    return np.stack([_local(node, index, moved) for index, node in enumerate(nodes)])
+    local = [_local(node, index, moved) for index, node in enumerate(nodes)]
+    return np.array(local, dtype=np.float64).reshape(-1, 4, 4)  # a scene may be all sky
 
 
 def _local(node: Node, index: int, moved: dict[tuple[int, str], Array]) -> Array:

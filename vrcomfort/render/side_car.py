@@ -89,7 +89,10 @@ class Walkable(_Table):
 
 
 class Lod(_Table):
-    """From this distance on draw the mesh of `node` (a node outside the scene; "" for none)."""
+    """From this distance on draw the mesh of `node` (a node outside the scene; "" for none).
+
+    ``*`` in `node` stands for the name of the node that is replaced.
+    """
 
     from_distance_m: Positive
     node: str
@@ -176,21 +179,23 @@ def _line_of(text: str, location: tuple[int | str, ...]) -> int | None:
 def _check_patterns(
     side_car: SideCar, scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Path
 ) -> None:
-    names = [node.name for node in scene.nodes]
     text = path.read_text(encoding="utf-8")
     for pattern, settings in side_car.nodes.items():
-        if not any(fnmatchcase(name, pattern) for name in names):
-            line = _line_of(text, (pattern,))
-            raise InputError(f"no node of the scene is called {pattern!r}", file=path, line=line)
-        for level in settings.lod:
-            if level.node and level.node not in stand_ins:
-                line = _line_of(text, (pattern,))
-                raise InputError(
-                    f"lod of {pattern!r} names {level.node!r}, "
-                    "which is not a node with a mesh outside the scene graph",
-                    file=path,
-                    line=line,
-                )
+        names = [node.name for node in scene.nodes if fnmatchcase(node.name, pattern)]
+        wanted = {_stand_in(level, name) for level in settings.lod for name in names} - {""}
+        missing = sorted(wanted - stand_ins.keys())
+        if names and not missing:
+            continue
+        fault = (
+            f"lod of {pattern!r} names {missing[0]!r}, which is no mesh outside the scene graph"
+            if missing
+            else f"no node of the scene is called {pattern!r}"
+        )
+        raise InputError(fault, file=path, line=_line_of(text, (pattern,)))
+
+
+def _stand_in(level: Lod, name: str) -> str:
+    return level.node.replace("*", name)
 
 
 def _environment(side_car: SideCar, lamps_of_file: tuple[PointLight, ...]) -> Environment:
@@ -249,7 +254,9 @@ def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ..
         include={"semantic_weight", "head_locked", "ambient"}, exclude_none=True
     )
     lod = tuple(
-        LodLevel(level.from_distance_m, stand_ins[level.node] if level.node else ())
+        LodLevel(
+            level.from_distance_m, stand_ins[_stand_in(level, node.name)] if level.node else ()
+        )
         for level in sorted(entry.lod, key=lambda level: level.from_distance_m)
     )
     return replace(node, **given, lod=lod or node.lod)

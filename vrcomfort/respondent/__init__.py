@@ -1,1 +1,15 @@
-"""See the modules."""
+"""Who answers: simulated participants, or an experimenter who types what a person says."""
+
+from vrcomfort.respondent.base import Exposure, Form, Heard, Respondent, Withdrew
+from vrcomfort.respondent.simulated import SimulatedRespondent
+from vrcomfort.respondent.terminal import TerminalRespondent
+
+__all__ = [
+    "Exposure",
+    "Form",
+    "Heard",
+    "Respondent",
+    "SimulatedRespondent",
+    "TerminalRespondent",
+    "Withdrew",
+]

@@ -1,0 +1,27 @@
+#version 450 core
+// Depth only: shadow maps and focus rays.
+//
+// Input:  vertices; relative_from_node rows as in scene.vert.
+// Output: position in any reverse-Z clip space; ALPHA_MASK: what depth.frag needs.
+in vec3 in_position;
+in vec2 in_uv;
+in vec4 in_color;
+in vec4 in_relative_x;
+in vec4 in_relative_y;
+in vec4 in_relative_z;
+uniform mat4 clip_from_relative;
+#ifdef ALPHA_MASK
+out vec2 uv;
+out float alpha;
+#endif
+
+void main() {
+    vec4 position = vec4(in_position, 1.0);
+    vec3 relative = vec3(dot(in_relative_x, position), dot(in_relative_y, position),
+                         dot(in_relative_z, position));
+    gl_Position = clip_from_relative * vec4(relative, 1.0);
+#ifdef ALPHA_MASK
+    uv = in_uv;
+    alpha = in_color.a;
+#endif
+}

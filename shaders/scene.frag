@@ -1,0 +1,152 @@
+#version 450 core
+// Lights a surface: sun with shadow, hemisphere of sky and ground, lamps, air.
+//
+// Input:  interpolated surface, its material and textures.
+// Output: linear HDR radiance, before exposure; VELOCITY: px per frame (include/velocity.glsl).
+//         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
+#include "view.glsl"
+#include "light.glsl"
+#include "surface.glsl"
+#include "sky.glsl"
+
+layout(binding = 0) uniform sampler2D base_color_image;
+layout(binding = 1) uniform sampler2D normal_image;
+layout(binding = 2) uniform sampler2D metallic_roughness_image;
+layout(binding = 3) uniform sampler2D emissive_image;
+layout(binding = 4) uniform sampler2DShadow shadow_map;
+
+in vec3 relative;
+in vec3 normal;
+in vec2 uv;
+#ifdef VERTEX_COLORS
+in vec4 color;
+#endif
+flat in vec2 thing;
+layout(location = 0) out vec4 radiance;
+#ifdef VELOCITY
+#include "velocity.glsl"
+in vec4 present_clip;
+in vec4 previous_clip;
+layout(location = 1) out vec2 velocity;
+#endif
+
+const float HALF_FLOAT_MAX = 65504.0;
+
+// Tangent frame from screen derivatives: no tangents in the vertices.
+// Source: Schueler, "Normal mapping without precomputed tangents", ShaderX 5 (2006).
+vec3 mapped_normal(vec3 n) {
+    vec3 texel = texture(normal_image, uv).xyz * 2.0 - 1.0;
+    texel.xy *= emissive.a;
+    vec3 dx = dFdx(relative), dy = dFdy(relative);
+    vec2 du = dFdx(uv), dv = dFdy(uv);
+    vec3 across_x = cross(dy, n), across_y = cross(n, dx);
+    vec3 t = across_x * du.x + across_y * dv.x;
+    vec3 b = across_x * du.y + across_y * dv.y;
+    float scale = inversesqrt(max(max(dot(t, t), dot(b, b)), 1e-30));
+    // glTF: v grows down in the image and green points up, hence the minus.
+    return normalize((t * texel.x - b * texel.y) * scale + n * max(texel.z, 1e-3));
+}
+
+// Rough enough that the highlight is no narrower than the pixel.
+// Source: Tokuyoshi & Kaplanyan, "Improved geometric specular antialiasing", I3D 2019.
+float filtered_alpha(float alpha, vec3 n) {
+    vec3 dx = dFdx(n), dy = dFdy(n);
+    float variance = 0.25 * (dot(dx, dx) + dot(dy, dy));
+    return sqrt(clamp(alpha * alpha + min(2.0 * variance, 0.18), 0.0, 1.0));
+}
+
+#ifdef SUN
+// Share of the sun that reaches the surface: 4 bilinear comparisons, a 3 x 3 texel tent.
+float sunlight(vec3 n) {
+    vec3 lifted = relative + n * shadow_bias.y;
+    vec3 at = (shadow_from_relative * vec4(lifted, 1.0)).xyz;
+    at.z += shadow_bias.z;
+    float t = 0.5 * shadow_bias.x;
+    float lit = texture(shadow_map, at + vec3(-t, -t, 0.0)) + texture(shadow_map, at + vec3(t, -t, 0.0))
+              + texture(shadow_map, at + vec3(-t, t, 0.0)) + texture(shadow_map, at + vec3(t, t, 0.0));
+    vec2 rim = abs(at.xy * 2.0 - 1.0);
+    float inside = 1.0 - smoothstep(0.85, 0.98, max(rim.x, rim.y));
+    return mix(1.0, 0.25 * lit, inside);  // beyond the map everything is lit
+}
+#endif
+
+void main() {
+    vec4 albedo = base_color;
+    float ambient = thing.x;
+#ifdef VERTEX_COLORS
+#ifdef AMBIENT_IN_ALPHA
+    albedo.rgb *= color.rgb;
+    ambient *= color.a;
+#else
+    albedo *= color;
+#endif
+#endif
+#ifdef BASE_COLOR_IMAGE
+    albedo *= texture(base_color_image, uv);
+#endif
+    float coverage = 1.0;
+#ifdef ALPHA_MASK
+    // Steepen alpha to one pixel's width around the cut-off, so that an edge covers by its area.
+    coverage = clamp((albedo.a - reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
+    if (coverage <= 0.0) discard;
+#endif
+#ifdef ALPHA_BLEND
+    coverage = albedo.a;
+#endif
+    float metallic = reflection.x;
+    float roughness = reflection.y;
+#ifdef METALLIC_ROUGHNESS_IMAGE
+    vec4 surface = texture(metallic_roughness_image, uv);
+    metallic *= surface.b;
+    roughness *= surface.g;
+#endif
+    float distance_m = length(relative);
+    vec3 v = -relative / max(distance_m, 1e-6);
+    vec3 n = normalize(normal);
+#ifdef DOUBLE_SIDED
+    n = gl_FrontFacing ? n : -n;
+#endif
+    vec3 smooth_normal = n;
+#ifdef NORMAL_IMAGE
+    n = mapped_normal(n);
+#endif
+    float alpha = filtered_alpha(max(roughness * roughness, 0.01), n);
+    vec3 diffuse = albedo.rgb * (1.0 - metallic);
+    vec3 f0 = mix(vec3(0.04), albedo.rgb, metallic);
+
+    // Sky and ground: diffuse from the hemisphere around n, specular from where it mirrors.
+    vec3 hemisphere = mix(ground.rgb, mix(sky_horizon.rgb, sky_zenith.rgb, 0.5), 0.5 + 0.5 * n.y);
+    vec3 mirrored = mix(sky_gradient(reflect(-v, n)), hemisphere, sqrt(alpha));
+    vec3 sum = ambient * (diffuse * hemisphere
+             + mirrored * ambient_reflectance(f0, roughness, max(dot(n, v), 0.0)));
+#ifdef SUN
+    float n_l = max(dot(n, sun_direction.xyz), 0.0);
+    vec3 sun = sun_irradiance.rgb * (n_l * sunlight(smooth_normal));
+    sum += sun * (diffuse * INV_PI + specular(n, v, sun_direction.xyz, f0, alpha));
+#endif
+#ifdef LAMPS
+    uint lamps = uint(thing.y + 0.5);
+    while (lamps != 0u) {
+        int lamp = findLSB(lamps);
+        lamps &= lamps - 1u;
+        vec3 to_lamp = lamp_position[lamp].xyz - relative;
+        float range_m = length(to_lamp);
+        vec3 l = to_lamp / max(range_m, 1e-4);
+        float received = max(dot(n, l), 0.0) * lamp_falloff(range_m, lamp_position[lamp].w);
+        sum += lamp_intensity[lamp].rgb * received
+             * (diffuse * INV_PI + specular(n, v, l, f0, alpha));
+    }
+#endif
+    vec3 glow = emissive.rgb;
+#ifdef EMISSIVE_IMAGE
+    glow *= texture(emissive_image, uv).rgb;
+#endif
+    sum += glow;
+#ifdef FOG
+    sum = through_air(sum, distance_m);
+#endif
+    radiance = vec4(min(sum, vec3(HALF_FLOAT_MAX)), coverage);
+#ifdef VELOCITY
+    velocity = velocity_px(present_clip, previous_clip, image_size_px.xy);
+#endif
+}

@@ -1,0 +1,70 @@
+#version 450 core
+// Places a vertex in the view, and where it was a frame ago.
+//
+// Input:  vertices; one row per drawn thing: relative_from_node (three rows of a 3x4 matrix).
+//         VELOCITY: also previous_relative_from_node, with the PRESENT eye as origin.
+//         LENS: one point of the lens (include/lens.glsl).
+// Output: reverse-Z clip position; world-space (relative) position and normal.
+#include "view.glsl"
+#ifdef LENS
+#include "lens.glsl"
+#endif
+
+in vec3 in_position;
+in vec4 in_normal;
+in vec2 in_uv;
+in vec4 in_color;
+in vec4 in_relative_x;
+in vec4 in_relative_y;
+in vec4 in_relative_z;
+in vec4 in_thing;  // x: share of ambient light, y: 1 = head-locked, z: bit set of its lamps
+#ifdef VELOCITY
+in vec4 in_previous_x;
+in vec4 in_previous_y;
+in vec4 in_previous_z;
+out vec4 present_clip;
+out vec4 previous_clip;
+#endif
+
+out vec3 relative;
+out vec3 normal;
+out vec2 uv;
+#ifdef VERTEX_COLORS
+out vec4 color;
+#endif
+flat out vec2 thing;  // x: share of ambient light, y: bit set of lamps
+
+vec3 cofactor(vec3 n) {
+    // The inverse transpose keeps normals upright under uneven scale; its sign keeps mirrors right.
+    vec3 x = in_relative_x.xyz, y = in_relative_y.xyz, z = in_relative_z.xyz;
+    vec3 yz = cross(y, z);
+    return vec3(dot(yz, n), dot(cross(z, x), n), dot(cross(x, y), n)) * sign(dot(x, yz));
+}
+
+void main() {
+    vec4 position = vec4(in_position, 1.0);
+    relative = vec3(dot(in_relative_x, position), dot(in_relative_y, position),
+                    dot(in_relative_z, position));
+    normal = cofactor(in_normal.xyz);
+    uv = in_uv;
+#ifdef VERTEX_COLORS
+    color = in_color;
+#endif
+    thing = in_thing.xz;
+    gl_Position = clip_now(relative);
+#ifdef VELOCITY
+    vec3 before = vec3(dot(in_previous_x, position), dot(in_previous_y, position),
+                       dot(in_previous_z, position));
+    // A head-locked thing is seen by the present eye at both times: its motion in head space.
+    bool locked = in_thing.y > 0.5;
+    mat3 rotation = locked ? mat3(view_from_relative) : mat3(previous_view_from_relative);
+    vec3 from_previous_eye = before + (locked ? vec3(0.0) : eye_delta_m.xyz);
+    present_clip = gl_Position;
+    previous_clip = clip_from_view * vec4(rotation * from_previous_eye, 1.0);
+#endif
+#ifdef LENS
+    float head_depth_m = dot(head_forward.xyz, relative) + head_forward.w;
+    gl_Position = through_lens(gl_Position, lens.xy, head_depth_m, lens.z, lens.w,
+                               lens_limit.x, lens_limit.y);
+#endif
+}

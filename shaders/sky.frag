@@ -1,0 +1,24 @@
+#version 450 core
+// Radiance of the sky; drawn at depth 0, where the depth test leaves only untouched samples.
+//
+// Input:  direction of the pixel.
+// Output: linear HDR radiance; VELOCITY: px per frame.
+#include "view.glsl"
+#include "light.glsl"
+#include "sky.glsl"
+
+in vec3 direction;
+layout(location = 0) out vec4 radiance;
+#ifdef VELOCITY
+#include "velocity.glsl"
+in vec4 present_clip;
+in vec4 previous_clip;
+layout(location = 1) out vec2 velocity;
+#endif
+
+void main() {
+    radiance = vec4(sky_radiance(normalize(direction)), 1.0);
+#ifdef VELOCITY
+    velocity = velocity_px(present_clip, previous_clip, image_size_px.xy);
+#endif
+}

@@ -1,0 +1,179 @@
+"""A small study for tests: a protocol, a headset that looks ahead, a renderer without pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vrcomfort.geometry import Fov, Pose, View
+from vrcomfort.headset.base import Frame
+from vrcomfort.protocol import Condition, Protocol, load_protocol
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.respondent import Exposure, Form, Heard, Withdrew
+
+PROTOCOL = """\
+name = "tiny"
+title = "A tiny study"
+exposure_s = 10.0
+training_s = 1.0
+scenes = ["room.glb"]
+
+[[conditions]]
+name = "plain"
+
+[[conditions]]
+name = "blur"
+[conditions.depth_of_field]
+
+[order]
+rule = "explicit"
+[[order.sequences]]
+name = "ab"
+sessions = [
+  [{ scene = "room.glb", condition = "plain" }, { scene = "room.glb", condition = "blur" }],
+  [{ scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" }],
+]
+
+[[questionnaires]]
+timepoint = "baseline"
+when = "session_start"
+
+[[questionnaires]]
+timepoint = "post"
+when = "after_trial"
+
+[[questionnaires]]
+timepoint = "recovery"
+when = "session_end"
+wait_s = 60.0
+
+[ratings]
+instrument = "fms"
+every_s = 3.0
+timeout_s = 2.0
+stop_at = 15
+"""
+
+
+def tiny_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:
+    (folder / "room.glb").touch()
+    file = folder / "tiny.toml"
+    file.write_text(text, encoding="utf-8")
+    return load_protocol(file)
+
+
+def frame(index: int, *, period_ns: int = 100_000_000, time_ns: int | None = None) -> Frame:
+    view = View(Pose(np.array([0.03, 1.6, 0.1 * index])), Fov(-0.8, 0.7, 0.9, -0.9))
+    time_ns = index * period_ns if time_ns is None else time_ns
+    return Frame(index, time_ns, period_ns, Pose(), (view, view), Pose(), True, index == 0)
+
+
+@dataclass
+class AheadHeadset:
+    """Ten frames a second, for as long as `frames_left` lasts."""
+
+    frames_left: int = 100_000
+    interrupt_at: int | None = None
+    submitted: int = 0
+    name: str = "ahead"
+    refresh_hz: float = 10.0
+    image_size_px: tuple[int, int] = (4, 4)
+
+    def frames(self) -> Iterator[Frame]:
+        for index in range(self.frames_left):
+            if index == self.interrupt_at:
+                raise KeyboardInterrupt
+            yield frame(index)
+
+    def submit(self, frame: Frame, eyes: Any) -> None:
+        self.submitted += 1
+
+
+@dataclass(frozen=True)
+class Sample:
+    frame_index: int
+    focus_m: float = 2.5
+    focus_raw_m: float = 3.5
+    rays_m: tuple[float, ...] = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 30_000.0)
+    used: tuple[bool, ...] = (True,) * 8 + (False,)
+
+
+@dataclass(frozen=True)
+class Picture:
+    focus_samples: tuple[Sample, ...]
+    eyes: tuple[None, None] = (None, None)
+    max_blur_px: float | None = 1.5
+    cpu_ms: float | None = None
+
+
+@dataclass
+class LateFocus:
+    """A renderer whose focus arrives three frames late, where the condition has any."""
+
+    begun: list[tuple[Any, str]] = field(default_factory=list)
+
+    def begin(self, scene: Any, condition: Condition) -> None:
+        self.begun.append((scene, condition.name))
+        self._focus = condition.depth_of_field is not None
+        self._late: list[Sample] = []
+
+    def render(self, frame: Frame, scene_time_s: float) -> Picture:
+        if self._focus:
+            self._late.append(Sample(frame.index))
+        arrived = tuple(self._late[:-3])
+        self._late = self._late[-3:]
+        return Picture(arrived)
+
+    def drain(self) -> list[Sample]:
+        late, self._late = self._late, []
+        return late
+
+
+@dataclass
+class Scripted:
+    """Answers 1 everywhere; withdraws, interrupts or rates as told."""
+
+    withdraw_at_s: float | None = None
+    withdraw_at_item: str | None = None
+    interrupt_at_item: str | None = None
+    refuses: bool = False
+    rates: int | None = 4
+    name: str = "scripted"
+    exposures: list[Exposure] = field(default_factory=list)
+    felt_s: list[float] = field(default_factory=list)
+
+    def start_session(self, session: int) -> None:
+        self.session = session
+
+    def start_exposure(self, exposure: Exposure) -> None:
+        self.exposures.append(exposure)
+
+    def endure(self, elapsed_s: float) -> None:
+        if self.withdraw_at_s is not None and elapsed_s >= self.withdraw_at_s:
+            raise Withdrew("had enough")
+
+    def end_exposure(self, elapsed_s: float) -> None:
+        self.felt_s.append(elapsed_s)
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
+        self.asked_s = elapsed_s
+
+    def rating(self, elapsed_s: float) -> int | None:
+        return self.rates if elapsed_s >= self.asked_s + 0.5 else None
+
+    def rest(self, duration_s: float) -> None:
+        self.rested_s = duration_s
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        if form.after_withdrawal and self.refuses:
+            raise Withdrew("would not answer")
+        for item in form.instrument.items:
+            if form.timepoint == "post" and item.name == self.withdraw_at_item:
+                raise Withdrew("stopped at a question")
+            if form.timepoint == "post" and item.name == self.interrupt_at_item:
+                raise KeyboardInterrupt
+            heard(item.name, 1, 2.0)

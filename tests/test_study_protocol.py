@@ -1,0 +1,167 @@
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from study_parts import PROTOCOL, tiny_protocol
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import load_protocol, parse_protocol
+from vrcomfort.protocol.locate import locate
+
+
+def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    assert protocol.text == PROTOCOL
+    assert len(protocol.sha256) == 64
+    assert protocol.scene_source("room.glb") == str(tmp_path / "room.glb")
+    assert protocol.condition("blur").depth_of_field is not None
+    assert protocol.condition("plain").depth_of_field is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "says"),
+    [
+        ("exposure_s = 10.0", "exposure_ms = 10.0", (3, 1), "use `exposure_s`"),
+        ("exposure_s = 10.0", "exposure = 10.0", (3, 1), "without a unit"),
+        ("exposure_s = 10.0", "exposure_min = 10.0", (3, 1), "is in minutes"),
+        ("exposure_s = 10.0", "exposure_s = '10'", (3, 1), "should be a number, got '10'"),
+        ("exposure_s = 10.0", "exposure_s = true", (3, 1), "should be a number, got True"),
+        ("exposure_s = 10.0", "exposure_s = -1", (3, 1), "should be greater than 0, got -1"),
+        ("exposure_s = 10.0", "exposure_s = nan", (3, 1), "exposure_s"),
+        ("exposure_s = 10.0", "exposure_s = ", (3, 14), "not valid TOML"),
+        ('title = "A tiny study"\n', "", (1, 1), "`title` is missing"),
+        ("[ratings]", "[rating]", (36, 1), "did you mean `ratings`?"),
+        ('"blur"\n', '"blur"\nlable = "x"\n', (12, 1), "did you mean `label`?"),
+        ('rule = "explicit"', 'rule = "explict"', (15, 1), "'williams'"),
+        ('[{ scene = "room.glb", condition = "p', '[{ scene = "room.glb", condition = "b',
+         (19, 26), "no condition `blain`; did you mean `plain`?"),
+        ('[{ scene = "room', '[{ scene = "rom', (19, 6), "no scene `rom.glb`"),
+        ('[{ scene = "room.glb", cond', '[{ scene = "room.glb", conditon', (19, 26),
+         "did you mean `condition`?"),
+        ('scenes = ["room.glb"]', 'scenes = ["room.glb", "hall.glb"]', (5, 23), "no scene file"),
+        ('name = "blur"', 'name = "plain"', (10, 1), "there twice"),
+        ('rule = "explicit"', 'rule = "williams"', (16, 1), "makes its own sequences"),
+        ("stop_at = 15", "stop_at = 15\n[simulation.condition_effects]\nblurr = 1.0", (42, 1),
+         "did you mean `blur`?"),
+        ('instrument = "fms"', 'instrument = "misc"', (40, 1), "MISC ends at 10"),
+    ],
+)  # fmt: skip
+def test_every_fault_is_told_with_its_place(tmp_path, old, new, place, says):
+    assert old in PROTOCOL
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, PROTOCOL.replace(old, new, 1))
+    assert (caught.value.line, caught.value.column) == place, str(caught.value)
+    assert caught.value.file == tmp_path / "tiny.toml"
+    assert says in caught.value.message
+
+
+def test_further_faults_are_counted(tmp_path):
+    text = PROTOCOL.replace("training_s", "traning_s").replace("timeout_s = 2.0", "timeout_s = 0")
+    with pytest.raises(InputError, match="1 more problem in this file"):
+        tiny_protocol(tmp_path, text)
+
+
+def test_a_shipped_scene_that_does_not_exist():
+    with pytest.raises(InputError, match="there is no scene `hall`"):
+        parse_protocol(PROTOCOL.replace('"room.glb"', '"hall"'))
+
+
+@pytest.mark.parametrize("name", ["carnegy_2015", "nowhere/at_all.toml"])
+def test_a_protocol_that_does_not_exist(name):
+    with pytest.raises(InputError, match=r"no protocol file .* `"):
+        load_protocol(name)
+
+
+def test_a_protocol_that_is_not_text(tmp_path):
+    (tmp_path / "p.toml").write_bytes(b'name = "\xff"')
+    with pytest.raises(InputError, match="UTF-8"):
+        load_protocol(tmp_path / "p.toml")
+
+
+def test_carnegie_2015_has_the_numbers_of_the_paper():
+    protocol = load_protocol("carnegie_2015")
+    on, off = protocol.condition("dof_on"), protocol.condition("dof_off")
+    assert off.depth_of_field is None
+    assert on.depth_of_field is not None
+    assert (on.depth_of_field.law, on.depth_of_field.max_radius_percent) == ("linear", 1.75)
+    assert (on.focus.law, on.focus.refocus_s, on.focus.infinity_m) == ("linear", 0.5, 30_000)
+    assert (protocol.exposure_s, protocol.training_s) == (900, 60)
+    assert protocol.headset.ipd_m == 0.063
+    assert protocol.locomotion.walking_speed_m_s == 1.4
+    asked = [(ask.timepoint, ask.when, ask.wait_s) for ask in protocol.questionnaires]
+    assert asked == [
+        ("baseline", "session_start", 0),
+        ("post", "after_trial", 0),
+        ("recovery", "session_end", 900),
+    ]
+
+
+def test_carnegie_2015_reverses_scenes_and_keeps_the_place_of_blur():
+    for sequence in load_protocol("carnegie_2015").order.sequences:
+        first, second = sequence.sessions
+        assert [trial.scene for trial in first] == [trial.scene for trial in second][::-1]
+        assert [trial.condition for trial in first] == [trial.condition for trial in second]
+
+
+def test_smoke_shows_every_effect_in_seconds():
+    protocol = load_protocol("smoke")
+    effects = [
+        (c.depth_of_field is not None, c.motion_blur is not None) for c in protocol.conditions
+    ]
+    assert sorted(effects) == [(False, False), (False, True), (True, False), (True, True)]
+    trials = len(protocol.conditions) * len(protocol.scenes)
+    assert trials * protocol.exposure_s < 10
+
+
+def test_locate_follows_every_form_of_key():
+    text = (
+        'a.b = 1\n"c d" = """x = [\n"""\n'
+        "[t.'u']\nv = { w = [1, { x = 'y]' }] } # z = 3\n"
+        "[[r]]\nk = 1979-05-27 07:32:00\n[r.s]\nq=0\n[[r]]\n  k = [\n  [1, 2], # one\n  [3]]\n"
+    )
+    tomllib.loads(text)
+    places = locate(text)
+    assert places.of(("a", "b")) == (1, 3)
+    assert places.of(("c d",)) == (2, 1)
+    assert places.of(("t", "u", "v", "w", 1, "x")) == (5, 17)
+    assert places.of(("r", 0, "s", "q")) == (9, 1)
+    assert places.of(("r", 1, "k", 1, 0)) == (13, 4)
+    assert places.of(("r", 1, "no", "such")) == (10, 1)
+
+
+_KEYS = st.from_regex(r"[A-Za-z0-9_-]{1,6}", fullmatch=True)
+_VALUES = st.recursive(
+    st.one_of(st.integers(-9, 9), st.booleans(), st.text("ab]}#',= \\", max_size=5)),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(_KEYS, inner, max_size=3),
+    max_leaves=8,
+)
+
+
+def _toml(value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\") + '"'
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{key} = {_toml(each)}" for key, each in value.items()) + "}"
+    return str(value)
+
+
+def _paths(value, path=()):
+    pairs = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, each in pairs:
+        yield (*path, key)
+        if isinstance(each, dict | list):
+            yield from _paths(each, (*path, key))
+
+
+@given(st.dictionaries(_KEYS, _VALUES, max_size=5))
+def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
+    text = "".join(f"{key} = {_toml(value)}  # note = 1\n" for key, value in data.items())
+    assert tomllib.loads(text) == data
+    assert set(locate(text).offsets) == set(_paths(data))

@@ -1,0 +1,170 @@
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import INSTRUMENTS, LOADINGS, SSQ, read_sheets, score, score_ssq
+
+NAMES = [item.name for item in SSQ.items]
+HEADINGS = [
+    "General discomfort",
+    "Fatigue",
+    "Headache",
+    "Eye strain",
+    "Difficulty focusing",
+    "Salivation increasing",
+    "Sweating",
+    "Nausea",
+    "Difficulty concentrating",
+    "Fullness of the head",
+    "Blurred vision",
+    "Dizziness with eyes open",
+    "Dizziness with eyes closed",
+    "Vertigo",
+    "Stomach awareness",
+    "Burping",
+]
+ANSWERS = st.fixed_dictionaries({name: st.integers(0, 3) for name in NAMES})
+
+
+def wide(
+    folder: Path, *rows: str, headings: list[str] = HEADINGS, start: str = "\ufeffNo."
+) -> Path:
+    file = folder / "answers.csv"
+    file.write_text("\n".join([",".join([start, *headings]), *rows]), encoding="utf-8")
+    return file
+
+
+def test_the_published_loadings_and_maxima():
+    assert list(LOADINGS) == NAMES
+    assert sum(len(loads) for loads in LOADINGS.values()) == 21
+    worst = score(dict.fromkeys(NAMES, 3))
+    assert worst is not None
+    assert worst.nausea == pytest.approx(200.34, abs=1e-9)
+    assert worst.oculomotor == pytest.approx(159.18, abs=1e-9)
+    assert worst.disorientation == pytest.approx(292.32, abs=1e-9)
+    assert worst.total == pytest.approx(235.62, abs=1e-9)
+
+
+def test_each_item_counts_where_kennedy_says():
+    answers = dict.fromkeys(NAMES, 0) | {"nausea": 2, "eyestrain": 1}
+    found = score(answers)
+    assert found is not None
+    sums = (found.nausea_raw, found.oculomotor_raw, found.disorientation_raw, found.total_raw)
+    assert sums == (2, 1, 2, 5)
+
+
+@given(ANSWERS, st.randoms())
+def test_the_order_of_answers_does_not_matter(answers, random):
+    items = list(answers.items())
+    random.shuffle(items)
+    assert score(dict(items)) == score(answers)
+
+
+@given(ANSWERS, st.sampled_from(NAMES))
+def test_scores_are_bounded_and_grow_with_every_answer(answers, item):
+    low, high = score(answers | {item: 0}), score(answers | {item: 3})
+    assert low is not None
+    assert high is not None
+    assert 0 <= low.total < high.total <= 235.62 + 1e-9
+    assert high.total_raw - low.total_raw == 3 * len(LOADINGS[item])
+
+
+def test_an_incomplete_questionnaire_has_no_score():
+    assert score(dict.fromkeys(NAMES[:-1], 1)) is None
+    assert score(dict.fromkeys(NAMES, 1) | {"vertigo": None}) is None
+
+
+@pytest.mark.parametrize(("item", "answer"), [("nausea", 4), ("nausea", -2), ("anxiety", 1)])
+def test_a_wrong_answer_is_refused(item, answer):
+    with pytest.raises(InputError, match=item):
+        score(dict.fromkeys(NAMES, 1) | {item: answer})
+
+
+def test_wide_files_are_read_by_heading_in_any_order(tmp_path):
+    headings = [heading.upper() + " " for heading in reversed(HEADINGS)]
+    file = wide(tmp_path, "P1,3" + ",0" * 15, headings=headings)
+    (row,) = score_ssq(file)
+    assert row["No."] == "P1"
+    assert (row["nausea_raw"], row["total_raw"], row["total"]) == (3, 3, 3.74 * 3)
+
+
+def test_every_item_name_and_every_text_is_a_heading():
+    for instrument in INSTRUMENTS.values():
+        for item in instrument.items:
+            assert instrument.item(item.name) is item
+            assert instrument.item(f" {item.text.upper()} ") is item
+
+
+@pytest.mark.parametrize(
+    ("rows", "line", "column", "says"),
+    [
+        (["P1" + ",0" * 16, "P2,4" + ",0" * 15], 3, "General discomfort", "out of range"),
+        (["P1,0,-2" + ",0" * 14], 2, "Fatigue", "out of range"),
+        (["P1,0,1.5" + ",0" * 14], 2, "Fatigue", "not a whole number"),
+        (["P1,0,None" + ",0" * 14], 2, "Fatigue", "not a whole number"),
+        (["P1,0,inf" + ",0" * 14], 2, "Fatigue", "not a whole number"),
+        (["P1,0," + ",0" * 14], 2, "Fatigue", "missing"),
+        (["P1,0" + ",0" * 14], 2, None, "16 cells, the header has 17"),
+    ],
+)
+def test_a_wrong_cell_is_told_with_its_place(tmp_path, rows, line, column, says):
+    with pytest.raises(InputError, match=says) as caught:
+        score_ssq(wide(tmp_path, *rows))
+    assert (caught.value.line, caught.value.column) == (line, column)
+
+
+def test_a_missing_column_is_named_with_what_may_be_meant(tmp_path):
+    headings = ["Vertigoo" if heading == "Vertigo" else heading for heading in HEADINGS]
+    with pytest.raises(InputError, match="item vertigo; is it `Vertigoo`"):
+        score_ssq(wide(tmp_path, "P1" + ",0" * 16, headings=headings))
+
+
+def test_a_column_that_is_there_twice(tmp_path):
+    with pytest.raises(InputError, match="second column for `nausea`"):
+        score_ssq(wide(tmp_path, "0,P1" + ",0" * 15, start="Nausea"))
+
+
+def test_files_that_cannot_be_read(tmp_path):
+    with pytest.raises(InputError, match="No such file"):
+        score_ssq(tmp_path / "none.csv")
+    (tmp_path / "empty.csv").touch()
+    with pytest.raises(InputError, match="empty"):
+        score_ssq(tmp_path / "empty.csv")
+
+
+def long_file(folder: Path, rows: list[tuple[str, str, str, str]]) -> Path:
+    file = folder / "questionnaires.csv"
+    with file.open("w", newline="") as stream:
+        writer = csv.writer(stream)
+        writer.writerow(["participant", "timepoint", "instrument", "item", "response"])
+        writer.writerows([who, when, "ssq", item, answer] for who, when, item, answer in rows)
+    return file
+
+
+def test_long_files_are_grouped_and_incomplete_ones_score_blank(tmp_path):
+    rows = [("P1", when, name, "1") for when in ("baseline", "post") for name in NAMES]
+    rows[20] = ("P1", "post", NAMES[4], "")
+    baseline, post = score_ssq(long_file(tmp_path, rows))
+    assert (baseline["timepoint"], baseline["total_raw"]) == ("baseline", 21)
+    assert (post["timepoint"], post["total_raw"], post["total"]) == ("post", None, None)
+
+
+@pytest.mark.parametrize(
+    ("row", "column", "says"),
+    [
+        (("P1", "post", "nausae", "1"), "item", "did you mean `nausea`"),
+        (("P1", "post", "nausea", "7"), "response", "out of range"),
+        (("P1", "baseline", "nausea", "1"), "item", "answered twice"),
+    ],
+)
+def test_a_wrong_row_of_a_long_file(tmp_path, row, column, says):
+    rows = [("P1", "baseline", "nausea", "1"), row]
+    with pytest.raises(InputError, match=says) as caught:
+        read_sheets(long_file(tmp_path, rows))
+    assert (caught.value.line, caught.value.column) == (3, column)

@@ -1,0 +1,218 @@
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from study_parts import frame, tiny_protocol
+
+from vrcomfort.design import build_design
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose
+from vrcomfort.records import (
+    EventRow,
+    FrameRow,
+    Machine,
+    Manifest,
+    ParticipantRow,
+    QuestionnaireRow,
+    RatingRow,
+    Recorder,
+    TrialRow,
+    enrol,
+    open_study,
+    read_participants,
+    read_rows,
+    recorded_sessions,
+    set_status,
+)
+from vrcomfort.records.pose_columns import pose_cells, pose_columns, pose_from_cells
+from vrcomfort.records.rows import cell_text
+
+
+def frame_row(**changes) -> FrameRow:
+    shown = frame(3)
+    values = {
+        "session_s": 0.1 + 0.2,
+        "xr_time_ns": 3,
+        "period_ns": 11_111_111,
+        "trial": 1,
+        "should_render": True,
+        "head": shown.head_pose,
+        "left": shown.views[0],
+        "right": shown.views[1],
+        "avatar": shown.avatar_pose,
+    }
+    return FrameRow(**(values | changes))
+
+
+def test_the_columns_are_those_of_the_design():
+    assert ",".join(TrialRow.columns()) == (
+        "participant,session,period,block,trial,condition,scene,start_s,end_s,status,"
+        "abort_code,attempt,resumed,frames,dropped"
+    )
+    assert ",".join(QuestionnaireRow.columns()) == (
+        "participant,session,period,block,trial,condition,timepoint,instrument,item,"
+        "response,asked_s,answered_s,order"
+    )
+    assert ",".join(RatingRow.columns()) == (
+        "participant,session,trial,condition,onset_s,latency_s,instrument,response,missed"
+    )
+    assert EventRow.columns() == ("onset_s", "duration_s", "name", "detail")
+    assert ParticipantRow.columns() == ("participant", "sequence", "status", "enrolled_at", "note")
+    columns = FrameRow.columns()
+    assert columns[:6] == (
+        "session_s", "xr_time_ns", "period_ns", "trial", "should_render", "head_x_m",
+    )  # fmt: skip
+    assert columns[11] == "head_qw"
+    assert columns[12:14] == ("left_x_m", "left_y_m")
+    assert columns[26:28] == ("left_fov_left_rad", "left_fov_right_rad")
+    assert columns[34] == "avatar_x_m"
+    assert columns[40:43] == ("avatar_qw", "focus_m", "focus_raw_m")
+    assert columns[-4:] == ("cpu_ms", "gpu_ms", "dropped", "discontinuity")
+    assert len(set(columns)) == len(columns) == len(frame_row().cells())
+
+
+def test_poses_come_back_from_their_cells():
+    pose = Pose(np.array([0.1, 1.7, -1 / 3]), np.array([0.1, 0.2, 0.3, 0.9]))
+    cells = pose_cells("head", pose)
+    assert tuple(cells) == pose_columns("head")
+    assert np.allclose(pose_from_cells("head", cells).orientation, pose.orientation, atol=1e-15)
+
+
+@given(st.floats(allow_nan=False, allow_infinity=False))
+def test_floats_come_back_exactly(value):
+    assert float(cell_text(value)) == value
+    assert cell_text(np.float64(value)) == cell_text(value)
+
+
+def test_what_is_missing_is_blank():
+    assert [cell_text(value) for value in (None, math.nan, math.inf, 0, 0.0, True)] == [
+        "", "", "", "0", "0.0", "1",
+    ]  # fmt: skip
+
+
+def test_rows_are_in_the_file_before_it_is_closed(tmp_path):
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        recorder.write(EventRow(0.0, 0.0, "start", 'two\nlines, "quoted"'))
+        found = read_rows(recorder.folder / "events.csv")
+        recorder.write(frame_row(rays_m=tuple(range(1, 10)), rays_used="011111111"))
+        frames = read_rows(recorder.folder / "frames.csv").rows
+    assert found.rows[0]["detail"] == 'two lines, "quoted"'
+    assert frames[0]["session_s"] == repr(0.1 + 0.2)
+    assert frames[0]["rays_used"] == "011111111"
+    assert frames[0]["gpu_ms"] == ""
+
+
+def test_a_session_is_never_overwritten(tmp_path):
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        recorder.write(EventRow(0.0, 0.0, "start"))
+    before = (recorder.folder / "events.csv").read_bytes()
+    with pytest.raises(InputError, match="never overwritten"):
+        Recorder(tmp_path, "P1", 1)
+    assert (recorder.folder / "events.csv").read_bytes() == before
+    assert recorded_sessions(tmp_path, "P1") == [1]
+
+
+def test_a_full_disk_is_told_and_earlier_rows_stay(tmp_path):
+    recorder = Recorder(tmp_path, "P1", 1)
+    recorder.write(EventRow(0.0, 0.0, "start"))
+    recorder._files["trials.csv"].close()
+    recorder._files["trials.csv"] = open("/dev/full", "w")  # noqa: PTH123, SIM115
+    with pytest.raises(
+        InputError, match="No space left on device; what was written before is kept"
+    ):
+        recorder.write(
+            TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
+        )
+    recorder.close()
+    assert len(read_rows(recorder.folder / "events.csv").rows) == 1
+
+
+def test_a_folder_that_cannot_be_made(tmp_path):
+    (tmp_path / "study").write_text("a file where the study should be")
+    with pytest.raises(InputError, match="cannot write"):
+        Recorder(tmp_path / "study", "P1", 1)
+
+
+@pytest.mark.parametrize(
+    ("content", "rows", "warnings"),
+    [
+        (b"a,b\n1,2\n3,4\n", 2, 0),
+        (b"\xef\xbb\xbfa,b\r\n1,2\r\n", 1, 0),
+        (b"a,b\n1,2\n3,4", 1, 1),
+        (b"a,b\n1,2\n3", 1, 1),
+        (b"a,b\n1,2\n3\n", 1, 1),
+        (b"a,b\n1,2\n3,\xc3", 1, 1),
+        (b'a,b\n1,2\n"3', 1, 1),
+        (b"a,b\n", 0, 0),
+        (b"a,", 0, 1),
+        (b"", 0, 0),
+    ],
+)
+def test_a_half_written_last_row_is_reported_and_left_out(tmp_path, content, rows, warnings):
+    file = tmp_path / "t.csv"
+    file.write_bytes(content)
+    found = read_rows(file)
+    assert (len(found.rows), len(found.warnings)) == (rows, warnings)
+    assert all("half-written" in warning and "t.csv, line" in warning for warning in found.warnings)
+
+
+@given(st.integers(0, 60))
+def test_every_cut_keeps_exactly_the_whole_rows(tmp_path_factory, cut):
+    content = b"a,b\n1,22\n333,4\n5,66\n7,888\n99,0\n1,1\n22,333\n4,5555\n"
+    file = tmp_path_factory.mktemp("cut") / "t.csv"
+    file.write_bytes(content[:cut])
+    found = read_rows(file)
+    assert len(found.rows) == max(content[:cut].count(b"\n") - 1, 0)
+    assert bool(found.warnings) == (bool(content[:cut]) and not content[:cut].endswith(b"\n"))
+
+
+def test_a_broken_row_in_the_middle_is_an_error(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_bytes(b"a,b\n1\n3,4\n")
+    with pytest.raises(InputError, match="1 cells, the header has 2") as caught:
+        read_rows(file)
+    assert caught.value.line == 2
+
+
+def test_enrolment_keeps_sequences_and_fills_the_places_of_those_who_left(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    open_study(tmp_path / "S", protocol)
+    design = build_design(protocol)
+    first = enrol(tmp_path / "S", design, "P01")
+    assert enrol(tmp_path / "S", design, "P01") == first
+    set_status(tmp_path / "S", "P01", "withdrawn", "session 1: sick")
+    (row,) = read_participants(tmp_path / "S")
+    assert (row.status, row.note) == ("withdrawn", "session 1: sick")
+    with pytest.raises(InputError, match="P01 is withdrawn"):
+        enrol(tmp_path / "S", design, "P01")
+
+
+def test_names_that_cannot_be_folders_and_studies_that_are_others(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    open_study(tmp_path / "S", protocol)
+    open_study(tmp_path / "S", protocol)
+    with pytest.raises(InputError, match="letters and digits"):
+        enrol(tmp_path / "S", build_design(protocol), "../P01")
+    other = protocol.model_copy(update={"name": "other"})
+    with pytest.raises(InputError, match="holds a study with protocol `tiny`"):
+        open_study(tmp_path / "S", other)
+
+
+def test_the_manifest_holds_the_protocol_and_what_was_overridden(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    machine = Machine(gpu="llvmpipe", shaders={"scene.frag": "ab12"})
+    manifest = Manifest("P1", 1, "ab", protocol, machine, {}, "simulated", 7, 0.5, "now")
+    manifest.write(tmp_path)
+    content = json.loads((tmp_path / "manifest.json").read_text())
+    assert content["protocol"]["text"] == protocol.text
+    assert content["protocol"]["sha256"] == protocol.sha256
+    assert content["settings"]["conditions"][1]["depth_of_field"]["max_radius_percent"] == 1.75
+    assert (content["exposure_override_s"], content["seed"]) == (0.5, 7)
+    assert content["shaders"] == {"scene.frag": "ab12"}
+    assert content["timing_trust"] == "lockstep"
+    assert "numpy" in content["versions"]

@@ -1,0 +1,265 @@
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+
+from vrcomfort.errors import InputError
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
+from vrcomfort.respondent import SimulatedRespondent
+from vrcomfort.session import Outcome, run
+from vrcomfort.session.frame_log import FrameLog
+
+
+def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:
+    protocol = tiny_protocol(tmp_path)
+    return run(
+        protocol,
+        more.pop("participant", "P01"),
+        study=tmp_path / more.pop("study", "S"),
+        load_scene=lambda source: f"scene {Path(source).name}",
+        headset_for=lambda name, scene: headset(),
+        renderer=more.pop("renderer", LateFocus()),
+        respondent=respondent,
+        **more,
+    )
+
+
+def rows(tmp_path: Path, name: str, session: int = 1, study: str = "S") -> list[dict[str, str]]:
+    found = read_rows(session_folder(tmp_path / study, "P01", session) / name)
+    assert found.warnings == ()
+    return list(found.rows)
+
+
+def manifest(tmp_path: Path, session: int = 1) -> dict:
+    folder = session_folder(tmp_path / "S", "P01", session)
+    return json.loads((folder / "manifest.json").read_text())
+
+
+def status(tmp_path: Path) -> tuple[str, str]:
+    (row,) = read_participants(tmp_path / "S")
+    return row.status, row.note
+
+
+def test_a_whole_participant(tmp_path):
+    renderer, respondent = LateFocus(), Scripted()
+    outcome = go(tmp_path, respondent, renderer=renderer)
+    assert (outcome.status, outcome.sessions) == ("completed", (1, 2))
+    assert renderer.begun == [
+        ("scene room.glb", condition) for condition in ("plain", "blur", "blur", "plain")
+    ]
+    trials = [*rows(tmp_path, "trials.csv"), *rows(tmp_path, "trials.csv", 2)]
+    assert [(row["session"], row["period"], row["trial"], row["condition"]) for row in trials] == [
+        ("1", "1", "1", "plain"),
+        ("1", "2", "2", "blur"),
+        ("2", "3", "1", "blur"),
+        ("2", "4", "2", "plain"),
+    ]
+    assert {(row["status"], row["abort_code"], row["frames"]) for row in trials} == {
+        ("completed", "", "100")
+    }
+    assert status(tmp_path) == ("completed", "")
+    assert respondent.felt_s == [10.0] * 4
+    assert manifest(tmp_path)["status"] == "completed"
+    assert manifest(tmp_path)["headset"]["refresh_hz"] == 10.0
+
+
+def test_questionnaires_by_timepoint(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    found = rows(tmp_path, "questionnaires.csv")
+    assert [(row["timepoint"], row["trial"], row["condition"]) for row in found[::16]] == [
+        ("baseline", "", ""),
+        ("post", "1", "plain"),
+        ("post", "2", "blur"),
+        ("recovery", "", ""),
+    ]
+    assert [row["order"] for row in found[:16]] == [str(n) for n in range(1, 17)]
+    assert (found[0]["asked_s"], found[0]["answered_s"]) == ("0.0", "2.0")
+    # 32 s baseline, 1 s training, 2 × (10 s exposure + 32 s post), 60 s rest
+    assert float(found[-16]["asked_s"]) == pytest.approx(32 + 1 + 2 * 42 + 60)
+    assert status(tmp_path) == ("enrolled", "")
+
+
+def test_frames_have_their_own_focus_and_time_runs_forwards(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    frames = rows(tmp_path, "frames.csv")
+    assert [row["trial"] for row in frames] == ["0"] * 10 + ["1"] * 100 + ["2"] * 100
+    plain, blur = frames[10:110], frames[110:]
+    assert {row["focus_m"] for row in plain} == {""}
+    assert {(row["focus_m"], row["ray_9_m"], row["rays_used"]) for row in blur} == {
+        ("2.5", "30000.0", "111111110")
+    }
+    times = [int(row["xr_time_ns"]) for row in frames]
+    assert times == sorted(set(times))
+    assert {row["dropped"] for row in frames} == {"0"}
+    seconds = [float(row["session_s"]) for row in frames]
+    assert seconds == sorted(seconds)
+
+
+def test_a_recorded_session_is_a_trace(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    trace = read_trace(session_folder(tmp_path / "S", "P01", 1) / "frames.csv")
+    assert len(trace.time_ns) == 210
+    assert trace.cuts.nonzero()[0].tolist() == [0, 10, 110]
+
+
+def test_ratings_are_scheduled_and_answered(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    first = [row for row in rows(tmp_path, "ratings.csv") if row["trial"] == "1"]
+    assert [(float(row["onset_s"]), row["response"], row["missed"]) for row in first] == [
+        (pytest.approx(33 + due), "4", "0") for due in (3, 6, 9)
+    ]
+    assert {row["latency_s"] for row in first} == {"0.5"}
+
+
+def test_ratings_that_do_not_come_are_missed(tmp_path):
+    go(tmp_path, Scripted(rates=None), sessions=[1])
+    found = rows(tmp_path, "ratings.csv")
+    assert {(row["response"], row["latency_s"], row["missed"]) for row in found} == {("", "", "1")}
+    assert len(found) == 6
+
+
+def test_a_high_rating_stops_the_exposure_and_the_study(tmp_path):
+    outcome = go(tmp_path, Scripted(rates=15))
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"]) == ("stopped", "rating")
+    assert int(trial["frames"]) < 40
+    assert outcome.status == "withdrawn"
+    assert "fms 15 reached the limit 15" in status(tmp_path)[1]
+    assert [row["timepoint"] for row in rows(tmp_path, "questionnaires.csv")[::16]] == [
+        "baseline",
+        "post",
+    ]
+
+
+def test_withdrawing_during_exposure_keeps_everything(tmp_path):
+    outcome = go(tmp_path, Scripted(withdraw_at_s=4.0))
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
+        "withdrawn", "participant", "41",
+    )  # fmt: skip
+    assert len(rows(tmp_path, "frames.csv")) == 10 + 41
+    assert len(rows(tmp_path, "questionnaires.csv")) == 32
+    assert (outcome.status, outcome.sessions) == ("withdrawn", (1,))
+    assert status(tmp_path) == ("withdrawn", "session 1: had enough")
+    assert manifest(tmp_path)["status"] == "withdrawn"
+
+
+def test_somebody_who_withdrew_may_refuse_the_questionnaire(tmp_path):
+    go(tmp_path, Scripted(withdraw_at_s=4.0, refuses=True))
+    assert {row["timepoint"] for row in rows(tmp_path, "questionnaires.csv")} == {"baseline"}
+    assert status(tmp_path) == ("withdrawn", "session 1: had enough")
+    assert "questionnaire_refused" in [row["name"] for row in rows(tmp_path, "events.csv")]
+
+
+def test_withdrawing_at_a_question_keeps_the_answers_before(tmp_path):
+    go(tmp_path, Scripted(withdraw_at_item="sweating"))
+    post = [r for r in rows(tmp_path, "questionnaires.csv") if r["timepoint"] == "post"]
+    assert len(post) == 6
+    assert rows(tmp_path, "trials.csv")[0]["status"] == "completed"
+    assert status(tmp_path)[0] == "withdrawn"
+
+
+@pytest.mark.parametrize(
+    ("headset", "respondent", "trials", "frames"),
+    [
+        (lambda: AheadHeadset(interrupt_at=30), Scripted(), 1, 30),
+        (lambda: AheadHeadset(interrupt_at=5), Scripted(), 1, 5),
+        (AheadHeadset, Scripted(interrupt_at_item="nausea"), 1, 110),
+    ],
+)
+def test_control_c_keeps_everything(tmp_path, headset, respondent, trials, frames):
+    outcome = go(tmp_path, respondent, headset=headset)
+    assert outcome.status == "aborted"
+    assert len(rows(tmp_path, "trials.csv")) == trials
+    assert len(rows(tmp_path, "frames.csv")) == frames
+    assert manifest(tmp_path)["status"] == "aborted"
+    assert status(tmp_path) == ("enrolled", "session 1 aborted")
+    if headset is not AheadHeadset:
+        (trial,) = rows(tmp_path, "trials.csv")
+        assert (trial["status"], trial["abort_code"]) == ("aborted", "operator")
+
+
+def test_an_error_while_drawing_leaves_an_aborted_trial(tmp_path):
+    class Broken(LateFocus):
+        def render(self, frame, scene_time_s):
+            if frame.index == 20:
+                raise InputError("the scene broke")
+            return super().render(frame, scene_time_s)
+
+    with pytest.raises(InputError, match="the scene broke"):
+        go(tmp_path, Scripted(), renderer=Broken())
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"], trial["frames"]) == ("aborted", "error", "10")
+    assert manifest(tmp_path)["status"] == "aborted"
+
+
+def test_a_trace_that_ends_early_flags_the_trial(tmp_path):
+    go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
+    trials = rows(tmp_path, "trials.csv")
+    assert [(r["status"], r["abort_code"], r["frames"]) for r in trials] == [
+        ("aborted", "headset_ended", "40"),
+        ("aborted", "headset_ended", "50"),
+    ]
+
+
+def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
+    respondent = Scripted()
+    go(tmp_path, respondent, sessions=[1], exposure_s=1.0)
+    assert rows(tmp_path, "trials.csv")[0]["frames"] == "10"
+    assert respondent.felt_s == [10.0, 10.0]
+    assert [exposure.duration_s for exposure in respondent.exposures] == [10.0, 10.0]
+    assert manifest(tmp_path)["exposure_override_s"] == 1.0
+    assert len(rows(tmp_path, "ratings.csv")) == 6
+
+
+def test_sessions_are_not_repeated(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    with pytest.raises(InputError, match="never overwritten"):
+        go(tmp_path, Scripted(), sessions=[1])
+    assert go(tmp_path, Scripted()).sessions == (2,)
+    with pytest.raises(InputError, match="all 2 sessions of P01 are recorded"):
+        go(tmp_path, Scripted())
+    with pytest.raises(InputError, match="no session 3"):
+        go(tmp_path, Scripted(), sessions=[3])
+    with pytest.raises(InputError, match="shows nothing"):
+        go(tmp_path, Scripted(), exposure_s=0.0)
+
+
+def test_the_same_seed_gives_the_same_bytes(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    for study in ("A", "B"):
+        respondent = SimulatedRespondent(protocol.simulation, participant="P01", seed=5)
+        go(tmp_path, respondent, study=study, seed=5)
+    for session in (1, 2):
+        for name in ("trials", "questionnaires", "ratings", "frames", "events"):
+            one, two = (
+                (session_folder(tmp_path / study, "P01", session) / f"{name}.csv").read_bytes()
+                for study in ("A", "B")
+            )
+            assert one == two
+
+
+def test_dropped_frames_are_counted(tmp_path):
+    with Recorder(tmp_path, "P01", 1) as recorder:
+        log = FrameLog(recorder)
+        for index, time_ns in enumerate((0, 100, 219, 340, 440)):
+            shown = frame(index, period_ns=100, time_ns=time_ns)
+            log.add(shown, None, trial=1, session_s=0.0)
+        log.finish()
+    assert (log.frames, log.dropped) == (5, 1)
+    found = read_rows(recorder.folder / "frames.csv").rows
+    assert [row["dropped"] for row in found] == ["0", "0", "0", "1", "0"]
+
+
+def test_progress_is_told(tmp_path):
+    told = []
+    go(tmp_path, Scripted(), sessions=[1], progress=told.append)
+    assert {each.step for each in told} == {
+        "session", "questionnaire", "training", "exposure", "rest", "end",
+    }  # fmt: skip
+    exposure = [each for each in told if each.step == "exposure"]
+    assert (exposure[-1].trial, exposure[-1].condition, exposure[-1].total) == (2, "blur", 10.0)

@@ -1,0 +1,148 @@
+"""`render`, `play` and `import-trace`: pictures of a scene, at a pose or along a head trace."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vrcomfort.cli.playing import play_trace
+from vrcomfort.cli.still import PoseText, still
+from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_size, warn
+from vrcomfort.cli.wiring import DEFAULT_IPD_M, pick_condition
+from vrcomfort.errors import InputError
+
+SceneOption = Annotated[
+    str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
+]
+Out = Annotated[Path, typer.Option(help="Folder for the results; earlier ones are replaced.")]
+ProtocolOption = Annotated[
+    str | None, typer.Option(help="Protocol (file or name) that defines the condition.")
+]
+ConditionOption = Annotated[
+    str | None,
+    typer.Option(
+        help="A condition of the protocol. Without one: depth of field and rotation-cancelled "
+        "motion blur with their default settings."
+    ),
+]
+PoseOption = Annotated[
+    str | None,
+    typer.Option(
+        metavar="X,Y,Z,YAW,PITCH,ROLL",
+        help="Head in the world: metres and degrees (left, up, roll to the left). "
+        "Without it: standing at the scene's spawn point.",
+    ),
+]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands."""
+    app.command()(render)
+    app.command()(play)
+    app.command("import-trace")(import_trace)
+
+
+def render(
+    scene: SceneOption,
+    out: Out,
+    pose: PoseOption = None,
+    previous_pose: Annotated[
+        str | None,
+        typer.Option(
+            metavar="X,Y,Z,YAW,PITCH,ROLL", help="Head one frame (1/90 s) earlier; without it, at rest."
+        ),
+    ] = None,
+    protocol: ProtocolOption = None,
+    condition: ConditionOption = None,
+    size: Size = "640x800",
+    reference: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            help="Also draw the ground truth with N lens and shutter samples, and the error.",
+            min=0,
+        ),
+    ] = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Draw one stereo picture with its linear light, depth and settings.
+
+    Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json.
+
+        vrcomfort render --scene temple --out picture
+        vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture
+    """
+    study, shown = pick_condition(protocol, condition)
+    poses = PoseText("--pose", pose), PoseText("--previous-pose", previous_pose)
+    picture = still(
+        study.scene_source(scene) if study else scene,
+        shown,
+        poses=poses,
+        size_px=parse_size(size),
+        ipd_m=study.headset.ipd_m if study else DEFAULT_IPD_M,
+        out=output_folder(out),
+        reference_samples=reference,
+        quiet=quiet,
+    )
+    console(quiet).print(f"Picture: {picture}")
+
+
+def play(
+    trace: Annotated[Path, typer.Argument(metavar="TRACE", help="Head trace or frames.csv.")],
+    scene: SceneOption,
+    out: Out,
+    protocol: ProtocolOption = None,
+    condition: ConditionOption = None,
+    size: Size = "640x800",
+    frames: Annotated[
+        int | None,
+        typer.Option(help="So many frames (a short trace loops); without it, the trace once.", min=1),
+    ] = None,
+    refresh_hz: Annotated[
+        float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
+    ] = None,
+    video: Annotated[bool, typer.Option(help="Also write video.mp4.")] = True,
+    quiet: Quiet = False,
+) -> None:
+    """Play a head trace through a scene: one side-by-side picture per frame, and frames.csv.
+
+        vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played
+    """
+    study, shown = pick_condition(protocol, condition)
+    count = play_trace(
+        trace,
+        study.scene_source(scene) if study else scene,
+        shown,
+        size_px=parse_size(size),
+        ipd_m=study.headset.ipd_m if study else DEFAULT_IPD_M,
+        frames=frames,
+        refresh_hz=refresh_hz,
+        video=video,
+        out=output_folder(out),
+        quiet=quiet,
+    )
+    console(quiet).print(f"{count} stereo frames: {out}")
+
+
+def import_trace(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
+    out: Annotated[Path, typer.Option(help="The trace to write (CSV).")],
+    format: Annotated[str, typer.Option(help="unity-euler")] = "unity-euler",  # noqa: A002
+    quiet: Quiet = False,
+) -> None:
+    """Turn another program's head log into a trace.
+
+        vrcomfort import-trace log.txt --format unity-euler --out trace.csv
+    """
+    from vrcomfort.headset.trace import import_trace as read
+    from vrcomfort.headset.trace import write_trace
+
+    if format != "unity-euler":
+        raise InputError(f"--format {format!r} is not known; the one there is: unity-euler")
+    trace = read(file, format="unity-euler")
+    for warning in trace.warnings:
+        warn(warning)
+    write_trace(trace, out)
+    console(quiet).print(f"{len(trace)} samples over {trace.duration_s:.1f} s: {out}")

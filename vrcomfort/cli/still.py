@@ -1,0 +1,214 @@
+"""One stereo picture, its numbers, and (if asked) its ground truth and error."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.cli.terminal import progress_bar, warn
+from vrcomfort.cli.wiring import EYE_HEIGHT_M, make_renderer
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose, View, yaw_pitch_roll
+from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.protocol import Condition
+
+if TYPE_CHECKING:
+    from vrcomfort.headset.base import Frame
+    from vrcomfort.render.frames import EyeImages
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.render.scene_data import Scene
+
+PERIOD_NS = 11_111_111
+"""One frame at 90 Hz between the previous pose and this one."""
+
+EYES = ("left", "right")
+
+
+@dataclass(frozen=True)
+class PoseText:
+    """A pose as it was typed, and the option it came from."""
+
+    option: str
+    text: str | None = None
+
+    def pose(self) -> Pose | None:
+        """Return world-from-head, or None where nothing was typed.
+
+        Raises
+        ------
+        InputError
+            If it is not six numbers.
+        """
+        if self.text is None:
+            return None
+        parts = self.text.split(",")
+        try:
+            numbers = [float(part) for part in parts]
+        except ValueError:
+            numbers = []
+        if len(numbers) != 6 or not all(map(math.isfinite, numbers)):
+            raise InputError(
+                f"{self.option} {self.text!r} is not a pose; write six numbers X,Y,Z,YAW,PITCH,ROLL "
+                "in metres and degrees, for example 0,1.6,0,30,-5,0"
+            )
+        return Pose(numbers[:3], yaw_pitch_roll(*np.radians(numbers[3:])))
+
+
+def still(
+    scene_source: str,
+    condition: Condition,
+    *,
+    poses: tuple[PoseText, PoseText],
+    size_px: tuple[int, int],
+    ipd_m: float,
+    out: Path,
+    reference_samples: int = 0,
+    quiet: bool = False,
+) -> Path:
+    """Draw a stereo picture into `out`; return the side-by-side image's path.
+
+    Parameters
+    ----------
+    poses
+        The head now and one frame before.
+    reference_samples
+        Draw the ground truth with so many samples; 0 does not.
+    """
+    from vrcomfort.render.gltf import load_scene
+    from vrcomfort.render.output import read_rgb8, write_stereo
+
+    now, before = (each.pose() for each in poses)
+    scene = load_scene(scene_source)
+    for warning in scene.warnings:
+        warn(warning)
+    now = now or scene.spawn @ Pose([0.0, EYE_HEIGHT_M, 0.0])
+    renderer = make_renderer(size_px)
+    renderer.begin(scene, condition)
+    out.mkdir(parents=True, exist_ok=True)
+    pictures = _Pictures(out)
+    if before is not None:
+        renderer.render(_frame(0, before, size_px, ipd_m), 0.0)
+    rendered = renderer.render(
+        _frame(1, now, size_px, ipd_m, still=before is None), PERIOD_NS / 1e9, pictures.keep
+    )
+    focus = [*rendered.focus_samples, *renderer.drain()][-1:]
+    meta = {
+        "scene": scene.name,
+        "size_px": list(size_px),
+        "ipd_m": ipd_m,
+        "condition": condition.model_dump(mode="json"),
+        "passes": list(rendered.passes),
+        "head": _pose_as_data(now),
+        "previous_head": _pose_as_data(before) if before else None,
+        "focus": _focus_as_data(focus[0]) if focus else None,
+        "triangles": rendered.triangles,
+    }
+    if reference_samples:
+        focus_m = focus[0].focus_m if focus else condition.focus.fixed_m
+        meta["reference"] = _reference(
+            renderer, scene, condition, pictures, focus_m, reference_samples, quiet
+        )
+    (out / "meta.json").write_text(json.dumps(meta, indent=2) + "\n", encoding="utf-8")
+    left, right = rendered.eyes
+    return write_stereo(out, read_rgb8(left), read_rgb8(right))[-1]
+
+
+def _frame(
+    index: int, head: Pose, size_px: tuple[int, int], ipd_m: float, *, still: bool = False
+) -> Frame:
+    from vrcomfort.headset.base import Frame
+    from vrcomfort.headset.playback import default_fovs
+
+    half = np.array([ipd_m / 2, 0.0, 0.0])
+    left, right = default_fovs(size_px)
+    return Frame(
+        index=index,
+        predicted_display_time_ns=index * PERIOD_NS,
+        period_ns=PERIOD_NS,
+        head_pose=head,
+        views=(View(head @ Pose(-half), left), View(head @ Pose(half), right)),
+        avatar_pose=Pose(),
+        discontinuity=still or index == 0,
+    )
+
+
+class _Pictures:
+    """Keeps what is read from the GPU of each eye, and writes its numbers."""
+
+    def __init__(self, out: Path) -> None:
+        self.folder = out
+        self.eyes: list[tuple[EyeImages, np.ndarray[Any, Any]]] = []
+
+    def keep(self, index: int, images: EyeImages) -> None:
+        from vrcomfort.render import output
+
+        linear = output.read_linear(images.linear)
+        arrays = {
+            "linear": linear,
+            "pinhole": output.read_linear(images.pinhole),
+            "depth": output.read_depth(images.depth),
+            "near_m": np.array(images.camera.near_m),
+        }
+        if images.velocity is not None:
+            arrays["velocity_px"] = np.asarray(output.read_texture(images.velocity), np.float32)
+        output.write_numbers(self.folder / f"{EYES[index]}.npz", **arrays)
+        self.eyes.append((images, linear))
+
+
+def _reference(
+    renderer: StereoRenderer,
+    scene: Scene,
+    condition: Condition,
+    pictures: _Pictures,
+    focus_m: float,
+    samples: int,
+    quiet: bool,
+) -> dict[str, Any]:
+    """Draw the ground truth of both eyes; write it and return the errors."""
+    from vrcomfort.render import output
+    from vrcomfort.render.image_error import accuracy, pixels_per_degree
+    from vrcomfort.render.reference import Reference
+
+    truth = Reference(renderer.ctx, scene, condition, renderer.size_px, samples=samples)
+    errors: dict[str, Any] = {}
+    with progress_bar("reference", 2, quiet=quiet) as advance:
+        for name, (images, linear) in zip(EYES, pictures.eyes, strict=True):
+            camera = images.camera
+            drawn = truth.render(camera, PERIOD_NS / 1e9, images.previous, focus_m=focus_m)
+            found = accuracy(
+                linear,
+                _top_row_first(drawn.halves),
+                pixels_per_degree=pixels_per_degree(camera.fov, renderer.size_px),
+                exposure=scene.environment.exposure,
+            )
+            image = drawn.image[::-1].astype(np.float32)
+            output.write_numbers(pictures.folder / f"{name}_reference.npz", linear=image)
+            encoded = tone_mapped(image, exposure=scene.environment.exposure)
+            rgb8 = np.round(encoded * 255).astype(np.uint8)
+            output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
+            errors[name] = {**found._asdict(), "counts": found.counts}
+            errors["samples"], errors["note"] = drawn.samples, drawn.note
+            advance()
+    return errors
+
+
+def _top_row_first(halves: tuple[Any, Any]) -> tuple[Any, Any]:
+    return halves[0][::-1], halves[1][::-1]
+
+
+def _pose_as_data(pose: Pose) -> dict[str, list[float]]:
+    return {"position_m": pose.position.tolist(), "orientation_xyzw": pose.orientation.tolist()}
+
+
+def _focus_as_data(sample: Any) -> dict[str, Any]:
+    return {
+        "focus_m": float(sample.focus_m),
+        "focus_raw_m": float(sample.focus_raw_m),
+        "rays_m": [float(ray) if math.isfinite(ray) else None for ray in sample.rays_m],
+        "rays_used": [bool(used) for used in sample.used],
+    }

@@ -1,0 +1,160 @@
+"""Builds what several commands need: traces, playback headsets, renderers, facts of the machine."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Condition, DepthOfField, MotionBlur, Protocol
+from vrcomfort.resources import data_folder
+
+if TYPE_CHECKING:
+    from vrcomfort.headset.playback import PlaybackHeadset
+    from vrcomfort.headset.trace import Trace
+    from vrcomfort.records import Machine
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.render.scene_data import Scene
+
+
+DEFAULT_IPD_M = 0.063
+"""The average of adults (Carnegie & Rhee 2015)."""
+
+EYE_HEIGHT_M = 1.6
+"""Where a picture is taken from if nothing else is said."""
+
+DEFAULT_CONDITION = Condition(
+    name="default", depth_of_field=DepthOfField(), motion_blur=MotionBlur()
+)
+
+
+@dataclass
+class PlaybackIn:
+    """Stands one playback headset in one scene after the other, so that a session has one clock.
+
+    Parameters
+    ----------
+    trace
+        For every scene; without it each scene's own shipped walk.
+    refresh_hz
+        `None` plays the trace's own samples.
+    """
+
+    size_px: tuple[int, int]
+    ipd_m: float
+    trace: Trace | None = None
+    refresh_hz: float | None = None
+    _headset: PlaybackHeadset | None = field(default=None, init=False)
+
+    def __call__(self, scene_name: str, scene: Scene) -> PlaybackHeadset:
+        """Return the headset, at the start of its trace in `scene`."""
+        from vrcomfort.headset.playback import PlaybackHeadset
+
+        trace = self.trace or shipped_walk(scene_name)
+        if self._headset is None:
+            self._headset = PlaybackHeadset(
+                trace,
+                image_size_px=self.size_px,
+                refresh_hz=self.refresh_hz,
+                ipd_m=self.ipd_m,
+                spawn=scene.spawn,
+            )
+        else:
+            self._headset.place(trace, spawn=scene.spawn)
+        return self._headset
+
+
+def shipped_walk(scene_name: str) -> Trace:
+    """Return the walk that ships with a scene.
+
+    Raises
+    ------
+    InputError
+        If there is none: it is somebody's own scene.
+    """
+    from vrcomfort.headset.trace import read_trace
+
+    file = data_folder("scenes") / f"{scene_name}_walk.csv"
+    if not file.exists():
+        raise InputError(f"no walk ships with the scene {scene_name!r}; give a head trace: --trace")
+    return read_trace(file)
+
+
+def read_trace_if(path: Path | None, tell: Callable[[str], None]) -> Trace | None:
+    """Read the trace that an option names, if it names one; tell what was left out."""
+    if path is None:
+        return None
+    from vrcomfort.headset.trace import read_trace
+
+    trace = read_trace(path)
+    for warning in trace.warnings:
+        tell(warning)
+    return trace
+
+
+def pick_condition(protocol: str | None, condition: str | None) -> tuple[Protocol | None, Condition]:
+    """Return the condition that a pair of options names; without both, the default.
+
+    Raises
+    ------
+    InputError
+        If only one of the two is given, or the protocol has no such condition.
+    """
+    from vrcomfort.protocol import load_protocol
+
+    if protocol is None:
+        if condition is not None:
+            raise InputError("--condition needs --protocol, the file that defines it")
+        return None, DEFAULT_CONDITION
+    study = load_protocol(protocol)
+    names = [each.name for each in study.conditions]
+    if condition is None or condition not in names:
+        given = f"no condition {condition!r}" if condition else "--condition is missing"
+        raise InputError(f"{given}; protocol {study.name} has: {', '.join(names)}")
+    return study, study.condition(condition)
+
+
+def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
+    """Return a renderer on a context of its own, without a window."""
+    from vrcomfort.render.gl import create_context
+    from vrcomfort.render.pipeline import StereoRenderer
+
+    return StereoRenderer(create_context(), size_px)
+
+
+def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
+    """Return what the manifest says of the machine and of the passes it draws."""
+    from vrcomfort.records import Machine
+    from vrcomfort.render.gl import describe
+    from vrcomfort.render.gltf import load_scene
+    from vrcomfort.render.plan import plan_passes
+
+    facts = describe(renderer.ctx)
+    passes = {
+        f"{condition.name} in {name}": [
+            step.name for step in plan_passes(scene, condition) if step.needed
+        ]
+        for name in protocol.scenes
+        for scene in [load_scene(protocol.scene_source(name))]
+        for condition in protocol.conditions
+    }
+    return Machine(
+        gpu=facts["renderer"],
+        driver=facts["version"],
+        runtime="playback",
+        shaders=_shader_hashes(),
+        passes=passes,
+        timing_trust="lockstep",
+    )
+
+
+def _shader_hashes() -> dict[str, str]:
+    folder = data_folder("shaders")
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in files
+    }

@@ -1,0 +1,115 @@
+"""``manifest.json``: everything that is needed to know what a session showed."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.protocol import Protocol
+from vrcomfort.records.recorder import replace_text
+
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh", "pygltflib")
+
+
+@dataclass(frozen=True)
+class Machine:
+    """What drew and showed the pictures, as the command line found it.
+
+    Parameters
+    ----------
+    shaders
+        file → SHA-256.
+    passes
+        condition in scene → names of the passes, in order.
+    timing_trust
+        How far the times in ``frames.csv`` are those of a display: "lockstep" for playback,
+        "runtime" where a compositor predicted them.
+    """
+
+    gpu: str = ""
+    driver: str = ""
+    runtime: str = ""
+    shaders: Mapping[str, str] = field(default_factory=dict)
+    passes: Mapping[str, list[str]] = field(default_factory=dict)
+    timing_trust: str = "lockstep"
+
+
+@dataclass
+class Manifest:
+    """The manifest of one session; rewritten when the session ends.
+
+    Parameters
+    ----------
+    exposure_s
+        What was shown: the protocol's, or the override.
+    clamps
+        Every clamp that touched the stimulus, one sentence each.
+    """
+
+    participant: str
+    session: int
+    sequence: str
+    protocol: Protocol
+    machine: Machine
+    headset: dict[str, Any]
+    respondent: str
+    seed: int
+    exposure_s: float
+    started_at: str
+    status: str = "running"
+    finished_at: str | None = None
+    clamps: list[str] = field(default_factory=list)
+
+    def write(self, folder: Path) -> None:
+        """Write ``manifest.json`` as a whole.
+
+        Raises
+        ------
+        InputError
+            If the disk refuses.
+        """
+        text = json.dumps(self._content(), indent=2, ensure_ascii=False)
+        replace_text(folder / "manifest.json", text + "\n")
+
+    def _content(self) -> dict[str, Any]:
+        protocol = self.protocol
+        overridden = self.exposure_s != protocol.exposure_s
+        return {
+            "participant": self.participant,
+            "session": self.session,
+            "sequence": self.sequence,
+            "status": self.status,
+            "started_at": self.started_at,
+            "finished_at": self.finished_at,
+            "seed": self.seed,
+            "respondent": self.respondent,
+            "headset": self.headset,
+            "exposure_s": self.exposure_s,
+            "exposure_override_s": self.exposure_s if overridden else None,
+            "clamps": self.clamps,
+            **asdict(self.machine),
+            "versions": versions(),
+            "protocol": {
+                "name": protocol.name,
+                "file": protocol.file.name if protocol.file else None,
+                "sha256": protocol.sha256,
+                "text": protocol.text,
+            },
+            "settings": protocol.model_dump(mode="json"),
+        }
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages that shape the stimulus."""
+    found = {"python": platform.python_version(), "platform": platform.platform()}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found

@@ -1,0 +1,152 @@
+"""The study folder: its description, its participants and who is enrolled next."""
+
+from __future__ import annotations
+
+import json
+import re
+from dataclasses import replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from vrcomfort.design import Design, Enrolment
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Protocol
+from vrcomfort.records.reader import read_rows
+from vrcomfort.records.recorder import csv_line, replace_text, session_folder
+from vrcomfort.records.rows import ParticipantRow, cell_text
+
+DESCRIPTION = "dataset_description.json"
+
+
+def now() -> str:
+    """Return the current time, UTC, to the second, ISO 8601."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def open_study(study: Path, protocol: Protocol) -> None:
+    """Make the study folder and its description, or check that it belongs to this protocol.
+
+    Raises
+    ------
+    InputError
+        If the folder holds another study or cannot be written.
+    """
+    file = study / DESCRIPTION
+    if file.exists():
+        _same_study(file, protocol)
+        return
+    try:
+        study.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"cannot make this folder: {error.strerror}", file=study) from error
+    text = json.dumps(_description(protocol), indent=2, ensure_ascii=False)
+    replace_text(file, text + "\n")
+
+
+def _description(protocol: Protocol) -> dict[str, object]:
+    return {
+        "@context": "https://schema.org/",
+        "@type": "Dataset",
+        "name": protocol.title,
+        "description": f"Comfort study recorded with vrcomfort, protocol {protocol.name}.",
+        "citation": protocol.citation,
+        "protocol": protocol.name,
+        "conditions": {each.name: each.label or each.name for each in protocol.conditions},
+        "scenes": list(protocol.scenes),
+        "variableMeasured": [
+            "participant", "session", "period", "trial", "condition", "scene",
+            "timepoint", "instrument", "item", "response",
+        ],
+    }  # fmt: skip
+
+
+def _same_study(file: Path, protocol: Protocol) -> None:
+    try:
+        name = json.loads(file.read_text(encoding="utf-8")).get("protocol")
+    except (OSError, ValueError, AttributeError) as error:
+        raise InputError("this study description is damaged; restore it", file=file) from error
+    if name != protocol.name:
+        message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
+        raise InputError(f"{message}; choose another --out", file=file)
+
+
+def read_participants(study: Path) -> list[ParticipantRow]:
+    """Return everybody who was enrolled, in order.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged.
+    """
+    file = study / ParticipantRow.FILE
+    if not file.exists():
+        return []
+    found = read_rows(file)
+    if found.rows and set(found.columns) != set(ParticipantRow.columns()):
+        columns = ", ".join(ParticipantRow.columns())
+        raise InputError(f"the columns must be {columns}", file=file, line=1)
+    return [ParticipantRow(**row) for row in found.rows]
+
+
+def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
+    """Return the participant's row, enrolling them in the least filled sequence if they are new.
+
+    Raises
+    ------
+    InputError
+        If the name cannot be part of a file name, or they have withdrawn or been excluded.
+    """
+    if not re.fullmatch(r"[A-Za-z0-9]+", participant):
+        raise InputError(f"participant `{participant}`: use letters and digits only")
+    rows = read_participants(study)
+    for row in rows:
+        if row.participant == participant:
+            if row.status in {"withdrawn", "excluded"}:
+                raise InputError(f"participant {participant} is {row.status} from this study")
+            return row
+    sequence = design.assign(Enrolment(row.sequence, row.status) for row in rows)
+    row = ParticipantRow(participant, sequence.name, "enrolled", now())
+    _write_participants(study, [*rows, row])
+    return row
+
+
+def set_status(study: Path, participant: str, status: str, note: str = "") -> None:
+    """Change a participant's status; notes are added to those before."""
+    rows = []
+    for row in read_participants(study):
+        if row.participant == participant:
+            notes = "; ".join(filter(None, [row.note, note]))
+            rows.append(replace(row, status=status, note=notes))
+        else:
+            rows.append(row)
+    _write_participants(study, rows)
+
+
+def recorded_sessions(study: Path, participant: str) -> list[int]:
+    """Return the numbers of a participant's sessions that are on disk."""
+    folders = session_folder(study, participant, 1).parent.glob("ses-*")
+    numbers = [folder.name.removeprefix("ses-") for folder in folders if any(folder.iterdir())]
+    return sorted(int(number) for number in numbers if number.isdigit())
+
+
+def completed_sessions(study: Path, participant: str) -> list[int]:
+    """Return the numbers of a participant's sessions whose manifest says completed."""
+    return [
+        number
+        for number in recorded_sessions(study, participant)
+        if _manifest_status(session_folder(study, participant, number)) == "completed"
+    ]
+
+
+def _manifest_status(folder: Path) -> str | None:
+    try:
+        content = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return content.get("status") if isinstance(content, dict) else None
+
+
+def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
+    lines = [csv_line(ParticipantRow.columns())]
+    lines += [csv_line(map(cell_text, row.cells())) for row in rows]
+    replace_text(study / ParticipantRow.FILE, "".join(lines))

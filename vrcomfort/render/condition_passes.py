@@ -1,0 +1,139 @@
+"""The passes of one condition in one scene, wired by their textures."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.geometry import Pose
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render import plan
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.depth_of_field import DepthOfFieldPass, radius_limit_px
+from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
+from vrcomfort.render.frames import EyeImages, FrameToRender
+from vrcomfort.render.motion_blur import MotionBlurPass
+from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.scene_data import Scene
+from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.render.tone_map import ToneMapPass
+
+
+class PlacedEye(NamedTuple):
+    """An eye of this frame, and what motion blur counts as the eye of the frame before."""
+
+    head_from_eye: Pose
+    camera: EyeCamera
+    previous: PreviousCamera | None
+
+
+class ConditionPasses:
+    """The passes of one condition in one scene, wired by their textures."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        scene: Scene,
+        condition: Condition,
+        size_px: tuple[int, int],
+        *,
+        samples: int,
+        near_m: float,
+    ) -> None:
+        self._ctx = ctx
+        self._size_px = size_px
+        self.names = tuple(item.name for item in plan_passes(scene, condition) if item.needed)
+        velocity = plan.velocity(condition).needed
+        self.scene = ScenePass(ctx, scene, size_px, velocity=velocity, samples=samples)
+        self.focus: FocusPass | FixedFocus | None = None
+        self._depth_of_field: DepthOfFieldPass | None = None
+        self._motion_blur: MotionBlurPass | None = None
+        self.max_blur_px = 0.0
+        self.colour = self.scene.colour
+        effects = [self._add_depth_of_field, self._add_motion_blur]
+        if condition.effect_order == "motion_blur_first":
+            effects.reverse()
+        for add in effects:
+            add(condition, near_m)
+        self._blur_first = condition.effect_order == "motion_blur_first"
+        exposure = scene.environment.exposure
+        self.tone_maps = tuple(
+            ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
+            for _ in range(2)
+        )
+
+    def _add_depth_of_field(self, condition: Condition, near_m: float) -> None:
+        settings = condition.depth_of_field
+        if settings is None or not plan.depth_of_field(condition).needed:
+            return
+        self.focus = make_focus_pass(self._ctx, self.scene.gpu, condition.focus, near_m=near_m)
+        self._depth_of_field = DepthOfFieldPass(
+            self._ctx,
+            colour=self.colour,
+            depth=self.scene.depth,
+            focus=self.focus.texture,
+            settings=settings,
+            size_px=self._size_px,
+            infinity_m=condition.focus.infinity_m,
+        )
+        self.colour = self._depth_of_field.target
+        self.max_blur_px = max(self.max_blur_px, radius_limit_px(settings, self._size_px))
+
+    def _add_motion_blur(self, condition: Condition, near_m: float) -> None:  # noqa: ARG002
+        settings = condition.motion_blur
+        velocity = self.scene.velocity
+        if settings is None or velocity is None:
+            return
+        self._motion_blur = MotionBlurPass(
+            self._ctx,
+            colour=self.colour,
+            depth=self.scene.depth,
+            velocity=velocity,
+            settings=settings,
+            size_px=self._size_px,
+        )
+        self.colour = self._motion_blur.target
+        self.max_blur_px = max(self.max_blur_px, self._motion_blur.limit_px)
+
+    def find_focus(self, frame: FrameToRender, world_from_head: Pose) -> tuple[FocusSample, ...]:
+        """Decide the focus of both eyes, and return the samples that have arrived."""
+        if self.focus is None:
+            return ()
+        return self.focus.render(
+            frame_index=frame.index,
+            display_time_ns=frame.predicted_display_time_ns,
+            world_from_head=world_from_head,
+            discontinuity=frame.discontinuity,
+        )
+
+    def render_eye(
+        self, index: int, eye: PlacedEye, scene_time_s: float, before_s: float
+    ) -> EyeImages:
+        """Draw one eye (0 left, 1 right) and its effects."""
+        camera = eye.camera
+        previous = eye.previous or PreviousCamera(camera.world_from_eye, before_s)
+        self.scene.render(camera, scene_time_s, previous)
+        steps = [self._blur_defocus, self._blur_motion]
+        for step in reversed(steps) if self._blur_first else steps:
+            step(eye)
+        self.tone_maps[index].render()
+        return EyeImages(
+            camera,
+            eye.previous,
+            self.scene.colour,
+            self.colour,
+            self.scene.depth,
+            self.scene.velocity,
+            self.tone_maps[index].target,
+        )
+
+    def _blur_defocus(self, eye: PlacedEye) -> None:
+        if self._depth_of_field is not None:
+            self._depth_of_field.render(
+                fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
+            )
+
+    def _blur_motion(self, eye: PlacedEye) -> None:  # noqa: ARG002 - one of two interchangeable steps
+        if self._motion_blur is not None:
+            self._motion_blur.render()

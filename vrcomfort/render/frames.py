@@ -1,0 +1,86 @@
+"""What goes into the renderer and what comes out: data only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
+
+import moderngl
+
+from vrcomfort.geometry import Pose, View
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.focus import FocusSample
+
+
+class FrameToRender(Protocol):
+    """What the renderer reads of a headset's frame (`headset.base.Frame`)."""
+
+    @property
+    def index(self) -> int:
+        """Count of the frame."""
+
+    @property
+    def predicted_display_time_ns(self) -> int:
+        """When it is seen."""
+
+    @property
+    def head_pose(self) -> Pose:
+        """stage-from-head."""
+
+    @property
+    def views(self) -> tuple[View, View]:
+        """Left and right eye, stage-from-eye."""
+
+    @property
+    def avatar_pose(self) -> Pose:
+        """world-from-stage."""
+
+    @property
+    def discontinuity(self) -> bool:
+        """Whether the frame before has nothing to do with this one."""
+
+
+class EyeImages(NamedTuple):
+    """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
+
+    `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
+    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is where
+    the eye counts as having been, None where motion blur needs none.
+    """
+
+    camera: EyeCamera
+    previous: PreviousCamera | None
+    pinhole: moderngl.Texture
+    linear: moderngl.Texture
+    depth: moderngl.Texture
+    velocity: moderngl.Texture | None
+    encoded: moderngl.Texture
+
+
+@dataclass(frozen=True, eq=False)
+class RenderedFrame:
+    """Two images and what is known about them.
+
+    Parameters
+    ----------
+    eyes
+        Left and right, RGBA8, sRGB-encoded, rows from the bottom; valid until the next frame.
+    focus_samples
+        Those that arrived during this frame; each carries its own frame index.
+    max_blur_px
+        Largest radius (or half streak) that the condition allows at this image size.
+    draws, triangles
+        Draw calls for geometry, and triangles sent, of all views including shadow and focus.
+    passes
+        Names of the passes that ran.
+    cpu_ms
+        Wall time of this call.
+    """
+
+    eyes: tuple[moderngl.Texture, moderngl.Texture]
+    focus_samples: tuple[FocusSample, ...]
+    max_blur_px: float
+    draws: int
+    triangles: int
+    passes: tuple[str, ...]
+    cpu_ms: float

@@ -1,0 +1,88 @@
+"""One full-screen triangle from some textures into another: what post-processing is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any, Protocol
+
+import moderngl
+
+from vrcomfort.render import gl, shaders
+
+
+class Uniforms(Protocol):
+    """A named tuple whose fields are the names of a program's uniforms."""
+
+    def _asdict(self) -> dict[str, Any]: ...
+
+
+class FullscreenPass:
+    """Draws `fragment` into a texture of its own.
+
+    Parameters
+    ----------
+    size_px
+        (width, height) of the target.
+    inputs
+        Texture for each sampler uniform.
+    constants
+        Uniforms that never change; a name that the shader does not use is an error.
+    filtered
+        Names of the inputs that are sampled bilinearly; the others as their textures say.
+    components, dtype
+        Of the target, as in :func:`gl.color_texture`.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        fragment: str,
+        *,
+        size_px: tuple[int, int],
+        inputs: Mapping[str, moderngl.Texture],
+        constants: Uniforms | None = None,
+        defines: shaders.Defines | None = None,
+        filtered: Collection[str] = (),
+        components: int = 4,
+        dtype: str = "f2",
+    ) -> None:
+        self.target = gl.color_texture(ctx, size_px, components=components, dtype=dtype)
+        self._triangle = shaders.fullscreen(ctx, fragment, defines)
+        self._inputs = tuple(enumerate(inputs.values()))
+        for unit, name in enumerate(inputs):
+            self._triangle.program[name] = unit
+        self._samplers = tuple(
+            (unit, ctx.sampler(repeat_x=False, repeat_y=False))
+            for unit, name in enumerate(inputs)
+            if name in filtered
+        )
+        if constants is not None:
+            self._set(constants)
+        self._framebuffer = ctx.framebuffer([self.target])
+        self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
+
+    def render(self, uniforms: Uniforms | None = None) -> None:
+        """Draw, after setting the uniforms of this frame."""
+        if uniforms is not None:
+            self._set(uniforms)
+        for unit, texture in self._inputs:
+            texture.use(unit)
+        with self._scope, self._filtering():
+            self._triangle.render(moderngl.TRIANGLES, vertices=3)
+
+    @contextmanager
+    def _filtering(self) -> Iterator[None]:
+        for unit, sampler in self._samplers:
+            sampler.use(unit)
+        yield
+        for unit, sampler in self._samplers:
+            sampler.clear(unit)
+
+    def _set(self, uniforms: Uniforms) -> None:
+        for name, value in uniforms._asdict().items():
+            member: Any = self._triangle.program[name]
+            if isinstance(value, bytes):
+                member.write(value)
+            else:
+                member.value = value

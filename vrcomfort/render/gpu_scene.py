@@ -1,0 +1,298 @@
+"""A scene on the GPU: one vertex buffer, one index buffer, one multi-draw per material.
+
+Per frame Python does not loop over things but over materials: which things are seen, at which
+level of detail and in which order is decided by array operations on `DrawList`, and the GPU gets
+one row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Literal, cast
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array, Pose
+from vrcomfort.render import culling, lighting, shaders
+from vrcomfort.render.draw_list import COMMAND, Batch, DrawList, batches, front_to_back
+from vrcomfort.render.node_poses import NodePoses
+from vrcomfort.render.scene_data import Primitive, Scene
+from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
+
+Rows = NDArray[np.intp]
+Movement = Literal["all", "static", "moving"]
+
+_VERTEX = np.dtype(
+    [
+        ("position", np.float32, 3),
+        ("normal", np.float16, 4),
+        ("uv", np.float32, 2),
+        ("color", np.float16, 4),
+    ]
+)
+_VERTEX_FORMAT = "3f4 4f2 2f4 4f2"
+_VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
+_ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
+_PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
+
+
+class GpuScene:
+    """Draws a scene into whatever framebuffer is in use.
+
+    Parameters
+    ----------
+    defines
+        What the colour programs are compiled for besides the scene: VELOCITY, LENS, LAW_DIOPTRE.
+
+    Call `update` once per frame, then `draw` or `draw_depth` for each view.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, scene: Scene, *, defines: shaders.Defines | None = None
+    ) -> None:
+        self.scene = scene
+        self._ctx = ctx
+        self._list = DrawList.of(scene)
+        self._poses = NodePoses(scene)
+        self._velocity = "VELOCITY" in (defines or {})
+        rows = max(len(self._list.node), 1)
+        self._vertices = ctx.buffer(_vertices(scene.primitives))
+        self._indices = ctx.buffer(_indices(scene.primitives))
+        self._rows = ctx.buffer(reserve=rows * 64, dynamic=True)
+        self._previous_rows = (
+            ctx.buffer(reserve=rows * 48, dynamic=True) if self._velocity else None
+        )
+        self._commands = ctx.buffer(reserve=rows * COMMAND.itemsize, dynamic=True)
+        self._materials = MaterialBuffer(ctx, scene.materials)
+        features = {**lighting.features(scene.environment), **(defines or {})}
+        factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)
+        self._surfaces = [factory.make(key) for key in self._list.keys]
+        self._depth_programs = factory.depth_programs
+        self._prepare_rows()
+        self.draws = 0
+
+    def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
+        content: list[tuple[Any, ...]] = [
+            (self._vertices, _VERTEX_FORMAT, *_VERTEX_NAMES),
+            (self._rows, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
+        ]
+        if self._previous_rows is not None:
+            content.append((self._previous_rows, "4f4 4f4 4f4/i", *_PREVIOUS_NAMES))
+        # Without a fragment shader moderngl would take the program for one that feeds points back.
+        return self._ctx.vertex_array(
+            program, content, self._indices, skip_errors=True, mode=moderngl.TRIANGLES
+        )
+
+    def _prepare_rows(self) -> None:
+        """Compute what never changes: boxes and lamps of what does not move, kinds of surfaces."""
+        table = self._list
+        self._locked_row = self._poses.locked[table.node]
+        self._moving_row = self._poses.moving[table.node] | self._locked_row
+        self._moving_rows = np.flatnonzero(self._moving_row)
+        self._blended_row = np.array([s.blended for s in self._surfaces], dtype=bool)[table.key]
+        self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
+        self._thing[:, 0] = table.ambient
+        self._thing[:, 1] = self._locked_row
+        world = self._poses.world_from_node(0.0, Pose())
+        self._centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
+        self._thing[:, 2] = lighting.lamp_bits(self.scene, self._centers, self._halves)
+        self._world = self._previous_world = world
+        self._updated: tuple[float, float, Pose] | None = None
+        self.update(0.0, Pose())
+
+    def update(self, time_s: float, head: Pose, previous_time_s: float | None = None) -> None:
+        """Move everything to where it is at a time; doing it again for the other eye is free.
+
+        Parameters
+        ----------
+        time_s, previous_time_s
+            Scene time now and one frame ago (None: nothing has moved).
+        head
+            world-from-head: decides levels of detail and places head-locked nodes.
+        """
+        before_s = time_s if previous_time_s is None else previous_time_s
+        if self._updated == (time_s, before_s, head):
+            return
+        self._updated = (time_s, before_s, head)
+        self._world = self._poses.world_from_node(time_s, head)
+        self._previous_world = (
+            self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
+        )
+        self._update_moving()
+        centers = self._list.node_centers(self._centers, self._halves, len(self.scene.nodes))
+        self._node_centers = centers
+        self._in_use = self._level_in_use(head.position)
+
+    def _update_moving(self) -> None:
+        rows = self._moving_rows
+        if not len(rows):
+            return
+        self._centers[rows], self._halves[rows] = self._list.world_boxes(self._world, rows)
+        bits = lighting.lamp_bits(self.scene, self._centers[rows], self._halves[rows])
+        self._thing[rows, 2] = bits
+
+    def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
+        return self._list.level_in_use(np.linalg.norm(self._node_centers - viewpoint_m, axis=1))
+
+    @property
+    def moves(self) -> bool:
+        """Return whether anything in the scene moves by itself (not with the head)."""
+        return bool(self._poses.moving.any())
+
+    @property
+    def has_blended(self) -> bool:
+        """Return whether any surface is blended."""
+        return bool(self._blended_row.any())
+
+    def draw(self, clip_from_relative: Array, eye_m: Array, *, blended: bool) -> int:
+        """Draw what an eye sees, and return the number of triangles.
+
+        Parameters
+        ----------
+        clip_from_relative
+            (4, 4) for culling; the shaders read the bound `View` block.
+        eye_m
+            (3,) world position of the eye.
+        blended
+            False: opaque and masked surfaces, front to back. True: blended ones, back to front.
+        """
+        seen = self._seen(culling.planes(clip_from_relative), eye_m)
+        rows = np.flatnonzero(seen & self._in_use & (self._blended_row == blended))
+        distance = np.linalg.norm(self._centers - eye_m, axis=1)
+        order = (
+            rows[np.argsort(-distance[rows], kind="stable")]
+            if blended
+            else front_to_back(rows, self._list.key, distance)
+        )
+        self._upload(order, eye_m, previous=self._velocity)
+        for batch in batches(self._list.key, order):
+            self._draw_batch(self._surfaces[batch.key], batch)
+        return self._triangles(order)
+
+    def draw_depth(
+        self,
+        clip_from_relative: Array,
+        origin_m: Array,
+        *,
+        movement: Movement = "all",
+        shadow: bool = False,
+    ) -> int:
+        """Draw depth only, alpha masks honoured, and return the number of triangles.
+
+        Blended surfaces write no depth. `update` must have been called for this frame.
+
+        Parameters
+        ----------
+        clip_from_relative
+            (4, 4) any reverse-Z projection; relative = world axes with `origin_m` as origin.
+        origin_m
+            (3,) world metres: the viewpoint.
+        movement
+            Leave out what moves (or what does not).
+        shadow
+            Draw for a shadow map: nothing head-locked, back faces too, levels of detail by the
+            distance from `origin_m`, no near plane (the target must clamp depth).
+        """
+        seen = self._seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
+        in_use = self._level_in_use(origin_m) & ~self._locked_row if shadow else self._in_use
+        rows = np.flatnonzero(seen & in_use & self._chosen(movement) & ~self._blended_row)
+        if not len(rows):
+            return 0
+        order = rows[np.argsort(self._list.key[rows], kind="stable")]
+        self._upload(order, origin_m, previous=False)
+        for program in self._depth_programs:
+            uniform = cast(moderngl.Uniform, program["clip_from_relative"])
+            uniform.write(np.ascontiguousarray(clip_from_relative.T, dtype=np.float32))
+        for batch in batches(self._list.key, order):
+            self._draw_depth_batch(self._surfaces[batch.key], batch, cull=not shadow)
+        return self._triangles(order)
+
+    def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
+        if movement == "all":
+            return np.ones_like(self._moving_row)
+        return self._moving_row if movement == "moving" else ~self._moving_row
+
+    def _triangles(self, rows: Rows) -> int:
+        return int(self._list.commands["index_count"][rows].sum()) // 3
+
+    def _seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
+        return culling.visible(planes, self._centers - origin_m, self._halves)
+
+    def _upload(self, order: Rows, origin_m: Array, *, previous: bool) -> None:
+        """Write rows and commands in drawing order; row i belongs to command i."""
+        if not len(order):
+            return
+        nodes = self._list.node[order]
+        rows = np.empty((len(order), 4, 4), dtype=np.float32)
+        rows[:, :3] = _relative(self._world, nodes, origin_m)
+        rows[:, 3] = self._thing[order]
+        self._rows.orphan()
+        self._rows.write(rows)
+        if previous and self._previous_rows is not None:
+            self._previous_rows.orphan()
+            before = _relative(self._previous_world, nodes, origin_m)
+            self._previous_rows.write(before.astype(np.float32))
+        commands = self._list.commands[order]
+        commands["base_instance"] = np.arange(len(order))
+        self._commands.orphan()
+        self._commands.write(commands)
+
+    def _draw_batch(self, surface: Surface, batch: Batch) -> None:
+        self._materials.bind(surface.material)
+        for unit, texture in surface.textures:
+            texture.use(unit)
+        self._cull(surface, cull=True)
+        if surface.masked:
+            self._ctx.enable_direct(_ALPHA_TO_COVERAGE)
+        surface.color.render_indirect(self._commands, count=batch.length, first=batch.first)
+        if surface.masked:
+            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
+        self.draws += 1
+
+    def _draw_depth_batch(self, surface: Surface, batch: Batch, *, cull: bool) -> None:
+        if surface.depth is None:
+            return
+        if surface.masked:
+            self._materials.bind(surface.material)
+            for unit, texture in surface.textures[:1]:
+                texture.use(unit)
+        self._cull(surface, cull=cull)
+        surface.depth.render_indirect(self._commands, count=batch.length, first=batch.first)
+        self.draws += 1
+
+    def _cull(self, surface: Surface, *, cull: bool) -> None:
+        if surface.double_sided or not cull:
+            self._ctx.disable(moderngl.CULL_FACE)
+            return
+        self._ctx.front_face = "cw" if surface.mirrored else "ccw"
+        self._ctx.enable(moderngl.CULL_FACE)
+
+
+_ALPHA_TO_COVERAGE = 0x809E
+
+
+def _relative(world: Array, nodes: Rows, origin_m: Array) -> Array:
+    """Return (n, 3, 4) relative-from-node rows, subtracted in float64."""
+    rows = world[nodes, :3]
+    rows[:, :, 3] -= origin_m
+    return np.asarray(rows)
+
+
+def _vertices(primitives: tuple[Primitive, ...]) -> bytes:
+    return b"".join(_packed(primitive).tobytes() for primitive in primitives) or bytes(64)
+
+
+def _packed(primitive: Primitive) -> NDArray[np.void]:
+    vertices = np.zeros(len(primitive.positions), _VERTEX)
+    vertices["position"] = primitive.positions
+    vertices["normal"][:, :3] = primitive.normals
+    vertices["uv"] = primitive.uvs
+    vertices["color"] = 1 if primitive.colors is None else primitive.colors
+    return vertices
+
+
+def _indices(primitives: tuple[Primitive, ...]) -> bytes:
+    return b"".join(np.asarray(p.indices, dtype=np.uint32).tobytes() for p in primitives) or bytes(
+        12
+    )

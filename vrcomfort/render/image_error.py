@@ -1,0 +1,120 @@
+"""How far an image is from its reference, on linear HDR radiance before tone mapping."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import flip_evaluator
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, Fov, focal_length_px
+
+Image = NDArray[np.floating]
+
+EXPOSURES = (-1.0, 1.0, 3)
+"""First and last exposure of HDR-FLIP in stops around the scene's own, and how many."""
+
+
+class Accuracy(NamedTuple):
+    """Errors of one image against a reference and how sure the reference is of itself."""
+
+    psnr_db: float
+    flip: float
+    rms: float
+    reference_rms: float
+    """Estimated root mean square error of the reference, from its two halves."""
+    reference_flip: float
+    """FLIP between the two halves, which is about twice the reference's own."""
+
+    @property
+    def counts(self) -> bool:
+        """Return whether the reference is at least ten times better than what it judges."""
+        return self.reference_rms <= 0.1 * self.rms
+
+
+def rms(test: ArrayLike, reference: ArrayLike, /) -> float:
+    """Return the root mean square difference of two (h, w, 3) images."""
+    difference = _image(test) - _image(reference)
+    return math.sqrt(float(np.mean(difference**2)))
+
+
+def psnr_db(test: ArrayLike, reference: ArrayLike, /, *, peak: float = 1.0) -> float:
+    """Return the peak signal-to-noise ratio in decibels; infinite where both are the same.
+
+    Parameters
+    ----------
+    peak
+        Fixed radiance that counts as full signal: display white, not the image's maximum, so that
+        images with and without highlights compare.
+    """
+    error = rms(test, reference)
+    return math.inf if error == 0 else 20 * math.log10(peak / error)
+
+
+def pixels_per_degree(fov: Fov, size_px: tuple[int, int]) -> float:
+    """Return the pixels per degree of visual angle in the middle of an eye's image."""
+    return focal_length_px(fov, size_px)[0] * math.radians(1)
+
+
+def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: float) -> float:
+    """Return the mean HDR-FLIP of two (h, w, 3) linear images: 0 alike, 1 as different as can be.
+
+    Images are scaled so that 1 is display white; exposures are fixed at :data:`EXPOSURES`, or else
+    every image would be judged on a scale of its own.
+
+    Notes
+    -----
+    Andersson et al., "Visualizing errors in rendered high dynamic range images", 2021.
+    """
+    first, last, count = EXPOSURES
+    parameters = {
+        "ppd": pixels_per_degree,
+        "startExposure": first,
+        "stopExposure": last,
+        "numExposures": count,
+        "tonemapper": "ACES",
+    }
+    _, mean, _ = flip_evaluator.evaluate(
+        np.ascontiguousarray(_image(reference), dtype=np.float32),
+        np.ascontiguousarray(_image(test), dtype=np.float32),
+        "HDR",
+        inputsRGB=False,
+        applyMagma=False,
+        parameters=parameters,
+    )
+    return float(mean)
+
+
+def accuracy(
+    test: ArrayLike,
+    halves: tuple[ArrayLike, ArrayLike],
+    /,
+    *,
+    pixels_per_degree: float,
+    exposure: float = 1.0,
+) -> Accuracy:
+    """Compare an image with a reference given as two independent halves.
+
+    Two halves with independent errors of variance v differ by 2v, and their mean, the reference,
+    has v/2: its error is half the difference of the halves.
+    """
+    image = _image(test) * exposure
+    first, second = (_image(half) * exposure for half in halves)
+    reference = (first + second) / 2
+    return Accuracy(
+        psnr_db=psnr_db(image, reference),
+        flip=hdr_flip(image, reference, pixels_per_degree=pixels_per_degree),
+        rms=rms(image, reference),
+        reference_rms=rms(first, second) / 2,
+        reference_flip=hdr_flip(first, second, pixels_per_degree=pixels_per_degree),
+    )
+
+
+def _image(pixels: ArrayLike) -> Array:
+    image = np.asarray(pixels, dtype=np.float64)
+    if image.ndim != 3 or image.shape[2] != 3:
+        raise InputError(f"an image must be (height, width, 3), not {image.shape}")
+    return image

@@ -1,0 +1,34 @@
+"""Remembers the largest value that frames produced, without waiting for any of them."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from vrcomfort.render import gl, shaders
+
+
+class PeakPass:
+    """Keeps the greatest w of `texels` over all calls in one pixel; `read` waits for the GPU."""
+
+    def __init__(self, ctx: moderngl.Context, texels: moderngl.Texture) -> None:
+        self._ctx = ctx
+        self._texels = texels
+        self._target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self._target])
+        self._framebuffer.clear()
+        self._points = ctx.vertex_array(shaders.program(ctx, "peak.frag", "peak.vert"), [])
+        self._points.program["texels"] = 0
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+
+    def render(self) -> None:
+        """Take the present texels into account."""
+        self._texels.use(0)
+        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        with self._scope:
+            self._points.render(moderngl.POINTS, vertices=self._texels.width * self._texels.height)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def read(self) -> float:
+        """Return the greatest value since the pass was made."""
+        return float(np.frombuffer(self._target.read(), dtype=np.float32)[0])

@@ -1,0 +1,170 @@
+"""From a frame's poses to two images: wires the passes that a condition needs in a scene.
+
+::
+
+    focus (head centre, once)
+      |        per eye:
+      +--> scene --> depth of field --> motion blur --> tone map --> eyes
+           colour    (either order)
+           depth, velocity
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.geometry import Pose, View
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.camera_motion import previous_eye_pose
+from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
+from vrcomfort.render.focus import FocusSample
+from vrcomfort.render.frames import EyeImages, FrameToRender, RenderedFrame
+from vrcomfort.render.plan import PlannedPass, plan_passes
+from vrcomfort.render.scene_data import Scene
+from vrcomfort.render.scene_pass import ScenePass
+
+__all__ = [
+    "EyeImages",
+    "FrameToRender",
+    "PlannedPass",
+    "RenderedFrame",
+    "StereoRenderer",
+    "plan_passes",
+]
+
+NEAR_M = 0.02
+
+
+class _Before(NamedTuple):
+    """What a frame leaves for the next."""
+
+    head_pose: Pose
+    avatar_pose: Pose
+    scene_time_s: float
+
+
+class StereoRenderer:
+    """Renders stereo frames: `begin` a condition in a scene, then `render` its frames.
+
+    Parameters
+    ----------
+    size_px
+        (width, height) of one eye's image.
+    samples
+        Multisampling.
+    near_m
+        Distance of the near plane.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        size_px: tuple[int, int],
+        *,
+        samples: int = 4,
+        near_m: float = NEAR_M,
+    ) -> None:
+        self.size_px = size_px
+        self.ctx = ctx
+        self._samples = samples
+        self._near_m = near_m
+        self._passes: ConditionPasses | None = None
+        self._before: _Before | None = None
+
+    def begin(self, scene: Scene, condition: Condition) -> None:
+        """Build the passes that `condition` needs in `scene`; those of before are released."""
+        self.release()
+        self._scene = scene
+        self._condition = condition
+        self._passes = ConditionPasses(
+            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
+        )
+
+    def plan(self) -> list[PlannedPass]:
+        """Return the passes of the present condition and scene, with reasons."""
+        return plan_passes(self._scene, self._condition)
+
+    @property
+    def scene_pass(self) -> ScenePass:
+        """Return the scene pass of the present condition."""
+        return self._built().scene
+
+    def render(
+        self,
+        frame: FrameToRender,
+        scene_time_s: float,
+        on_eye: Callable[[int, EyeImages], None] | None = None,
+    ) -> RenderedFrame:
+        """Render both eyes of a frame.
+
+        Parameters
+        ----------
+        scene_time_s
+            Time of the scene's animations.
+        on_eye
+            Called after each eye (0 left, 1 right) with its textures, for files and measurements.
+        """
+        start_s = time.perf_counter()
+        passes = self._built()
+        passes.scene.gpu.draws = 0
+        before = None if frame.discontinuity else self._before
+        world_from_head = frame.avatar_pose @ frame.head_pose
+        before_s = scene_time_s if before is None else before.scene_time_s
+        passes.scene.update(scene_time_s, world_from_head, before_s)
+        samples = passes.find_focus(frame, world_from_head)
+        triangles = passes.focus.triangles if passes.focus else 0
+        for index in range(2):
+            eye = self._eye(frame, frame.views[index], before)
+            images = passes.render_eye(index, eye, scene_time_s, before_s)
+            triangles += passes.scene.triangles
+            if on_eye is not None:
+                on_eye(index, images)
+        self._before = _Before(frame.head_pose, frame.avatar_pose, scene_time_s)
+        return RenderedFrame(
+            eyes=(passes.tone_maps[0].target, passes.tone_maps[1].target),
+            focus_samples=samples,
+            max_blur_px=passes.max_blur_px,
+            draws=passes.scene.gpu.draws,
+            triangles=triangles,
+            passes=passes.names,
+            cpu_ms=(time.perf_counter() - start_s) * 1e3,
+        )
+
+    def drain(self) -> tuple[FocusSample, ...]:
+        """Return the focus samples that are still on their way (this waits for the GPU)."""
+        focus = None if self._passes is None else self._passes.focus
+        return () if focus is None else focus.drain()
+
+    def release(self) -> None:
+        """Let go of everything on the GPU; `begin` may follow."""
+        self._passes = None
+        self._before = None
+
+    def _built(self) -> ConditionPasses:
+        if self._passes is None:
+            raise RuntimeError("StereoRenderer.begin was not called")
+        return self._passes
+
+    def _eye(self, frame: FrameToRender, view: View, before: _Before | None) -> PlacedEye:
+        head_from_eye = frame.head_pose.inverse() @ view.pose
+        world_from_head = frame.avatar_pose @ frame.head_pose
+        # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
+        world_from_eye = world_from_head @ head_from_eye
+        camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
+        blur = self._condition.motion_blur
+        if before is None or blur is None:
+            return PlacedEye(head_from_eye, camera, None)
+        pose = previous_eye_pose(
+            blur.mode,
+            world_from_stage=frame.avatar_pose,
+            stage_from_head=frame.head_pose,
+            head_from_eye=head_from_eye,
+            previous_world_from_stage=before.avatar_pose,
+            previous_stage_from_head=before.head_pose,
+        )
+        return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s))

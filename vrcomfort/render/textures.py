@@ -1,0 +1,46 @@
+"""Scene images on the GPU, with mipmaps."""
+
+from __future__ import annotations
+
+import moderngl
+
+from vrcomfort.render.scene_data import Image
+
+ANISOTROPY = 4.0
+"""Samples along the steep axis of a slanted surface, at most."""
+
+_SRGB8_ALPHA8 = 0x8C43
+
+
+class TextureStore:
+    """Uploads each image once per encoding, when it is first asked for."""
+
+    def __init__(self, ctx: moderngl.Context, images: tuple[Image, ...]) -> None:
+        self._ctx = ctx
+        self._images = images
+        self._textures: dict[tuple[int, bool], moderngl.Texture] = {}
+
+    def get(self, image: int, *, srgb: bool) -> moderngl.Texture:
+        """Return the texture of an image; `srgb` images are decoded to linear when sampled."""
+        key = (image, srgb)
+        if key not in self._textures:
+            self._textures[key] = _upload(self._ctx, self._images[image], srgb=srgb)
+        return self._textures[key]
+
+    @property
+    def count(self) -> int:
+        """Return the number of textures on the GPU."""
+        return len(self._textures)
+
+
+def _upload(ctx: moderngl.Context, image: Image, *, srgb: bool) -> moderngl.Texture:
+    height, width = image.pixels.shape[:2]
+    internal_format = _SRGB8_ALPHA8 if srgb else None
+    texture = ctx.texture(
+        (width, height), 4, image.pixels.tobytes(), internal_format=internal_format
+    )
+    texture.build_mipmaps()
+    texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
+    texture.repeat_x, texture.repeat_y = image.repeat
+    texture.anisotropy = ANISOTROPY
+    return texture

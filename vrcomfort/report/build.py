@@ -1,0 +1,139 @@
+"""Builds a report: reads, analyses, writes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.errors import InputError
+from vrcomfort.report.figures import (
+    exposure_figure,
+    paired_figure,
+    subscale_figure,
+    symptom_figure,
+)
+from vrcomfort.report.page import render_page
+from vrcomfort.report.plan import load_plan
+from vrcomfort.report.results import analyse, to_json
+from vrcomfort.report.study_data import read_study
+from vrcomfort.report.tables import all_tables
+from vrcomfort.report.words import headline
+
+if TYPE_CHECKING:
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.study_data import StudyData
+
+
+@dataclass(frozen=True)
+class ReportSummary:
+    """What a report says in short, and where it is.
+
+    Parameters
+    ----------
+    index, results
+        ``index.html`` and ``results.json``.
+    tables, figures
+        The CSV and SVG files beside them.
+    plan
+        Name of the analysis plan.
+    participants, analysed, withdrawn
+        Numbers of people; `analysed` of the first contrast.
+    headlines
+        One sentence per test.
+    warnings
+        What was left out while reading or scoring, one sentence each.
+    """
+
+    index: Path
+    results: Path
+    tables: tuple[Path, ...]
+    figures: tuple[Path, ...]
+    plan: str
+    participants: int
+    analysed: int
+    withdrawn: int
+    headlines: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+
+def build_report(source: Path, *, plan: Path | None = None, out: Path) -> ReportSummary:
+    """Write the report of a study.
+
+    Parameters
+    ----------
+    source
+        A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
+    plan
+        An analysis plan; without one, the shipped plan of the study's protocol or the default.
+    out
+        Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
+
+    Raises
+    ------
+    InputError
+        If the study or the plan cannot be read, or `out` cannot be written.
+    """
+    study = read_study(Path(source))
+    chosen = load_plan(plan, protocol=study.protocol)
+    results, scored = analyse(study, chosen)
+    figures = draw_figures(study, results, scored)
+    tables = all_tables(results, scored)
+    files = {
+        "index.html": render_page(results, figures),
+        "results.json": to_json(results),
+        **{f"tables/{name}": text for name, text in tables.items()},
+        **{f"figures/{name}.svg": text for name, text in figures.items()},
+    }
+    _write(Path(out), files)
+    return _summary(Path(out), results, tuple(tables), tuple(figures))
+
+
+def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
+    """Return name → SVG text of every figure that the data allow."""
+    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    basis = results["score_basis"]
+    drawn: dict[str, str | None] = {}
+    for test in results["tests"]:
+        if test["outcome"] == results["plan"]["outcomes"][0]:
+            name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
+            drawn[name] = paired_figure(
+                scored.table, test["a"], test["b"], labels, basis, test["outcome"]
+            )
+    drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
+    drawn["symptoms"] = symptom_figure(results)
+    drawn["exposures"] = exposure_figure(list(study.trials), results)
+    return {name: svg for name, svg in drawn.items() if svg}
+
+
+def _write(out: Path, files: dict[str, str]) -> None:
+    try:
+        for name, text in files.items():
+            path = out / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise InputError(f"cannot write the report: {error.strerror}", file=out) from error
+
+
+def _summary(
+    out: Path, results: dict[str, Any], tables: tuple[str, ...], figures: tuple[str, ...]
+) -> ReportSummary:
+    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    quality = results["quality"]
+    excluded = [
+        f"{row['place']}: {row['participant']}, {row['questionnaire']}: {row['reason']}"
+        for row in quality["excluded_questionnaires"]
+    ]
+    return ReportSummary(
+        index=out / "index.html",
+        results=out / "results.json",
+        tables=tuple(out / "tables" / name for name in tables),
+        figures=tuple(out / "figures" / f"{name}.svg" for name in figures),
+        plan=results["plan"]["name"],
+        participants=results["participants"]["n"],
+        analysed=len(results["participants"]["analysed"]),
+        withdrawn=results["withdrawals"]["n"],
+        headlines=tuple(headline(test, labels) for test in results["tests"]),
+        warnings=(*quality["half_written_rows"], *excluded),
+    )

@@ -1,0 +1,182 @@
+"""The paired tests of a plan: primary, and what they become under other choices."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.pairs import pair_up, planned_exposures
+from vrcomfort.report.plan import Contrast
+from vrcomfort.stats.effects import rank_biserial
+from vrcomfort.stats.multiplicity import holm
+from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.withdrawal import worst_rank
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from vrcomfort.report.pairs import Pairs
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.stats.signed_rank import SignedRank
+
+FEWEST_PAIRS = 2
+
+
+def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
+    """Return the conditions in the data, in the protocol's order, then alphabetical."""
+    order = {name: place for place, name in enumerate(labels)}
+    found = {str(name) for name in table["condition"].unique()}
+    return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
+
+
+def contrasts_of(plan: Plan, conditions: list[str]) -> list[Contrast]:
+    """Return the plan's contrasts, or every pair.
+
+    Raises
+    ------
+    InputError
+        If the plan compares a condition that the data do not have.
+    """
+    for contrast in plan.contrasts:
+        absent = [name for name in (contrast.a, contrast.b) if name not in conditions]
+        if absent:
+            known = ", ".join(conditions)
+            raise InputError(
+                f"the analysis plan compares condition `{absent[0]}`; the data have {known}"
+            )
+    return list(plan.contrasts) or [Contrast(a=a, b=b) for a, b in combinations(conditions, 2)]
+
+
+def run_tests(table: pd.DataFrame, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
+    """Test every outcome in every contrast on participants with all exposures; adjust (Holm)."""
+    planned = planned_exposures(table)
+    tests = [
+        _test(table, plan, contrast, outcome, planned)
+        for contrast in contrasts
+        for outcome in plan.outcomes
+    ]
+    family = [t["p"] if t["outcome"] in plan.family else None for t in tests]
+    for test, adjusted in zip(tests, holm(family), strict=True):
+        test["p_holm"] = adjusted
+    return tests
+
+
+def _test(
+    table: pd.DataFrame, plan: Plan, contrast: Contrast, outcome: str, planned: dict[str, int]
+) -> dict[str, Any]:
+    pairs = pair_up(table, outcome, contrast.a, contrast.b, complete=planned)
+    result: dict[str, Any] = {
+        "a": contrast.a,
+        "b": contrast.b,
+        "outcome": outcome,
+        "n": len(pairs.participants),
+        "participants": list(pairs.participants),
+        "exposures_per_condition": {c: planned.get(c, 0) for c in (contrast.a, contrast.b)},
+        "p": None,
+        "not_tested": None,
+    }
+    if len(pairs.participants) < FEWEST_PAIRS:
+        result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
+        return result
+    test = signed_rank(
+        pairs.differences,
+        pairs.unit,
+        zeros=plan.zeros,
+        alternative=plan.alternative,
+        confidence=plan.confidence,
+        interval_n=_interval_n(pairs, plan),
+    )
+    return {**result, **describe_test(test), "descriptives": describe_pairs(pairs, contrast)} | {
+        "other_zeros": _other_zeros(pairs, plan),
+        "rank_biserial_interval_nonzero_differences": _plain_interval(pairs, plan),
+    }
+
+
+def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
+    return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
+
+
+def _plain_interval(pairs: Pairs, plan: Plan) -> dict[str, Any] | None:
+    effect = rank_biserial(pairs.differences, confidence=plan.confidence)
+    return None if effect is None else asdict(effect)
+
+
+def _other_zeros(pairs: Pairs, plan: Plan) -> dict[str, Any]:
+    other = "wilcox" if plan.zeros == "pratt" else "pratt"
+    test = signed_rank(
+        pairs.differences, pairs.unit, zeros=other, alternative=plan.alternative,
+        confidence=plan.confidence,
+    )  # fmt: skip
+    return describe_test(test)
+
+
+def describe_test(test: SignedRank) -> dict[str, Any]:
+    """Return a test as the plain values of results.json."""
+    found = asdict(test)
+    return {**found, "p": test.p, "method": test.method}
+
+
+def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, float]]:
+    """Return mean, spread and quartiles of both conditions and of the differences, in points."""
+    series = {contrast.a: pairs.a, contrast.b: pairs.b, "difference": pairs.differences}
+    return {name: describe(values * pairs.unit) for name, values in series.items()}
+
+
+def describe(values: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, float]:
+    """Return n, mean, SD, quartiles and range."""
+    q1, median, q3 = np.percentile(values, [25, 50, 75])
+    spread = float(np.std(values, ddof=1)) if values.size > 1 else 0.0
+    return {
+        "n": int(values.size),
+        "mean": float(values.mean()),
+        "sd": spread,
+        "median": float(median),
+        "q1": float(q1),
+        "q3": float(q3),
+        "minimum": float(values.min()),
+        "maximum": float(values.max()),
+    }
+
+
+def sensitivity(
+    table: pd.DataFrame, plan: Plan, test: dict[str, Any], lost: dict[str, int]
+) -> list[dict[str, Any]]:
+    """Repeat one test on other sets of people.
+
+    Parameters
+    ----------
+    lost
+        Participants without a pair who withdrew: 1 if under a, −1 if under b, 0 if unknown.
+    """
+    if test["not_tested"]:
+        return []
+    a, b, outcome = test["a"], test["b"], test["outcome"]
+    primary = pair_up(table, outcome, a, b, complete=planned_exposures(table))
+    available = pair_up(table, outcome, a, b)
+    lines = [
+        _line("all with a score in both conditions (means of unequal numbers)", signed_rank(
+            available.differences, available.unit, zeros=plan.zeros, alternative=plan.alternative
+        ), test),
+    ]  # fmt: skip
+    gone = {p: sign for p, sign in lost.items() if p not in primary.participants}
+    if gone:
+        direction = 1 if test["w_plus"] >= test["w_minus"] else -1
+        against = [-direction] * len(gone)
+        options = {"zeros": plan.zeros, "alternative": plan.alternative}
+        lines += [
+            _line("withdrawal ranked as the worst outcome of its condition",
+                  worst_rank(primary.differences, list(gone.values()), **options), test),
+            _line("worst case: every withdrawal counted against the observed direction",
+                  worst_rank(primary.differences, against, **options), test),
+        ]  # fmt: skip
+    return lines
+
+
+def _line(what: str, result: SignedRank, test: dict[str, Any]) -> dict[str, Any]:
+    same = {key: test[key] for key in ("a", "b", "outcome")}
+    return {**same, "analysis": what, "n": result.n, "z": result.z, "p": result.p}

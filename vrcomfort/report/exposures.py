@@ -1,0 +1,191 @@
+"""From questionnaires to one row of integer scores per exposure, and who is left out and why."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import pandas as pd
+
+from vrcomfort.questionnaire import LOADINGS, SSQ, score
+from vrcomfort.report.ordering import natural
+
+if TYPE_CHECKING:
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.study_data import Sheet, StudyData
+
+Basis = Literal["difference_from_baseline", "raw_post"]
+OUTCOMES = ("T", "N", "O", "D")
+ITEMS = tuple(item.name for item in SSQ.items)
+_RAW = {"T": "total_raw", "N": "nausea_raw", "O": "oculomotor_raw", "D": "disorientation_raw"}
+
+
+@dataclass(frozen=True)
+class Exposures:
+    """Scored exposures.
+
+    Parameters
+    ----------
+    table
+        One row per exposure with a usable questionnaire: participant, session, position (in the
+        session, or among all if sessions have one exposure each), condition, scene, early (1 if
+        the exposure was not finished), and integer T, N, O, D and items.
+    recovery
+        Same columns for the questionnaires after recovery, condition blank.
+    excluded
+        Questionnaires left out: participant, what, reason.
+    """
+
+    basis: Basis
+    table: pd.DataFrame
+    recovery: pd.DataFrame
+    excluded: tuple[dict[str, str], ...]
+
+
+Moment = tuple[str, str, str, str]
+"""Participant, session, number of the exposure, condition; blank where it is not said."""
+
+
+@dataclass(frozen=True)
+class _Baselines:
+    """Answers before exposure, by the moment they belong to."""
+
+    by_moment: dict[Moment, dict[str, int]]
+
+    def of(self, sheet: Sheet) -> dict[str, int] | None:
+        """Return the baseline nearest to a questionnaire: of its exposure, session, or study."""
+        person, number, condition = sheet.participant, _number(sheet), sheet.condition
+        keys = (
+            (person, session, exposure, name)
+            for session in dict.fromkeys((sheet.session, ""))
+            for exposure in dict.fromkeys((number, ""))
+            for name in dict.fromkeys((condition, ""))
+        )
+        return next((self.by_moment[key] for key in keys if key in self.by_moment), None)
+
+
+def score_exposures(study: StudyData, plan: Plan) -> Exposures:
+    """Score every questionnaire on integer raw sums, minus the baseline where there is one."""
+    excluded: list[dict[str, str]] = []
+    sheets = [s for s in study.sheets if s.timepoint in _timepoints(plan)]
+    whole = [s for s in sheets if _is_whole(s, excluded)]
+    baselines = _baselines(whole, plan)
+    has_baseline = any(s.timepoint == plan.baseline_timepoint for s in study.sheets)
+    after = [s for s in whole if s.timepoint != plan.baseline_timepoint]
+    facts = _facts(study, plan)
+    rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
+    table = pd.DataFrame([row for row in rows if row], columns=[*_COLUMNS, *OUTCOMES, *ITEMS])
+    posts = table["timepoint"] == plan.exposure_timepoint
+    return Exposures(
+        basis="difference_from_baseline" if has_baseline else "raw_post",
+        table=table[posts].reset_index(drop=True),
+        recovery=table[~posts].reset_index(drop=True),
+        excluded=tuple(excluded),
+    )
+
+
+_COLUMNS = ("participant", "session", "position", "timepoint", "condition", "scene", "early")
+
+
+def _timepoints(plan: Plan) -> set[str]:
+    return {plan.baseline_timepoint, plan.exposure_timepoint, plan.recovery_timepoint}
+
+
+def _number(sheet: Sheet) -> str:
+    return sheet.trial or sheet.period
+
+
+def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
+    absent = [item for item in ITEMS if sheet.answers.get(item) is None]
+    if absent:
+        names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
+        reason = f"incomplete: no answer to {names}"
+        excluded.append(_left_out(sheet, reason))
+    return not absent
+
+
+def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
+    what = {"participant": sheet.participant, "questionnaire": sheet.name, "reason": reason}
+    return {**what, "place": sheet.place}
+
+
+def _baselines(sheets: list[Sheet], plan: Plan) -> _Baselines:
+    """Index the baselines; one with a number that no exposure has is of the whole session."""
+    exposures = {_moment(s) for s in sheets if s.timepoint == plan.exposure_timepoint}
+    numbered = {(person, session, number) for person, session, number, _ in exposures}
+    found: dict[Moment, dict[str, int]] = {}
+    for sheet in sheets:
+        if sheet.timepoint == plan.baseline_timepoint:
+            person, session, number, condition = _moment(sheet)
+            number = number if (person, session, number) in numbered else ""
+            found[person, session, number, condition] = _whole_answers(sheet)
+    return _Baselines(found)
+
+
+def _moment(sheet: Sheet) -> Moment:
+    return sheet.participant, sheet.session, _number(sheet), sheet.condition
+
+
+def _whole_answers(sheet: Sheet) -> dict[str, int]:
+    return {item: answer for item, answer in sheet.answers.items() if answer is not None}
+
+
+@dataclass(frozen=True)
+class _Facts:
+    """What other files say about an exposure: (participant, session, number) → fact."""
+
+    positions: dict[tuple[str, str, str], int]
+    trials: dict[tuple[str, str, str], dict[str, str]]
+
+
+def _facts(study: StudyData, plan: Plan) -> _Facts:
+    trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
+    posts = [s for s in study.sheets if s.timepoint == plan.exposure_timepoint]
+    exposures = {*trials, *(_moment(s)[:3] for s in posts)}
+    return _Facts(_positions(exposures), trials)
+
+
+def _positions(exposures: set[tuple[str, str, str]]) -> dict[tuple[str, str, str], int]:
+    """Place of each exposure in its session, or in the study if sessions have one each."""
+    peers: dict[tuple[str, ...], list[tuple[str, str, str]]] = defaultdict(list)
+    sessions = {key[:2] for key in exposures}
+    depth = 1 if len(sessions) == len(exposures) else 2
+    for key in sorted(exposures, key=lambda k: tuple(map(natural, k))):
+        if key[1] or key[2]:
+            peers[key[:depth]].append(key)
+    return {key: place for found in peers.values() for place, key in enumerate(found, start=1)}
+
+
+def _row(
+    sheet: Sheet,
+    baselines: _Baselines,
+    facts: _Facts,
+    excluded: list[dict[str, str]],
+    *,
+    has_baseline: bool,
+) -> dict[str, Any] | None:
+    before = baselines.of(sheet)
+    if has_baseline and before is None:
+        excluded.append(_left_out(sheet, "no complete baseline to subtract"))
+        return None
+    key = (sheet.participant, sheet.session, _number(sheet))
+    trial = facts.trials.get(key, {})
+    zero = dict.fromkeys(ITEMS, 0)
+    return {
+        "participant": sheet.participant,
+        "session": sheet.session,
+        "position": facts.positions.get(key, 0),
+        "timepoint": sheet.timepoint,
+        "condition": sheet.condition,
+        "scene": sheet.scene or trial.get("scene", ""),
+        "early": int(trial.get("status", "completed") != "completed"),
+        **_difference(_whole_answers(sheet), before or zero),
+    }
+
+
+def _difference(after: dict[str, int], before: dict[str, int]) -> dict[str, int]:
+    """Integer differences of the raw sums and of each item."""
+    one, two = score(after), score(before)
+    sums = {name: getattr(one, raw) - getattr(two, raw) for name, raw in _RAW.items()}
+    return {**sums, **{item: after[item] - before[item] for item in LOADINGS}}

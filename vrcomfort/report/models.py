@@ -1,0 +1,135 @@
+"""ANOVA, crossover and mixed models of a plan; each says why where it cannot be made."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.stats import shapiro
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import WEIGHTS
+from vrcomfort.report.pairs import planned_exposures
+from vrcomfort.stats.anova import anova
+from vrcomfort.stats.crossover import crossover
+from vrcomfort.stats.friedman import friedman
+from vrcomfort.stats.mixed import mixed_model
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import pandas as pd
+
+    from vrcomfort.report.plan import Contrast, Factor, Plan
+
+Result = dict[str, Any]
+
+
+def guarded(outcome: str, analyse: Callable[[], Result]) -> Result:
+    """Return an analysis with its outcome, or the sentence that says why there is none."""
+    try:
+        return {"outcome": outcome, "not_tested": None, **analyse()}
+    except InputError as error:
+        return {"outcome": outcome, "not_tested": error.message}
+
+
+def points(table: pd.DataFrame, outcome: str) -> pd.DataFrame:
+    """Return the exposures with the weighted score in column `score`."""
+    return table.assign(score=table[outcome].astype(float) * WEIGHTS[outcome])
+
+
+def run_anova(table: pd.DataFrame, plan: Plan, outcome: str) -> Result:
+    """Repeated-measures ANOVA of one outcome over the plan's factors."""
+    return guarded(outcome, lambda: _anova(points(table, outcome), plan))
+
+
+def _anova(table: pd.DataFrame, plan: Plan) -> Result:
+    factors = [f for f in plan.anova if table[f.column].nunique() > 1]
+    if not factors:
+        raise InputError("no factor has two levels in the data")
+    names = [factor.name for factor in factors]
+    long = table.assign(**{f.name: _levels(table, f) for f in factors})
+    cells = long.groupby(["participant", *names], as_index=False)["score"].mean()
+    result = anova(cells, value="score", participant="participant", within=names)
+    return {
+        "factors": {n: sorted(cells[n].astype(str).unique()) for n in names},
+        "n": result.n,
+        "excluded": list(result.excluded),
+        "effects": [asdict(effect) for effect in result.effects],
+        "residuals": _residual_check(result.residuals),
+    }
+
+
+def _levels(table: pd.DataFrame, factor: Factor) -> pd.Series:
+    return table[factor.column].map(lambda value: factor.levels.get(str(value), str(value)))
+
+
+def _residual_check(residuals: np.ndarray[Any, np.dtype[np.float64]]) -> Result | None:
+    flat = residuals.ravel()
+    if flat.size < 4 or np.ptp(flat) <= 1e-9:
+        return None
+    found = shapiro(flat)
+    return {"shapiro_w": float(found.statistic), "p": float(found.pvalue), "n": int(flat.size)}
+
+
+def run_friedman(table: pd.DataFrame, conditions: list[str], outcome: str) -> Result:
+    """Friedman's test over more than two conditions, on integer sums of complete people."""
+    return guarded(outcome, lambda: _friedman(table, conditions, outcome))
+
+
+def _friedman(table: pd.DataFrame, conditions: list[str], outcome: str) -> Result:
+    planned = planned_exposures(table)
+    grouped = table.groupby(["participant", "condition"])[outcome]
+    sums, counts = grouped.sum().unstack(), grouped.size().unstack()  # noqa: PD010
+    complete = (counts == counts.columns.map(planned)).all(axis=1)
+    return asdict(friedman(sums.loc[complete, conditions].to_numpy(dtype=np.int64)))
+
+
+def run_crossover(table: pd.DataFrame, contrast: Contrast, outcome: str) -> Result:
+    """Condition, position and sequence effects where everybody keeps one order of a and b."""
+    done = guarded(outcome, lambda: _crossover(points(table, outcome), contrast))
+    return {"a": contrast.a, "b": contrast.b, **done}
+
+
+def _crossover(table: pd.DataFrame, contrast: Contrast) -> Result:
+    pair = table[table["condition"].isin([contrast.a, contrast.b])]
+    if (pair["position"] == 0).any():
+        raise InputError("the data do not say in which order the conditions came")
+    if pair["position"].nunique() != 2:
+        raise InputError("not a two-position crossover: conditions come in more than two places")
+    planned = planned_exposures(pair)
+    grouped = pair.groupby(["participant", "condition"])
+    if (grouped["position"].nunique() > 1).any():  # noqa: PD101 - per group
+        raise InputError("some participants met one condition in different positions")
+    score, count = grouped["score"].mean().unstack(), grouped.size().unstack()  # noqa: PD010
+    place = grouped["position"].first().unstack()  # noqa: PD010
+    complete = (count == count.columns.map(planned)).all(axis=1)
+    score, place = score[complete], place[complete]
+    a_first = (place[contrast.a] < place[contrast.b]).to_numpy()
+    first = np.where(a_first, score[contrast.a], score[contrast.b])
+    second = np.where(a_first, score[contrast.b], score[contrast.a])
+    return asdict(crossover(first, second, a_first))
+
+
+def run_mixed(table: pd.DataFrame, plan: Plan, conditions: list[str], outcome: str) -> Result:
+    """Linear mixed model of every scored exposure, complete participants or not."""
+    return guarded(outcome, lambda: _mixed(points(table, outcome), plan, conditions))
+
+
+def _mixed(table: pd.DataFrame, plan: Plan, conditions: list[str]) -> Result:
+    factors = [name for name in plan.mixed_model if table[name].nunique() > 1]
+    left_out: list[str] = []
+    while factors:
+        try:
+            model = mixed_model(
+                table, value="score", participant="participant", factors=factors,
+                references={"condition": conditions[-1]}, confidence=plan.confidence,
+            )  # fmt: skip
+        except InputError:
+            if len(factors) == 1:
+                raise
+            left_out.insert(0, factors.pop())
+            continue
+        return {**asdict(model), "left_out": left_out}
+    raise InputError("no effect has two levels in the data")

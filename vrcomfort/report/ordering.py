@@ -1,0 +1,13 @@
+"""Sorting names as people do: P2 before P10."""
+
+from __future__ import annotations
+
+import re
+
+_NUMBER = re.compile(r"(\d+)")
+
+
+def natural(text: str) -> tuple[tuple[int, int, str], ...]:
+    """Return a sorting key in which runs of digits count as numbers."""
+    parts = _NUMBER.split(text)
+    return tuple((0, int(p), "") if p.isdecimal() else (1, 0, p) for p in parts if p)

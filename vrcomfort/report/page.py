@@ -1,0 +1,55 @@
+"""The report as one self-contained HTML page."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from vrcomfort.report import words
+from vrcomfort.report.figures import NAMES
+from vrcomfort.resources import data_folder
+
+TEMPLATE = "report.html.j2"
+
+
+def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
+    """Fill the report template.
+
+    Parameters
+    ----------
+    figures
+        Name → SVG text, inlined into the page.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(data_folder("analysis")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": words.number,
+        "fraction": words.fraction,
+        "p": words.p_value,
+        "interval": words.interval,
+        "degrees": words.degrees,
+    }
+    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    return environment.get_template(TEMPLATE).render(
+        r=results,
+        labels=labels,
+        names=NAMES,
+        figures={name: inline_svg(svg, name) for name, svg in figures.items()},
+        methods=words.methods(results),
+        basis=words.basis_sentence(results["score_basis"]),
+        headlines=[words.headline(t, labels) for t in results["tests"]],
+    )
+
+
+def inline_svg(svg: str, name: str) -> str:
+    """Return an SVG for use inside HTML: no XML prologue, its own ids, a width that shrinks."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
+    return svg.replace("<svg ", '<svg role="img" aria-hidden="true" ', 1)

@@ -1,0 +1,162 @@
+"""Reads what a study left: every questionnaire at any depth, and whatever else is there."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import SSQ
+from vrcomfort.records import read_rows
+from vrcomfort.records.reader import Rows
+from vrcomfort.report.ordering import natural
+
+NEEDED = ("participant", "condition", "item", "response")
+
+
+@dataclass
+class Sheet:
+    """One filled-in questionnaire; texts are as in the file, blank where it says nothing."""
+
+    participant: str
+    session: str
+    period: str
+    trial: str
+    condition: str
+    scene: str
+    sequence: str
+    timepoint: str
+    place: str
+    """File and line where it starts."""
+    answers: dict[str, int | None] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """The moment in words."""
+        parts = [f"session {self.session}" if self.session else ""]
+        number = self.trial or self.period
+        parts += [f"exposure {number}" if number else "", self.condition, self.timepoint]
+        return ", ".join(part for part in parts if part)
+
+
+@dataclass(frozen=True)
+class StudyData:
+    """Everything a report is made from."""
+
+    title: str
+    protocol: str | None
+    labels: dict[str, str]
+    """Condition → label, in the protocol's order; empty without a study description."""
+    sheets: tuple[Sheet, ...]
+    participants: tuple[dict[str, str], ...]
+    trials: tuple[dict[str, str], ...]
+    ratings: tuple[dict[str, str], ...]
+    manifests: tuple[dict[str, Any], ...]
+    files: int
+    warnings: tuple[str, ...]
+
+
+def read_study(source: Path) -> StudyData:
+    """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
+
+    Raises
+    ------
+    InputError
+        If there is no questionnaire, or a table is wrong, with file, line and column.
+    """
+    files = _files(source, "questionnaires.csv")
+    if not files:
+        raise InputError("there is no questionnaires.csv in this folder", file=source)
+    warnings: list[str] = []
+    sheets = [sheet for file in files for sheet in _sheets(file, source, warnings)]
+    if not sheets:
+        raise InputError("there is no answered SSQ in these questionnaires", file=source)
+    description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    return StudyData(
+        title=str(description.get("name") or source.resolve().name),
+        protocol=description.get("protocol"),
+        labels=dict(description.get("conditions") or {}),
+        sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
+        participants=_table(source, "participants.csv", warnings),
+        trials=_table(source, "trials.csv", warnings),
+        ratings=_table(source, "ratings.csv", warnings),
+        manifests=tuple(_json(file) for file in _files(source, "manifest.json")),
+        files=len(files),
+        warnings=tuple(warnings),
+    )
+
+
+def _files(source: Path, name: str) -> list[Path]:
+    if source.is_file():
+        return [source] if name == "questionnaires.csv" else []
+    if not source.is_dir():
+        raise InputError("there is no such file or folder", file=source)
+    return sorted(source.rglob(name), key=lambda path: natural(path.as_posix()))
+
+
+def _read(file: Path, source: Path, warnings: list[str]) -> Rows:
+    found = read_rows(file)
+    prefix = f"{source}/" if source.is_dir() else f"{source.parent}/"
+    warnings.extend(warning.removeprefix(prefix) for warning in found.warnings)
+    return found
+
+
+def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str], ...]:
+    return tuple(row for f in _files(source, name) for row in _read(f, source, warnings).rows)
+
+
+def _json(file: Path) -> dict[str, Any]:
+    if not file.is_file():
+        return {}
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise InputError(f"this is not valid JSON: {error}", file=file) from error
+    return content if isinstance(content, dict) else {}
+
+
+def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
+    found = _read(file, source, warnings)
+    missing = [name for name in NEEDED if name not in found.columns]
+    if missing and found.columns:
+        raise InputError(f"the column {missing[0]} is missing", file=file, line=1)
+    sheets: dict[tuple[str, ...], Sheet] = {}
+    for row, line in zip(found.rows, found.lines, strict=True):
+        if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
+            _add(sheets, row, file, line)
+    return list(sheets.values())
+
+
+def _add(
+    sheets: dict[tuple[str, ...], Sheet], row: dict[str, str], file: Path, line: int
+) -> None:
+    """Put one answer where it belongs."""
+    columns = ("participant", "session", "period", "trial", "condition", "scene", "sequence")
+    key = (*(row.get(name, "").strip() for name in columns), row.get("timepoint") or "post")
+    if not key[0]:
+        raise InputError("a participant is missing", file=file, line=line, column="participant")
+    sheet = sheets.setdefault(key, Sheet(*key, place=f"{file.name}, line {line}"))
+    item = SSQ.item(row["item"])
+    if item is None:
+        message = f"`{row['item']}` is not an item of the SSQ"
+        raise InputError(message, file=file, line=line, column="item")
+    if item.name in sheet.answers:
+        message = f"`{item.name}` is answered twice in one questionnaire"
+        raise InputError(message, file=file, line=line, column="item")
+    sheet.answers[item.name] = _answer(row["response"].strip(), file, line)
+
+
+def _answer(text: str, file: Path, line: int) -> int | None:
+    """Return a whole answer on the scale; blank is missing."""
+    if not text:
+        return None
+    try:
+        number = float(text)
+    except ValueError:
+        number = float("nan")
+    if not number.is_integer() or not SSQ.low <= number <= SSQ.high:
+        message = f"`{text}` is not a whole number from {SSQ.low} to {SSQ.high}"
+        raise InputError(message, file=file, line=line, column="response")
+    return int(number)

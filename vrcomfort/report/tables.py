@@ -1,0 +1,98 @@
+"""Results as flat CSV tables."""
+
+from __future__ import annotations
+
+import csv
+import io
+from typing import Any
+
+from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
+
+Row = dict[str, Any]
+
+
+def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
+    """Return file name → CSV text."""
+    columns = ["participant", "session", "position", "condition", "scene", "early"]
+    weights = results["weights"]
+    exposures = [
+        {
+            **{c: row[c] for c in columns},
+            **{f"{o}_raw": int(row[o]) for o in OUTCOMES},
+            **{o: float(f"{row[o] * weights[o]:.12g}") for o in OUTCOMES},
+            **{item: int(row[item]) for item in ITEMS},
+        }
+        for row in scored.table.to_dict("records")
+    ]
+    tables = {
+        "scores": exposures,
+        "tests": [_flat_test(test) for test in results["tests"]],
+        "sensitivity": results["sensitivity"],
+        "descriptives": results["descriptives"],
+        "symptoms": results["items"],
+        "anova": [row for found in results["anova"] for row in _flat_anova(found)],
+        "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
+        "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
+        "withdrawals": results["withdrawals"]["list"],
+        "left_out": results["participants"]["left_out"],
+        "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
+    }
+    return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def to_csv(rows: list[Row]) -> str:
+    """Write rows with the columns of all of them, in the order of appearance; None is blank."""
+    columns = list(dict.fromkeys(key for row in rows for key in row))
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    return stream.getvalue()
+
+
+def _flat_test(test: Row) -> Row:
+    keys = ("a", "b", "outcome", "n", "zeros", "ties", "zero_method", "alternative", "w_plus",
+            "w_minus", "z", "p_exact", "p_asymptotic", "p", "method", "p_holm")  # fmt: skip
+    row = {key: test.get(key) for key in keys}
+    row |= _interval("hodges_lehmann", test.get("shift"))
+    row |= _interval("rank_biserial", test.get("effect"))
+    plain = _interval("rank_biserial", test.get("rank_biserial_interval_nonzero_differences"))
+    row |= {f"{key}_nonzero_n": plain[key] for key in ("rank_biserial_low", "rank_biserial_high")}
+    for name, found in (test.get("descriptives") or {}).items():
+        row |= {f"{stat}_{name}": found[stat] for stat in ("mean", "sd", "median", "q1", "q3")}
+    return {**row, "not_tested": test["not_tested"]}
+
+
+def _interval(name: str, found: Row | None) -> Row:
+    found = found or {}
+    low, high = f"{name}_low", f"{name}_high"
+    return {name: found.get("estimate"), low: found.get("low"), high: found.get("high")}
+
+
+def _flat_anova(found: Row) -> list[Row]:
+    if found["not_tested"]:
+        return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
+    rows = []
+    for effect in found["effects"]:
+        row = {"outcome": found["outcome"], "n": found["n"], **effect}
+        shape = row.pop("sphericity") or {}
+        row |= _interval("partial_eta_squared", row.pop("partial_eta_squared"))
+        names = ("mauchly_w", "mauchly_p", "greenhouse_geisser", "huynh_feldt")
+        rows.append(row | {name: shape.get(name) for name in names})
+    return rows
+
+
+def _flat_crossover(found: Row) -> list[Row]:
+    keys = {key: found[key] for key in ("a", "b", "outcome")}
+    if found["not_tested"]:
+        return [{**keys, "not_tested": found["not_tested"]}]
+    sizes = {"n_ab": found["n_ab"], "n_ba": found["n_ba"]}
+    effects = ("condition", "period", "sequence")
+    return [{**keys, **sizes, "effect": name, **found[name]} for name in effects]
+
+
+def _flat_mixed(found: Row) -> list[Row]:
+    if found["not_tested"]:
+        return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
+    keys = {key: found[key] for key in ("outcome", "n_participants", "n_values")}
+    return [{**keys, "term": name, **term} for name, term in found["terms"].items()]

@@ -1,0 +1,158 @@
+"""Numbers and methods in the words of a paper."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from vrcomfort.report.figures import NAMES
+
+MINUS = "−"
+NONE = "–"
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Write a number with a real minus sign; a dash where there is none."""
+    if value is None:
+        return NONE
+    text = f"{value:.{digits}f}"
+    return text.replace("-", MINUS) if float(text) != 0 else text.lstrip("-")
+
+
+def fraction(value: float | None, digits: int = 2) -> str:
+    """Write a number that cannot exceed 1 without its leading zero (APA)."""
+    text = number(value, digits)
+    return text.replace("0.", ".", 1) if text.lstrip(MINUS).startswith("0.") else text
+
+
+def p_value(value: float | None) -> str:
+    """Write p with three digits after the point."""
+    if value is None:
+        return NONE
+    return "< .001" if value < 0.001 else fraction(value, 3)
+
+
+def p_equals(value: float | None) -> str:
+    """Write p in a sentence."""
+    text = p_value(value)
+    return f"p {text}" if text.startswith("<") else f"p = {text}"
+
+
+def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = False) -> str:
+    """Write [low, high]."""
+    if not found or found.get("low") is None:
+        return NONE
+    write = fraction if bounded else number
+    return f"[{write(found['low'], digits)}, {write(found['high'], digits)}]"
+
+
+def degrees(value: float) -> str:
+    """Write degrees of freedom: whole if they are."""
+    return str(int(value)) if float(value).is_integer() else number(value, 2)
+
+
+def methods(results: dict[str, Any]) -> list[str]:
+    """Return the methods section, one paragraph per item."""
+    plan = results["plan"]
+    return [text for text in (
+        _scoring(results), _testing(plan), _effects(plan), _modelling(results), plan["note"]
+    ) if text]  # fmt: skip
+
+
+def basis_sentence(basis: str) -> str:
+    """Say what the scores are."""
+    if basis == "difference_from_baseline":
+        return (
+            "Scores are differences: the questionnaire after an exposure minus the nearest "
+            "baseline of the same participant."
+        )
+    return (
+        "The data hold no baseline questionnaire, so scores are raw scores after exposure and "
+        "include whatever symptoms participants brought with them."
+    )
+
+
+def _scoring(results: dict[str, Any]) -> str:
+    per = results["participants"]["exposures_per_condition"]
+    several = any(count > 1 for count in per.values())
+    repeated = (
+        " Where a condition has several exposures their integer sums are added before testing "
+        "and reported as the mean per exposure."
+        if several
+        else ""
+    )
+    return (
+        "The Simulator Sickness Questionnaire (SSQ; 16 items, 0–3) was scored after Kennedy et "
+        "al. (1993): N = 9.54 ΣN, O = 7.58 ΣO, D = 13.92 ΣD, total = 3.74 (ΣN + ΣO + ΣD). "
+        "Incomplete questionnaires were not scored. "
+        f"{basis_sentence(results['score_basis'])}{repeated}"
+    )
+
+
+def _testing(plan: dict[str, Any]) -> str:
+    zeros = (
+        "pairs without a difference were ranked and then dropped (Pratt)"
+        if plan["zeros"] == "pratt"
+        else "pairs without a difference were dropped before ranking (Wilcoxon)"
+    )
+    sides = {
+        "two-sided": "two-sided",
+        "greater": "one-sided (more discomfort under the first condition)",
+        "less": "one-sided (less discomfort under the first condition)",
+    }[plan["alternative"]]
+    family = ", ".join(NAMES[outcome] for outcome in plan["family"])
+    return (
+        f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
+        f"every exposure. Ranks were taken on integer raw sums, so ties are exact; {zeros}; p is "
+        "from the exact permutation distribution given the ties; Z is tie-corrected, without "
+        f"continuity correction. p values were adjusted with Holm’s method over {family} and all "
+        "contrasts."
+    )
+
+
+def _effects(plan: dict[str, Any]) -> str:
+    percent = f"{100 * plan['confidence']:g} %"
+    zeros = "including" if plan["zeros"] == "pratt" else "excluding"
+    n = (
+        "the number of non-zero scores in the first condition, as R’s effectsize counts "
+        "(tables/tests.csv also gives it with the number of non-zero differences)"
+        if plan["rank_biserial_interval"] == "effectsize"
+        else "the number of non-zero differences"
+    )
+    return (
+        f"The Hodges–Lehmann shift is the median of the Walsh averages, {zeros} pairs without a "
+        f"difference; its {percent} interval is bounded by the Walsh averages at the critical "
+        "ranks of the signed-rank distribution without ties, on the conservative side. r is the "
+        "matched-pairs rank-biserial correlation over non-zero differences, with a Fisher-z "
+        f"interval whose standard error uses {n}."
+    )
+
+
+def _modelling(results: dict[str, Any]) -> str:
+    made = any(not found["not_tested"] for found in results["anova"])
+    anova = (
+        "The repeated-measures ANOVA uses type III sums of squares and participants with a score "
+        "in every cell; ε is Greenhouse–Geisser (GG) and Huynh–Feldt (HF); intervals of partial "
+        "η² are 90 %. "
+        if made
+        else ""
+    )
+    return (
+        f"{anova}The mixed model has a random intercept per participant, is fitted by restricted "
+        "maximum likelihood to every scored exposure, and takes inner-level degrees of freedom."
+    )
+
+
+def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
+    """Return the result of one test in a sentence that takes no side."""
+    a, b, name = labels[test["a"]], labels[test["b"]], NAMES[test["outcome"]]
+    if test["not_tested"]:
+        return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
+    shift, effect = test["shift"], test["effect"]
+    if effect is None:
+        return f"{name}: no participant’s score differed between {a} and {b} (n = {test['n']})."
+    return (
+        f"{name}, {a} minus {b}: shift {number(shift['estimate'])} points "
+        f"{interval(shift)}, Z = {number(test['z'])}, {p_equals(test['p'])} "
+        f"({test['method']}), Holm {p_equals(test['p_holm'])}, "
+        f"r = {fraction(effect['estimate'])} {interval(effect, bounded=True)}, n = {test['n']}."
+    )

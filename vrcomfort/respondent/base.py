@@ -1,0 +1,94 @@
+"""Who answers, and what they are asked."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from vrcomfort.questionnaire import Instrument
+
+
+class Withdrew(Exception):  # noqa: N818 - a decision of the participant, not an error
+    """The participant wants to stop; the message is the note that is kept."""
+
+
+@dataclass(frozen=True)
+class Exposure:
+    """What a participant is about to be exposed to.
+
+    Parameters
+    ----------
+    duration_s
+        The protocol's duration. Shortened demonstrations pass their time stretched to it.
+    """
+
+    session: int
+    trial: int
+    scene: str
+    condition: str
+    duration_s: float
+
+
+@dataclass(frozen=True)
+class Form:
+    """A questionnaire at a moment of the session.
+
+    Parameters
+    ----------
+    after_withdrawal
+        True where the participant has just stopped an exposure and may well refuse.
+    """
+
+    instrument: Instrument
+    timepoint: str
+    after_withdrawal: bool = False
+
+
+Heard: TypeAlias = Callable[[str, int | None, float], None]
+"""Takes (item, response, seconds it took) as soon as an answer is given; a correction of an
+earlier answer is given as a further call. None is "rather not say"."""
+
+
+class Respondent(Protocol):
+    """A participant, or whoever answers for one. All times are seconds since the exposure began."""
+
+    @property
+    def name(self) -> str:
+        """Return what the manifest calls this kind of respondent."""
+
+    def start_session(self, session: int) -> None:
+        """Take note that a session begins (counted from 1)."""
+
+    def start_exposure(self, exposure: Exposure) -> None:
+        """Take note that an exposure begins."""
+
+    def endure(self, elapsed_s: float) -> None:
+        """Live through the exposure up to now; called every frame.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops here.
+        """
+
+    def end_exposure(self, elapsed_s: float) -> None:
+        """Take note that the exposure is over."""
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
+        """Ask for a rating during exposure, without waiting for it."""
+
+    def rating(self, elapsed_s: float) -> int | None:
+        """Return the rating if it has been given by now; called every frame after `prompt`."""
+
+    def rest(self, duration_s: float) -> None:
+        """Live through a rest without the headset."""
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Answer every item in the order of the instrument.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops at a question; what was heard before is kept.
+        """

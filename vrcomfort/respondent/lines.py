@@ -1,0 +1,23 @@
+"""Lines typed while something else runs."""
+
+from __future__ import annotations
+
+import sys
+
+
+def waiting_line() -> str | None:
+    """Return a line that has been typed, or None at once if there is none.
+
+    On Windows single keys count as lines, because the console has no ready lines to ask for.
+    """
+    if sys.platform == "win32":
+        import msvcrt  # noqa: PLC0415 - exists on Windows only
+
+        return msvcrt.getwch() if msvcrt.kbhit() else None
+    import select  # noqa: PLC0415 - works on files on other systems only
+
+    try:
+        ready, _, _ = select.select([sys.stdin], [], [], 0)
+    except (OSError, ValueError):  # no standard input, or one that cannot be waited for
+        return None
+    return (sys.stdin.readline() or None) if ready else None

@@ -1,0 +1,148 @@
+"""Simulated participants: a latent sickness that grows with exposure, and ordinal answers to it.
+
+Not a model of anybody in particular. It gives an analysis something with the structure of real
+data: people who differ, answers that tie, symptoms that carry over, and withdrawals that depend on
+how people feel (so that completers are a biased sample).
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Mapping
+
+import numpy as np
+
+from vrcomfort.protocol import Simulation
+from vrcomfort.questionnaire import SSQ, Instrument
+from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+
+LOADINGS: Mapping[str, float] = {
+    "general_discomfort": 1.1,
+    "fatigue": 0.8,
+    "headache": 0.7,
+    "eyestrain": 1.3,
+    "difficulty_focusing": 1.0,
+    "increased_salivation": 0.4,
+    "sweating": 0.6,
+    "nausea": 1.0,
+    "difficulty_concentrating": 0.7,
+    "fullness_of_head": 0.8,
+    "blurred_vision": 0.8,
+    "dizzy_eyes_open": 0.9,
+    "dizzy_eyes_closed": 0.8,
+    "vertigo": 0.6,
+    "stomach_awareness": 0.8,
+    "burping": 0.3,
+}
+"""item → how much of a unit of sickness shows in it. Assumed: vision first, stomach later."""
+
+THRESHOLDS = (0.8, 1.7, 2.6)
+"""Latent levels from which people answer slight, moderate, severe."""
+
+_RATING_PER_SICKNESS = {"fms": 5.0, "misc": 2.5}
+_SECONDS_PER_ANSWER = 3.0
+_STEPS = 1000
+
+
+class SimulatedRespondent:
+    """One simulated participant; the same seed and name give the same person and answers."""
+
+    name = "simulated"
+
+    def __init__(self, settings: Simulation, *, participant: str, seed: int) -> None:
+        self._settings = settings
+        self._seed = seed
+        self._person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
+        rng = self._stream(0)
+        self.susceptibility = math.exp(settings.susceptibility_sigma * rng.standard_normal())
+        levels = settings.baseline_sd * rng.standard_normal(len(SSQ.items))
+        self._levels = dict(zip((item.name for item in SSQ.items), levels.tolist(), strict=True))
+        self._start_again(session=1)
+
+    def _stream(self, session: int) -> np.random.Generator:
+        key = (self._person, session)
+        return np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+
+    def _start_again(self, session: int) -> None:
+        self._rng = self._stream(session)
+        self._session = session
+        self.sickness = 0.0
+        self._limit = 0.0
+        self._withdraws_at_s = math.inf
+        self._answer_at_s = math.inf
+
+    def start_session(self, session: int) -> None:
+        """Come back recovered, with the random stream of this session."""
+        self._start_again(session)
+
+    def start_exposure(self, exposure: Exposure) -> None:
+        """Decide how fast sickness grows and when it becomes too much."""
+        settings = self._settings
+        dose = settings.rate_per_min * self.susceptibility
+        dose *= settings.habituation ** (self._session - 1)
+        dose *= settings.condition_effects.get(exposure.condition, 1.0)
+        dose *= settings.scene_effects.get(exposure.scene, 1.0)
+        self._limit = dose * settings.recovery_min
+        self._withdraws_at_s = self._withdrawal(exposure.duration_s)
+        self._answer_at_s = math.inf
+
+    def _withdrawal(self, duration_s: float) -> float:
+        """Return when the hazard, summed over time, passes an exponential draw (inf: never)."""
+        time_s = np.linspace(0.0, duration_s, _STEPS + 1)[1:]
+        excess = np.maximum(self._after(time_s) - self._settings.tolerance, 0.0)
+        per_step = self._settings.hazard_per_min * excess * duration_s / 60 / _STEPS
+        passed = np.cumsum(per_step) > self._rng.exponential()
+        return float(time_s[np.argmax(passed)]) if passed.any() else math.inf
+
+    def _after(self, elapsed_s: np.ndarray) -> np.ndarray:
+        """Return sickness after (n,) seconds of s′ = dose − s / recovery, solved exactly."""
+        decay = np.exp(-elapsed_s / 60 / self._settings.recovery_min)
+        return np.asarray(self._limit + (self.sickness - self._limit) * decay)
+
+    def endure(self, elapsed_s: float) -> None:
+        """Withdraw when it has become too much."""
+        if elapsed_s >= self._withdraws_at_s:
+            raise Withdrew("felt too sick to go on")
+
+    def end_exposure(self, elapsed_s: float) -> None:
+        """Keep the sickness reached."""
+        self.sickness = float(self._after(np.array(elapsed_s)))
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
+        """Think about the rating for a part of the time there is, or miss it."""
+        missed = self._rng.random() < self._settings.missed_rating
+        thinking = timeout_s * self._rng.uniform(0.1, 0.6)
+        self._answer_at_s = math.inf if missed else elapsed_s + thinking
+        felt = float(self._after(np.array(elapsed_s))) + self._noise()
+        answer = round(_RATING_PER_SICKNESS[instrument.name] * felt)
+        self._answer = min(max(answer, instrument.low), instrument.high)
+
+    def rating(self, elapsed_s: float) -> int | None:
+        """Return the rating once it has been thought of."""
+        return self._answer if elapsed_s >= self._answer_at_s else None
+
+    def rest(self, duration_s: float) -> None:
+        """Recover."""
+        self._limit = 0.0
+        self.sickness = float(self._after(np.array(duration_s)))
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Answer, refuse after a withdrawal, or (rarely) withdraw at a question."""
+        if form.after_withdrawal and self._rng.random() < self._settings.refusal:
+            raise Withdrew("refused the questionnaire")
+        for item in form.instrument.items:
+            if self._rng.random() < self._settings.question_hazard * self.sickness:
+                raise Withdrew(f"stopped at the question {item.name}")
+            took_s = _SECONDS_PER_ANSWER * math.exp(0.3 * self._rng.standard_normal())
+            heard(item.name, self._response(form.instrument, item.name), round(took_s, 2))
+
+    def _response(self, instrument: Instrument, item: str) -> int:
+        if instrument.name in _RATING_PER_SICKNESS:
+            felt = _RATING_PER_SICKNESS[instrument.name] * (self.sickness + self._noise())
+            return min(max(round(felt), instrument.low), instrument.high)
+        latent = self._levels[item] + LOADINGS[item] * self.sickness + self._noise()
+        return sum(latent > threshold for threshold in THRESHOLDS)
+
+    def _noise(self) -> float:
+        return self._settings.noise_sd * float(self._rng.standard_normal())

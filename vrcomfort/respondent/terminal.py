@@ -1,0 +1,154 @@
+"""The experimenter asks aloud, as in Carnegie & Rhee (2015), and types the answers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rich.console import Console
+from rich.table import Table
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.lines import waiting_line
+
+_KEYS = "number = answer, - = rather not say, b = back, w = withdraw"
+
+
+class TerminalRespondent:
+    """A person in the headset, and an experimenter at the keyboard.
+
+    Parameters
+    ----------
+    read_line
+        Shows a prompt and returns what was typed; raises `EOFError` at the end of input.
+    waiting_line
+        Returns a line typed during exposure, or None, without waiting.
+    """
+
+    name = "terminal"
+
+    def __init__(
+        self,
+        console: Console,
+        *,
+        read_line: Callable[[str], str] = input,
+        waiting_line: Callable[[], str | None] = waiting_line,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._console = console
+        self._read_line = read_line
+        self._waiting_line = waiting_line
+        self._now_s = now_s
+        self._scale: Instrument | None = None
+        self._rating: int | None = None
+
+    def start_session(self, session: int) -> None:
+        """Say which session begins."""
+        self._console.rule(f"Session {session}")
+
+    def start_exposure(self, exposure: Exposure) -> None:
+        """Say what is shown and how to stop it; the condition is not named: the room may hear."""
+        self._scale = self._rating = None
+        self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. w + Enter = withdraw.")
+
+    def endure(self, elapsed_s: float) -> None:  # noqa: ARG002 - real people keep their own time
+        """Take what was typed: a withdrawal, or the rating that was asked for."""
+        line = (self._waiting_line() or "").strip().lower()
+        if line == "w":
+            raise Withdrew("withdrew during exposure")
+        if line and self._scale is not None:
+            self._rating = self._number(line, self._scale)
+
+    def end_exposure(self, elapsed_s: float) -> None:
+        """Say that it is over."""
+        self._scale = None
+        self._console.print(f"Exposure over after {elapsed_s:.0f} s.")
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
+        """Show the question; the answer is picked up by `endure`."""
+        self._scale, self._rating = instrument, None
+        self._console.print(f"[bold]{instrument.instruction}[/] ({timeout_s:.0f} s)")
+
+    def rating(self, elapsed_s: float) -> int | None:  # noqa: ARG002
+        """Return the rating that has been typed since `prompt`."""
+        return self._rating
+
+    def rest(self, duration_s: float) -> None:
+        """Say that the rest is over."""
+        self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Ask item by item, then show all answers for correction."""
+        instrument = form.instrument
+        self._console.rule(f"{instrument.title}, {form.timepoint}")
+        self._console.print(f"{instrument.instruction}\n{_scale(instrument)}\n[dim]{_KEYS}[/]")
+        answers: dict[int, int | None] = {}
+        self._fill(instrument, answers, heard)
+        self._review(instrument, answers, heard)
+
+    def _fill(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
+        index = 0
+        while index < len(instrument.items):
+            index = index + 1 if self._one(instrument, index, answers, heard) else max(index - 1, 0)
+
+    def _one(
+        self, instrument: Instrument, index: int, answers: dict[int, int | None], heard: Heard
+    ) -> bool:
+        """Ask one item until it is answered; return False to go back."""
+        item = instrument.items[index]
+        since = self._now_s()
+        while True:
+            line = self._line(f"{index + 1:2d}. {item.text}: ")
+            if line == "b":
+                return False
+            response = None if line == "-" else self._number(line, instrument)
+            if line == "-" or response is not None:
+                answers[index] = response
+                heard(item.name, response, self._now_s() - since)
+                return True
+
+    def _review(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
+        while True:
+            self._console.print(_answer_table(instrument, answers))
+            line = self._line("Enter = all correct, or the number of a question to correct: ")
+            if not line:
+                return
+            if line.isdigit() and 1 <= int(line) <= len(instrument.items):
+                self._one(instrument, int(line) - 1, answers, heard)
+
+    def _line(self, prompt: str) -> str:
+        try:
+            line = self._read_line(prompt).strip().lower()
+        except EOFError as error:
+            message = "the input ended while a question was open; answers until here are kept"
+            raise InputError(message) from error
+        if line == "w":
+            raise Withdrew("withdrew at a question")
+        return line
+
+    def _number(self, line: str, instrument: Instrument) -> int | None:
+        if line.isdigit() and instrument.low <= int(line) <= instrument.high:
+            return int(line)
+        self._console.print(f"[red]{instrument.low} to {instrument.high}; {_KEYS}[/]")
+        return None
+
+
+def _scale(instrument: Instrument) -> str:
+    """Name every answer, or the two ends of a long scale."""
+    if len(instrument.labels) > 2:
+        named = enumerate(instrument.labels, start=instrument.low)
+        return ", ".join(f"{number} {label}" for number, label in named)
+    low, high = instrument.labels
+    return f"{instrument.low} {low} to {instrument.high} {high}"
+
+
+def _answer_table(instrument: Instrument, answers: dict[int, int | None]) -> Table:
+    table = Table(box=None)
+    for column in ("", instrument.title, "answer"):
+        table.add_column(column)
+    for index, item in enumerate(instrument.items):
+        response = answers[index]
+        table.add_row(str(index + 1), item.text, "–" if response is None else str(response))
+    return table

@@ -1,0 +1,67 @@
+"""Session time: real for people, virtual (and so reproducible) for simulated participants."""
+
+from __future__ import annotations
+
+import time
+from typing import Protocol
+
+
+class Clock(Protocol):
+    """Seconds since the session began."""
+
+    def start(self) -> None:
+        """Set the time to 0."""
+
+    def now_s(self) -> float:
+        """Return the time."""
+
+    def advance(self, duration_s: float) -> None:
+        """Take note that something took this long (a frame, an answer)."""
+
+    def wait(self, duration_s: float) -> None:
+        """Let this much time pass."""
+
+
+class VirtualClock:
+    """Passes only when told. Counts nanoseconds, so that sums are exact."""
+
+    def __init__(self) -> None:
+        self._now_ns = 0
+
+    def start(self) -> None:
+        """Set the time to 0."""
+        self._now_ns = 0
+
+    def now_s(self) -> float:
+        """Return the time."""
+        return self._now_ns / 1e9
+
+    def advance(self, duration_s: float) -> None:
+        """Move the time on."""
+        self._now_ns += round(duration_s * 1e9)
+
+    def wait(self, duration_s: float) -> None:
+        """Move the time on, without waiting."""
+        self.advance(duration_s)
+
+
+class WallClock:
+    """The machine's monotonic clock."""
+
+    def __init__(self) -> None:
+        self.start()
+
+    def start(self) -> None:
+        """Set the time to 0."""
+        self._start_s = time.monotonic()
+
+    def now_s(self) -> float:
+        """Return the time, to the microsecond."""
+        return round(time.monotonic() - self._start_s, 6)
+
+    def advance(self, duration_s: float) -> None:
+        """Do nothing: what took time has taken it."""
+
+    def wait(self, duration_s: float) -> None:
+        """Sleep."""
+        time.sleep(duration_s)

@@ -1,0 +1,54 @@
+"""What all parts of one session share: whose it is, its files, its clock, its audience."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vrcomfort.records import EventRow, Recorder
+from vrcomfort.session.clock import Clock
+from vrcomfort.session.parts import Progress, ProgressCallback, Step
+
+
+@dataclass(frozen=True)
+class Place:
+    """Which trial something belongs to; all blank where it belongs to the whole session."""
+
+    period: int | None = None
+    block: int | None = None
+    trial: int | None = None
+    condition: str | None = None
+    scene: str = ""
+
+
+@dataclass(frozen=True)
+class Diary:
+    """Writes events and tells progress under the name of one session."""
+
+    participant: str
+    session: int
+    recorder: Recorder
+    clock: Clock
+    progress: ProgressCallback
+
+    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now; without a start it is a moment."""
+        now_s = self.clock.now_s()
+        onset_s = now_s if start_s is None else start_s
+        self.recorder.write(EventRow(onset_s, round(now_s - onset_s, 9), name, detail))
+
+    def tell(self, step: Step, place: Place, done: float, total: float, text: str = "") -> None:
+        """Tell how far a step has come."""
+        trial, condition = place.trial or 0, place.condition or ""
+        self.progress(
+            Progress(
+                step,
+                self.participant,
+                self.session,
+                trial=trial,
+                scene=place.scene,
+                condition=condition,
+                done=done,
+                total=total,
+                text=text,
+            )
+        )

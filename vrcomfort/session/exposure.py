@@ -1,0 +1,134 @@
+"""One exposure: frames are drawn, shown and logged until the time is over or somebody stops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+from vrcomfort.headset.base import Frame, Headset
+from vrcomfort.records import RatingRow
+from vrcomfort.respondent import Respondent
+from vrcomfort.session.diary import Diary
+from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.parts import Renderer
+from vrcomfort.session.ratings import Rated, RatingSchedule
+
+Ending = Literal["completed", "headset_ended"]
+
+
+@dataclass(frozen=True)
+class Exhibit:
+    """What is shown under which number, and for how long.
+
+    Parameters
+    ----------
+    trial
+        0 in training.
+    duration_s
+        What is shown.
+    stretch
+        Seconds of the protocol that each shown second stands for (1 without an override).
+    """
+
+    trial: int
+    condition: str
+    duration_s: float
+    stretch: float
+
+
+@dataclass
+class FrameLoop:
+    """Takes frames of a headset through the renderer; training and exposure share its frames."""
+
+    headset: Headset
+    renderer: Renderer
+    respondent: Respondent
+    diary: Diary
+    log: FrameLog
+    elapsed_s: float = 0.0
+    """Seconds of the exposure that have been shown."""
+
+    def __post_init__(self) -> None:
+        self._frames: Iterator[Frame] = iter(self.headset.frames())
+        self._scene_start_ns: int | None = None
+        self._start_s = 0.0
+
+    def show(
+        self,
+        exhibit: Exhibit,
+        *,
+        schedule: RatingSchedule | None = None,
+        progress: Callable[[float], None],
+    ) -> Ending:
+        """Show frames for `exhibit.duration_s`, as counted by their display times.
+
+        Raises
+        ------
+        Withdrew, StopRule
+            If the participant or a rating ends the exposure. Everything shown is logged.
+        """
+        self.elapsed_s = 0.0
+        self.log.start_trial()
+        try:
+            return self._run(exhibit, schedule, progress)
+        finally:
+            if schedule and (rated := schedule.close()):
+                self._record(exhibit, schedule, rated)
+            self.log.finish(self.renderer.drain())
+
+    def _run(
+        self,
+        exhibit: Exhibit,
+        schedule: RatingSchedule | None,
+        progress: Callable[[float], None],
+    ) -> Ending:
+        start_ns: int | None = None
+        self._start_s = self.diary.clock.now_s()
+        for frame in self._frames:
+            start_ns = frame.predicted_display_time_ns if start_ns is None else start_ns
+            before_s = self.elapsed_s
+            self.elapsed_s = (frame.predicted_display_time_ns - start_ns) / 1e9
+            self.diary.clock.advance(self.elapsed_s - before_s)
+            self._draw(frame, exhibit)
+            self._listen(exhibit, schedule)
+            progress(self.elapsed_s)
+            # The next frame would lie more than half outside.
+            if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > exhibit.duration_s:
+                self.diary.clock.advance(frame.period_ns / 1e9)
+                self.elapsed_s = exhibit.duration_s
+                return "completed"
+        return "headset_ended"
+
+    def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
+        if self._scene_start_ns is None:
+            self._scene_start_ns = frame.predicted_display_time_ns
+        scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
+        rendered = self.renderer.render(frame, scene_time_s) if frame.should_render else None
+        self.headset.submit(frame, rendered.eyes if rendered else None)
+        self.log.add(frame, rendered, trial=exhibit.trial, session_s=self.diary.clock.now_s())
+
+    def _listen(self, exhibit: Exhibit, schedule: RatingSchedule | None) -> None:
+        felt_s = self.elapsed_s * exhibit.stretch
+        if exhibit.trial:
+            self.respondent.endure(felt_s)
+        if schedule and (rated := schedule.update(felt_s)):
+            self._record(exhibit, schedule, rated)
+            schedule.check(rated)
+
+    def _record(self, exhibit: Exhibit, schedule: RatingSchedule, rated: Rated) -> None:
+        """Write a rating; its times are those that were shown."""
+        latency_s = None if rated.latency_s is None else rated.latency_s / exhibit.stretch
+        self.diary.recorder.write(
+            RatingRow(
+                self.diary.participant,
+                self.diary.session,
+                exhibit.trial,
+                exhibit.condition,
+                onset_s=round(self._start_s + rated.onset_s / exhibit.stretch, 9),
+                latency_s=None if latency_s is None else round(latency_s, 9),
+                instrument=schedule.instrument.name,
+                response=rated.response,
+                missed=int(rated.response is None),
+            )
+        )

@@ -1,0 +1,221 @@
+"""One session from its first question to its last."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Literal
+
+from vrcomfort.protocol import Protocol, Sequence
+from vrcomfort.records import TrialRow
+from vrcomfort.respondent import Exposure, Respondent, Withdrew
+from vrcomfort.session.clock import Clock
+from vrcomfort.session.diary import Diary, Place
+from vrcomfort.session.exposure import Exhibit, FrameLoop
+from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.interview import Interview
+from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer, Step
+from vrcomfort.session.ratings import RatingSchedule, StopRule
+
+SessionStatus = Literal["completed", "withdrawn", "aborted"]
+
+
+@dataclass(frozen=True)
+class Lab:
+    """Everything that all sessions of a study share."""
+
+    protocol: Protocol
+    load_scene: LoadScene
+    headset_for: HeadsetFor
+    renderer: Renderer
+    clock: Clock
+    progress: ProgressCallback
+    exposure_s: float
+
+    @property
+    def stretch(self) -> float:
+        """Return the protocol's seconds for each shown second."""
+        return self.protocol.exposure_s / self.exposure_s
+
+
+@dataclass
+class _Ending:
+    """How a trial ended; an error unless something better is known."""
+
+    status: str = "aborted"
+    abort_code: str | None = "error"
+
+
+class SessionFlow:
+    """Runs one session: questionnaires, exposures and rests in the protocol's order."""
+
+    def __init__(
+        self, lab: Lab, *, diary: Diary, sequence: Sequence, respondent: Respondent
+    ) -> None:
+        self._lab = lab
+        self._diary = diary
+        self._places = _places(sequence, diary.session)
+        self._respondent = respondent
+        self._log = FrameLog(diary.recorder)
+
+    def run(self) -> tuple[SessionStatus, str]:
+        """Run the session; return how it ended and a note on why.
+
+        Raises
+        ------
+        KeyboardInterrupt
+            If the operator stopped it: all rows have been written.
+        """
+        self._lab.clock.start()
+        self._diary.event("session_start")
+        self._respondent.start_session(self._diary.session)
+        try:
+            self._everything()
+        except (Withdrew, StopRule) as reason:
+            self._diary.event("withdrawn", detail=str(reason))
+            return "withdrawn", str(reason)
+        self._diary.event("session_end")
+        return "completed", ""
+
+    def _everything(self) -> None:
+        self._ask("session_start", Place())
+        for index, place in enumerate(self._places):
+            if index and self._lab.protocol.break_s:
+                self._rest(self._lab.protocol.break_s)
+            self._ask("before_trial", place)
+            self._trial(place)
+        self._ask("session_end", Place())
+
+    def _ask(self, when: str, place: Place, *, after_withdrawal: bool = False) -> None:
+        for ask in self._lab.protocol.asks(when):
+            if ask.wait_s:
+                self._rest(ask.wait_s)
+            interview = Interview(self._diary, ask, place)
+            interview.hold(self._respondent, after_withdrawal=after_withdrawal)
+
+    def _rest(self, duration_s: float) -> None:
+        """Wait; in slices, so that progress can be shown."""
+        clock = self._lab.clock
+        start_s = clock.now_s()
+        while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
+            self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
+            clock.wait(min(left_s, 1.0))
+        self._respondent.rest(duration_s)
+        self._diary.event("rest", start_s)
+
+    def _trial(self, place: Place) -> None:
+        """Expose, write the trial's row whatever happens, and ask how it was."""
+        ending, start_s = _Ending(), self._lab.clock.now_s()
+        self._log.start_trial()
+        try:
+            reason = self._expose(place, ending)
+        except KeyboardInterrupt:
+            ending.abort_code = "operator"
+            raise
+        finally:
+            self._diary.recorder.write(self._trial_row(place, ending, start_s))
+        if reason is None:
+            self._ask("after_trial", place)
+            return
+        self._diary.event("exposure_stopped", detail=str(reason))
+        try:
+            self._ask("after_trial", place, after_withdrawal=True)
+        except Withdrew as refusal:
+            self._diary.event("questionnaire_refused", detail=str(refusal))
+        raise reason
+
+    def _expose(self, place: Place, ending: _Ending) -> Withdrew | StopRule | None:
+        """Show a trial; return the reason if the participant's study ends with it."""
+        loop = self._enter(place)
+        if place.trial == 1:
+            self._train(loop, place)
+        try:
+            result = self._show(loop, place)
+        except Withdrew as reason:
+            ending.status, ending.abort_code = "withdrawn", "participant"
+            return reason
+        except StopRule as reason:
+            ending.status, ending.abort_code = "stopped", "rating"
+            return reason
+        finally:
+            self._respondent.end_exposure(loop.elapsed_s * self._lab.stretch)
+        if result == "completed":
+            ending.status, ending.abort_code = "completed", None
+        else:
+            ending.abort_code = result
+        return None
+
+    def _enter(self, place: Place) -> FrameLoop:
+        lab = self._lab
+        scene = lab.load_scene(lab.protocol.scene_source(place.scene))
+        headset = lab.headset_for(place.scene, scene)
+        lab.renderer.begin(scene, lab.protocol.condition(place.condition or ""))
+        return FrameLoop(headset, lab.renderer, self._respondent, self._diary, self._log)
+
+    def _train(self, loop: FrameLoop, place: Place) -> None:
+        duration_s = self._lab.protocol.training_s / self._lab.stretch
+        if not duration_s:
+            return
+        start_s = self._lab.clock.now_s()
+        exhibit = self._exhibit(place, 0, duration_s)
+        try:
+            loop.show(exhibit, progress=self._watch("training", place, duration_s))
+        finally:
+            self._log.start_trial()  # its frames are not the exposure's
+        self._diary.event("training", start_s, detail=_shown(place))
+
+    def _show(self, loop: FrameLoop, place: Place) -> str:
+        protocol, number = self._lab.protocol, place.trial or 0
+        condition, full_s = place.condition or "", protocol.exposure_s
+        self._respondent.start_exposure(
+            Exposure(self._diary.session, number, place.scene, condition, full_s)
+        )
+        ratings = protocol.ratings
+        schedule = RatingSchedule(ratings, self._respondent, full_s) if ratings else None
+        start_s = self._lab.clock.now_s()
+        try:
+            return loop.show(
+                self._exhibit(place, number, self._lab.exposure_s),
+                schedule=schedule,
+                progress=self._watch("exposure", place, self._lab.exposure_s),
+            )
+        finally:
+            self._diary.event("exposure", start_s, detail=_shown(place))
+
+    def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:
+        return Exhibit(number, place.condition or "", duration_s, self._lab.stretch)
+
+    def _watch(self, step: Step, place: Place, total_s: float) -> partial[None]:
+        return partial(self._diary.tell, step, place, total=total_s)
+
+    def _trial_row(self, place: Place, ending: _Ending, start_s: float) -> TrialRow:
+        return TrialRow(
+            participant=self._diary.participant,
+            session=self._diary.session,
+            period=place.period or 0,
+            block=place.block or 0,
+            trial=place.trial or 0,
+            condition=place.condition or "",
+            scene=place.scene,
+            start_s=start_s,
+            end_s=self._lab.clock.now_s(),
+            status=ending.status,
+            abort_code=ending.abort_code,
+            attempt=1,
+            resumed=0,
+            frames=self._log.frames,
+            dropped=self._log.dropped,
+        )
+
+
+def _places(sequence: Sequence, session: int) -> list[Place]:
+    """Return the trials of a session; periods count over the sessions before it."""
+    before = sum(len(each) for each in sequence.sessions[: session - 1])
+    return [
+        Place(before + number, 1, number, trial.condition, trial.scene)
+        for number, trial in enumerate(sequence.sessions[session - 1], start=1)
+    ]
+
+
+def _shown(place: Place) -> str:
+    return f"{place.condition} in {place.scene}"

@@ -1,0 +1,104 @@
+"""What a session needs from others, by shape: a renderer, scenes, headsets; and what it tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.headset.base import Frame, Headset
+from vrcomfort.protocol import Condition
+
+
+class FocusSample(Protocol):
+    """Focus of one frame, read back some frames later."""
+
+    @property
+    def frame_index(self) -> int:
+        """Return the index of the frame that it belongs to."""
+
+    @property
+    def focus_m(self) -> float:
+        """Return the focus distance after the refocus law."""
+
+    @property
+    def focus_raw_m(self) -> float:
+        """Return the focus distance before it."""
+
+    @property
+    def rays_m(self) -> Sequence[float] | NDArray[np.floating]:
+        """Return the nine distances, the centre first."""
+
+    @property
+    def used(self) -> Sequence[bool] | NDArray[np.bool_]:
+        """Return which of the nine were averaged."""
+
+
+class RenderedFrame(Protocol):
+    """Both eyes' images of one frame, and what is known of it by now."""
+
+    @property
+    def eyes(self) -> tuple[Any, Any]:
+        """Return the left and right image."""
+
+    @property
+    def focus_samples(self) -> Sequence[FocusSample]:
+        """Return samples of earlier frames that have arrived."""
+
+    @property
+    def max_blur_px(self) -> float | None:
+        """Return the largest blur radius that the condition allows at this size."""
+
+    @property
+    def cpu_ms(self) -> float | None:
+        """Return the CPU time of this frame."""
+
+
+class Renderer(Protocol):
+    """Draws frames of one scene under one condition at a time."""
+
+    def begin(self, scene: Any, condition: Condition) -> None:
+        """Prepare a scene and a condition; forget everything before."""
+
+    def render(self, frame: Frame, scene_time_s: float) -> RenderedFrame:
+        """Draw both eyes."""
+
+    def drain(self) -> Sequence[FocusSample]:
+        """Return the focus samples that have not arrived yet."""
+
+
+LoadScene: TypeAlias = Callable[[str], Any]
+"""Takes a scene's name or file (`Protocol.scene_source`), returns what the renderer draws."""
+
+HeadsetFor: TypeAlias = Callable[[str, Any], Headset]
+"""Takes a scene's name and the loaded scene; returns the headset standing in it.
+
+Called once per exposure: a playback headset is made anew, a real one is led to the spawn point.
+"""
+
+Step = Literal["session", "training", "exposure", "questionnaire", "rest", "end"]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a session is: `done` of `total` (frames, items or seconds, by `step`)."""
+
+    step: Step
+    participant: str
+    session: int
+    trial: int = 0
+    scene: str = ""
+    condition: str = ""
+    done: float = 0
+    total: float = 0
+    text: str = ""
+
+
+ProgressCallback: TypeAlias = Callable[[Progress], None]
+
+
+def silent(progress: Progress) -> None:
+    """Show nothing."""

@@ -1,0 +1,234 @@
+"""Analysis of variance: within, between and mixed designs, type III sums of squares.
+
+Own code because the packages each lack a part (Huynh-Feldt p values, ε of two-way and mixed
+designs, type III in unbalanced mixed designs). The univariate tests are read off the
+multivariate model: with Y the participants × cells table and M the orthonormal contrasts of a
+within effect, an effect's sum of squares is the trace of its hypothesis matrix in Y·M, its error
+the trace of the error matrix, and ε comes from the latter (Maxwell, Delaney & Kelley 2018,
+chapter 13).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import f as f_distribution
+
+from vrcomfort.errors import InputError
+from vrcomfort.stats.cells import cells
+from vrcomfort.stats.effects import Effect, partial_eta_squared
+from vrcomfort.stats.sphericity import Sphericity, sphericity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from vrcomfort.stats.cells import Cells
+
+    Floats = NDArray[np.float64]
+
+
+ROUNDING = 1e-26
+"""Share of the total sum of squares below which an error term is rounding, not variance."""
+
+
+@dataclass(frozen=True)
+class AnovaEffect:
+    """One line of an ANOVA table."""
+
+    effect: str
+    """Factor names joined by ``×``."""
+    sum_of_squares: float
+    error_sum_of_squares: float
+    df_effect: int
+    df_error: int
+    f: float | None
+    """None without error variance."""
+    p: float | None
+    """Sphericity assumed."""
+    sphericity: Sphericity | None
+    """None for effects with one degree of freedom, where sphericity holds."""
+    p_greenhouse_geisser: float | None
+    p_huynh_feldt: float | None
+    generalised_eta_squared: float | None
+    """All factors taken as manipulated (Olejnik & Algina 2003)."""
+    partial_eta_squared: Effect | None
+    """With its 90 % interval, from the uncorrected degrees of freedom."""
+
+
+@dataclass(frozen=True)
+class Anova:
+    """An ANOVA, who was in it, and the residuals to judge it by."""
+
+    effects: tuple[AnovaEffect, ...]
+    n: int
+    excluded: tuple[str, ...]
+    """Participants without a value in every cell."""
+    residuals: Floats
+    """Shape (n, cells): each value without its cell mean (in the participant's group) and, with
+    within factors, without the participant's own level."""
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Least squares of the contrasts of one within effect on the between design."""
+
+    name: str
+    error: Floats
+    """Sums of squares and products of the residuals, shape (p, p)."""
+    df_error: int
+    scale: float
+    """Sum of squares of the data, against which an error of rounding is none."""
+    hypotheses: dict[str, tuple[float, int]]
+    """Between term ("" is the intercept): its sum of squares and degrees of freedom."""
+
+
+def anova(
+    table: pd.DataFrame,
+    *,
+    value: str,
+    participant: str,
+    within: Sequence[str] = (),
+    between: str | None = None,
+) -> Anova:
+    """Analyse a long table with at most one row per participant and cell.
+
+    Parameters
+    ----------
+    table
+        Long data; the columns named by the other arguments are used.
+    within
+        Factors crossed within participants (none, one, two or more).
+    between
+        A factor that groups participants.
+
+    Raises
+    ------
+    InputError
+        If a participant has two values in a cell, a factor has fewer than two levels, or there
+        are too few complete participants for an error term.
+    """
+    data = cells(table, value=value, participant=participant, within=within, between=between)
+    _check_levels(data, between)
+    design = _between_design(data)
+    centred = data.scores - data.scores.mean()  # keeps digits when values share leading ones
+    scale = float(np.sum(centred**2))
+    fits = [_fit(name, scale, centred @ m, design, between) for name, m in _strata(data.levels)]
+    return Anova(
+        effects=tuple(_effects(fits)),
+        n=data.scores.shape[0],
+        excluded=data.excluded,
+        residuals=_residuals(centred, design),
+    )
+
+
+def _check_levels(data: Cells, between: str | None) -> None:
+    short = [name for name, found in data.levels.items() if len(found) < 2]
+    if short:
+        raise InputError(f"factor {short[0]!r} has fewer than two levels in the data")
+    groups = 1 if data.groups is None else np.unique(data.groups).size
+    if between is not None and groups < 2:
+        raise InputError(f"factor {between!r} has fewer than two groups among the complete")
+    if data.scores.shape[0] <= groups:
+        raise InputError(f"an ANOVA here needs more than {groups} complete participants")
+
+
+def _between_design(data: Cells) -> Floats:
+    """Intercept and sum-coded groups, shape (n, groups): type III needs columns that sum to 0."""
+    n = data.scores.shape[0]
+    if data.groups is None:
+        return np.ones((n, 1))
+    indicator = (data.groups[:, None] == np.unique(data.groups)).astype(np.float64)
+    return np.column_stack([np.ones(n), indicator[:, :-1] - indicator[:, -1:]])
+
+
+def _strata(levels: dict[str, tuple[str, ...]]) -> list[tuple[str, Floats]]:
+    """Each combination of within factors (none of them first) with its contrasts (cells, p)."""
+    strata = []
+    for used in sorted(product((True, False), repeat=len(levels)), key=sum):
+        parts = [
+            _contrasts(len(found)) if take else np.full((len(found), 1), len(found) ** -0.5)
+            for take, found in zip(used, levels.values(), strict=True)
+        ]
+        name = " × ".join(n for n, take in zip(levels, used, strict=True) if take)
+        strata.append((name, _kron(parts)))
+    return strata
+
+
+def _kron(parts: list[Floats]) -> Floats:
+    together: Floats = np.ones((1, 1))
+    for part in parts:
+        together = np.asarray(np.kron(together, part), dtype=np.float64)
+    return together
+
+
+def _contrasts(k: int) -> Floats:
+    """Orthonormal columns that are orthogonal to a constant, shape (k, k - 1)."""
+    basis = np.column_stack([np.ones(k), np.eye(k)[:, 1:]])
+    q: Floats = np.linalg.qr(basis)[0][:, 1:]
+    return q
+
+
+def _fit(name: str, scale: float, z: Floats, design: Floats, between: str | None) -> _Fit:
+    """Regress the contrasts `z` (n, p) on the design; test the intercept and the groups."""
+    coefficients = np.linalg.lstsq(design, z, rcond=None)[0]
+    residuals = z - design @ coefficients
+    columns = {"": slice(0, 1)}
+    if between is not None:
+        columns[between] = slice(1, design.shape[1])
+    inverse = np.linalg.inv(design.T @ design)
+    hypotheses = {}
+    for term, rows in columns.items():
+        b = coefficients[rows]
+        explained = float(np.trace(b.T @ np.linalg.solve(inverse[rows, rows], b)))
+        hypotheses[term] = (explained, b.shape[0] * z.shape[1])
+    return _Fit(name, residuals.T @ residuals, z.shape[0] - design.shape[1], scale, hypotheses)
+
+
+def _effects(fits: list[_Fit]) -> list[AnovaEffect]:
+    total_error = sum(float(np.trace(fit.error)) for fit in fits)
+    return [
+        _effect(" × ".join(n for n in (term, fit.name) if n), fit, *hypothesis, total_error)
+        for fit in fits
+        for term, hypothesis in fit.hypotheses.items()
+        if term or fit.name  # the grand mean is no effect
+    ]
+
+
+def _effect(name: str, fit: _Fit, explained: float, df: int, total_error: float) -> AnovaEffect:
+    p = fit.error.shape[0]
+    error, df_error = float(np.trace(fit.error)), fit.df_error * p
+    f = (explained / df) / (error / df_error) if error > ROUNDING * fit.scale else None
+    shape = sphericity(fit.error, fit.df_error) if p > 1 else None
+    total = explained + total_error
+    return AnovaEffect(
+        effect=name,
+        sum_of_squares=explained,
+        error_sum_of_squares=error,
+        df_effect=df,
+        df_error=df_error,
+        f=f,
+        p=_p(f, df, df_error, 1.0),
+        sphericity=shape,
+        p_greenhouse_geisser=_p(f, df, df_error, shape.greenhouse_geisser) if shape else None,
+        p_huynh_feldt=_p(f, df, df_error, shape.huynh_feldt) if shape else None,
+        generalised_eta_squared=explained / total if total > 0 else None,
+        partial_eta_squared=None if f is None else partial_eta_squared(f, df, df_error),
+    )
+
+
+def _p(f: float | None, df_effect: int, df_error: int, epsilon: float) -> float | None:
+    if f is None:
+        return None
+    return float(f_distribution.sf(f, df_effect * epsilon, df_error * epsilon))
+
+
+def _residuals(centred: Floats, design: Floats) -> Floats:
+    left = centred - design @ np.linalg.lstsq(design, centred, rcond=None)[0]
+    within: Floats = left - left.mean(axis=1, keepdims=True) if left.shape[1] > 1 else left
+    return within

@@ -1,0 +1,84 @@
+"""Ranks of tied integers and the exact null distribution of a signed-rank sum.
+
+Ranks are kept doubled, so that midranks are integers and sums of ranks compare exactly.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Integers = NDArray[np.int64]
+    Floats = NDArray[np.float64]
+
+
+def as_integers(values: ArrayLike, unit: float = 1.0, *, tolerance: float = 1e-6) -> Integers:
+    """Return `values` as whole multiples of `unit`, so that ties are exact.
+
+    Parameters
+    ----------
+    values
+        Numbers, shape (n,), that are multiples of `unit` up to rounding.
+    unit
+        The step of the scale: 1 for sums of ratings, 3.74 for SSQ totals, 0.1 for one decimal.
+    tolerance
+        Largest accepted distance from a multiple, in units.
+
+    Raises
+    ------
+    InputError
+        If a value is missing or is not a multiple: ranks of it would not be exact.
+    """
+    multiples = np.asarray(values, dtype=np.float64) / unit
+    if not np.all(np.isfinite(multiples)):
+        raise InputError("a missing or infinite value cannot be ranked; leave the pair out first")
+    whole = np.rint(multiples)
+    if multiples.size and np.max(np.abs(multiples - whole)) > tolerance:
+        raise InputError(f"values are not multiples of {unit:g}; give the step of the scale")
+    return whole.astype(np.int64)
+
+
+def doubled_midranks(values: ArrayLike) -> Integers:
+    """Return twice the midranks of `values`, shape (n,); ties share the mean of their ranks."""
+    _, group, sizes = np.unique(np.asarray(values), return_inverse=True, return_counts=True)
+    last = np.cumsum(sizes)
+    first = last - sizes + 1
+    doubled: Integers = (first + last)[group].astype(np.int64)
+    return doubled
+
+
+def tied_count(values: ArrayLike) -> int:
+    """Return how many of `values` share their value with another."""
+    _, sizes = np.unique(np.asarray(values), return_counts=True)
+    return int(sizes[sizes > 1].sum())
+
+
+def sign_flip_distribution(doubled_ranks: ArrayLike) -> Floats:
+    """Return the null probabilities of the sum of positive doubled ranks.
+
+    Under the null hypothesis each rank is positive with probability 1/2, independently. The
+    distribution is built by adding one rank at a time (dynamic programme; Streitberg & Röhmel
+    1986), which is exact whatever the ties.
+
+    Returns
+    -------
+    ndarray, shape (sum(doubled_ranks) + 1,)
+        Element s is P(sum = s).
+    """
+    ranks = np.asarray(doubled_ranks, dtype=np.int64)
+    probability = np.zeros(int(ranks.sum()) + 1)
+    probability[0] = 1.0
+    reached = 0
+    for rank in np.sort(ranks):
+        reached += int(rank)
+        head: Any = probability[: reached + 1]
+        shifted = np.zeros_like(head)
+        shifted[rank:] = head[: head.size - rank]
+        probability[: reached + 1] = 0.5 * (head + shifted)
+    return probability
