@@ -58,7 +58,7 @@ class OpenXrHeadset:
         self._tracking = Tracking(self._xr.session, self._xr.stage, self._events.append)
         self._open: Frame | None = None
         self._next_index = 0
-        self._period_ns = 0
+        self._time_ns = self._period_ns = 0
         self._cut = True
         self._spawn: Pose | None = None
         self.avatar_pose = Pose()
@@ -114,10 +114,15 @@ class OpenXrHeadset:
         with faults.running():
             self._submit(frame, eyes)
 
-    def inputs(self, frame: Frame) -> Inputs:
-        """Return what the participant's hands and eyes do in `frame`."""
+    @property
+    def head_pose(self) -> Pose:
+        """Return stage-from-head of the last frame."""
+        return self._tracking.head
+
+    def inputs(self) -> Inputs:
+        """Return what the participant's hands and eyes do in the last frame."""
         with faults.running():
-            return self._xr.actions.read(self._xr.stage, frame.predicted_display_time_ns)
+            return self._xr.actions.read(self._xr.stage, self._time_ns)
 
     def tick(self, hand: int) -> None:
         """Let controller `hand` (0 left, 1 right) tick, to confirm an answer."""
@@ -196,7 +201,7 @@ class OpenXrHeadset:
         return self._open
 
     def _frame(self, timing: xr.FrameState) -> Frame:
-        time_ns = int(timing.predicted_display_time)
+        time_ns = self._time_ns = int(timing.predicted_display_time)
         self._period_ns = int(timing.predicted_display_period)
         self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
         head = self._tracking.head
