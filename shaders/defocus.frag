@@ -25,7 +25,7 @@ const float HALF_MAX = 65504.0;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 c = texelFetch(colour, pixel, 0).rgb;
-    point.rgb = min(mix(c, vec3(0.0), isnan(c)), HALF_MAX);
+    point.rgb = clamp(mix(c, vec3(0.0), isnan(c)), 0.0, HALF_MAX);
     point.a = signed_radius_px(texelFetch(depth, pixel, 0).r,
                                near_m * head_depth_slope(tangents, head_forward_in_view, uv),
                                texelFetch(focus, ivec2(0), 0).x, offset_m, infinity_m,

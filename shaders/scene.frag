@@ -145,7 +145,8 @@ void main() {
 #ifdef FOG
     sum = through_air(sum, distance_m);
 #endif
-    radiance = vec4(min(sum, vec3(HALF_FLOAT_MAX)), coverage);
+    // At the rim of a triangle, what vertices interpolate may leave their range.
+    radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
 #ifdef VELOCITY
     velocity = velocity_px(present_clip, previous_clip, image_size_px.xy);
 #endif

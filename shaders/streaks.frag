@@ -19,7 +19,7 @@ const float DEPTH_SCALE = 1024.0;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 v = texelFetch(velocity, pixel, 0).xy;
-    v = shorten(mix(v, vec2(0.0), isnan(v)), SPEED_LIMIT_PX);
+    v = clamp(mix(v, vec2(0.0), isnan(v)), -SPEED_LIMIT_PX, SPEED_LIMIT_PX);
     streak.xy = half_streak_px(v, shutter_fraction, radius_limit_px);
     streak.z = DEPTH_SCALE * texelFetch(depth, pixel, 0).r;
     streak.w = 0.5 * shutter_fraction * length(v);

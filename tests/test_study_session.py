@@ -76,6 +76,9 @@ def test_questionnaires_by_timepoint(tmp_path):
         ("post", "2", "blur"),
         ("recovery", "", ""),
     ]
+    first, second = rows(tmp_path, "trials.csv")
+    assert [float(first[name]) for name in ("start_s", "end_s")] == [33.0, 43.0]
+    assert float(second["start_s"]) == 43.0 + 32.0
     assert [row["order"] for row in found[:16]] == [str(n) for n in range(1, 17)]
     assert (found[0]["asked_s"], found[0]["answered_s"]) == ("0.0", "2.0")
     # 32 s baseline, 1 s training, 2 × (10 s exposure + 32 s post), 60 s rest

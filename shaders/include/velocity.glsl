@@ -4,6 +4,7 @@
 
 const float SPEED_LIMIT_PX = 16384.0;  // half floats hold it; far above every streak limit
 const float BEHIND = 1e-3;  // what was behind the eye came from its rim: least ratio of w
+const float LEAST_W = 1e-6;            // rims of triangles are interpolated past the eye
 
 vec2 shorten(vec2 vector, float limit) {
     return vector * (limit / max(length(vector), limit));
@@ -11,8 +12,10 @@ vec2 shorten(vec2 vector, float limit) {
 
 // Velocity of a surface point in front of the eye (clip_now.w > 0) from its two clip positions.
 vec2 velocity_px(vec4 clip_now, vec4 clip_before, vec2 size_px) {
-    float w = max(clip_before.w, BEHIND * clip_now.w);
-    return shorten((clip_now.xy / clip_now.w - clip_before.xy / w) * 0.5 * size_px, SPEED_LIMIT_PX);
+    float now = max(clip_now.w, LEAST_W);
+    float before = max(clip_before.w, BEHIND * now);
+    vec2 v = (clip_now.xy / now - clip_before.xy / before) * 0.5 * size_px;
+    return shorten(v, SPEED_LIMIT_PX);
 }
 
 // How far a point moves from the middle of the shutter's opening to its end.

@@ -16,6 +16,9 @@ SPEED_LIMIT_PX = 16_384.0
 BEHIND = 1e-3
 """Least ratio of previous to present distance: what was behind the eye came from its rim."""
 
+LEAST_W = 1e-6
+"""Least present distance: the rims of triangles are interpolated past the eye."""
+
 
 def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[int, int]) -> Array:
     """Return (..., 2) pixels per frame, now minus before, +x right and +y up.
@@ -33,9 +36,10 @@ def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[i
     """
     now = np.asarray(clip_now, dtype=np.float64)
     before = np.asarray(clip_before, dtype=np.float64)
-    w = np.maximum(before[..., 3:], BEHIND * now[..., 3:])
+    w_now = np.maximum(now[..., 3:], LEAST_W)
+    w_before = np.maximum(before[..., 3:], BEHIND * w_now)
     half_size = np.array(size_px, dtype=np.float64) / 2
-    velocity = (now[..., :2] / now[..., 3:] - before[..., :2] / w) * half_size
+    velocity = (now[..., :2] / w_now - before[..., :2] / w_before) * half_size
     return shorten(velocity, SPEED_LIMIT_PX)
 
 

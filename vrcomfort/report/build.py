@@ -98,7 +98,12 @@ def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -
         if test["outcome"] == results["plan"]["outcomes"][0]:
             name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
             drawn[name] = paired_figure(
-                scored.table, test["a"], test["b"], labels, basis, test["outcome"]
+                scored.table,
+                test["a"],
+                test["b"],
+                labels=labels,
+                basis=basis,
+                outcome=test["outcome"],
             )
     drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
     drawn["symptoms"] = symptom_figure(results)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict
 from itertools import combinations
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
@@ -19,12 +19,16 @@ from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
     import pandas as pd
+    from numpy.typing import NDArray
 
     from vrcomfort.report.pairs import Pairs
     from vrcomfort.report.plan import Plan
-    from vrcomfort.stats.signed_rank import SignedRank
+    from vrcomfort.stats.signed_rank import Alternative, SignedRank, Zeros
 
 FEWEST_PAIRS = 2
+AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
+WORST_RANK = "withdrawal ranked as the worst outcome of its condition"
+WORST_CASE = "worst case: every withdrawal counted against the observed direction"
 
 
 def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
@@ -107,7 +111,7 @@ def _plain_interval(pairs: Pairs, plan: Plan) -> dict[str, Any] | None:
 
 
 def _other_zeros(pairs: Pairs, plan: Plan) -> dict[str, Any]:
-    other = "wilcox" if plan.zeros == "pratt" else "pratt"
+    other: Zeros = "wilcox" if plan.zeros == "pratt" else "pratt"
     test = signed_rank(
         pairs.differences, pairs.unit, zeros=other, alternative=plan.alternative,
         confidence=plan.confidence,
@@ -127,7 +131,7 @@ def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, floa
     return {name: describe(values * pairs.unit) for name, values in series.items()}
 
 
-def describe(values: np.ndarray[Any, np.dtype[np.float64]]) -> dict[str, float]:
+def describe(values: NDArray[np.floating[Any]]) -> dict[str, float]:
     """Return n, mean, SD, quartiles and range."""
     q1, median, q3 = np.percentile(values, [25, 50, 75])
     spread = float(np.std(values, ddof=1)) if values.size > 1 else 0.0
@@ -158,23 +162,25 @@ def sensitivity(
     a, b, outcome = test["a"], test["b"], test["outcome"]
     primary = pair_up(table, outcome, a, b, complete=planned_exposures(table))
     available = pair_up(table, outcome, a, b)
-    lines = [
-        _line("all with a score in both conditions (means of unequal numbers)", signed_rank(
-            available.differences, available.unit, zeros=plan.zeros, alternative=plan.alternative
-        ), test),
-    ]  # fmt: skip
-    gone = {p: sign for p, sign in lost.items() if p not in primary.participants}
+    found = {AVAILABLE: signed_rank(available.differences, available.unit, **_options(plan))}
+    gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:
-        direction = 1 if test["w_plus"] >= test["w_minus"] else -1
-        against = [-direction] * len(gone)
-        options = {"zeros": plan.zeros, "alternative": plan.alternative}
-        lines += [
-            _line("withdrawal ranked as the worst outcome of its condition",
-                  worst_rank(primary.differences, list(gone.values()), **options), test),
-            _line("worst case: every withdrawal counted against the observed direction",
-                  worst_rank(primary.differences, against, **options), test),
-        ]  # fmt: skip
-    return lines
+        against = -1 if test["w_plus"] >= test["w_minus"] else 1
+        assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
+        found |= {
+            what: worst_rank(primary.differences, signs, **_options(plan))
+            for what, signs in assumed.items()
+        }
+    return [_line(what, result, test) for what, result in found.items()]
+
+
+class _Options(TypedDict):
+    zeros: Zeros
+    alternative: Alternative
+
+
+def _options(plan: Plan) -> _Options:
+    return {"zeros": plan.zeros, "alternative": plan.alternative}
 
 
 def _line(what: str, result: SignedRank, test: dict[str, Any]) -> dict[str, Any]:

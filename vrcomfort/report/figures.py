@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -12,8 +13,10 @@ import numpy as np
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
+from scipy.stats import t as t_distribution
 
 from vrcomfort.questionnaire import SSQ
+from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up, planned_exposures
 
 if TYPE_CHECKING:
@@ -25,7 +28,7 @@ COLOURS = ("#b4541a", "#20639b", "#3a7d44", "#7d4f9e", "#8a7a2f", "#5b5b5b")
 INK, FAINT = "#222222", "#9a9a9a"
 NAMES = {"T": "Total severity", "N": "Nausea", "O": "Oculomotor", "D": "Disorientation"}
 
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 9,
     "axes.spines.top": False,
@@ -58,7 +61,7 @@ def score_label(basis: str) -> str:
 
 
 def paired_figure(
-    table: pd.DataFrame, a: str, b: str, labels: dict[str, str], basis: str, outcome: str = "T"
+    table: pd.DataFrame, a: str, b: str, *, labels: dict[str, str], basis: str, outcome: str
 ) -> str | None:
     """Scores under two conditions, a line per participant over a box (Carnegie & Rhee, Fig. 9)."""
     pairs = pair_up(table, outcome, a, b, complete=planned_exposures(table))
@@ -125,17 +128,13 @@ def subscale_figure(
 
 
 def _name_conditions(axes: Axes, conditions: list[dict[str, str]]) -> None:
-    crowded = len(conditions) > 2 or max(len(c["label"]) for c in conditions) > 12
-    axes.set_xticks(
-        range(len(conditions)), [c["label"] for c in conditions],
-        rotation=20 if crowded else 0, ha="right" if crowded else "center",
-    )  # fmt: skip
+    room = 28 // len(conditions)
+    names = [fill(c["label"], max(room, 8), break_long_words=False) for c in conditions]
+    axes.set_xticks(range(len(conditions)), names, fontsize=8)
     axes.set_xlim(-0.6, len(conditions) - 0.4)
 
 
 def _mean_and_points(axes: Axes, place: int, scores: np.ndarray[Any, Any]) -> None:
-    from scipy.stats import t
-
     if not scores.size:
         return
     colour = COLOURS[place % len(COLOURS)]
@@ -143,7 +142,8 @@ def _mean_and_points(axes: Axes, place: int, scores: np.ndarray[Any, Any]) -> No
     axes.plot(place + spread, scores, "o", color=colour, ms=3.5, alpha=0.4, mew=0)
     half = 0.0
     if scores.size > 1:
-        half = float(t.ppf(0.975, scores.size - 1) * scores.std(ddof=1) / np.sqrt(scores.size))
+        error = scores.std(ddof=1) / np.sqrt(scores.size)
+        half = float(t_distribution.ppf(0.975, scores.size - 1) * error)
     axes.errorbar(place, scores.mean(), half, fmt="D", color=colour, ms=6, capsize=4, lw=1.8,
                   mec="white", mew=0.8, zorder=5)  # fmt: skip
 
@@ -181,14 +181,15 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
     """Everybody's exposures in order, with a cross where somebody left; only if somebody did."""
     if not results["withdrawals"]["n"] or not trials:
         return None
-    people = sorted({t["participant"] for t in trials}, key=_natural)
+    people = sorted({t["participant"] for t in trials}, key=natural)
+    gone = {each["participant"] for each in results["withdrawals"]["list"]}
     place = {c["name"]: i for i, c in enumerate(results["conditions"])}
     with canvas("exposures", 6.8, 0.8 + 0.21 * len(people)) as (figure, text):
         axes = figure.add_subplot()
         for row, person in enumerate(reversed(people)):
             mine = [t for t in trials if t["participant"] == person]
-            mine.sort(key=lambda t: (_natural(t["session"]), _natural(t["trial"])))
-            _exposures_of(axes, row, mine, place)
+            mine.sort(key=lambda t: (natural(t["session"]), natural(t["trial"])))
+            _exposures_of(axes, row, mine, place, withdrew=person in gone)
         for condition in results["conditions"]:
             colour = COLOURS[place[condition["name"]] % len(COLOURS)]
             axes.barh(0, 0, color=colour, alpha=0.8, label=condition["label"])
@@ -201,12 +202,6 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
     return text[0]
 
 
-def _natural(name: str) -> Any:
-    from vrcomfort.report.ordering import natural
-
-    return natural(name)
-
-
 def _unit(trials: list[dict[str, str]]) -> tuple[float, str]:
     longest = max(_length_s(t) for t in trials)
     return (60.0, "min") if longest >= 90 else (1.0, "s")
@@ -217,7 +212,7 @@ def _length_s(trial: dict[str, str]) -> float:
 
 
 def _exposures_of(
-    axes: Axes, row: int, trials: list[dict[str, str]], place: dict[str, int]
+    axes: Axes, row: int, trials: list[dict[str, str]], place: dict[str, int], *, withdrew: bool
 ) -> None:
     scale, start = _unit(trials)[0], 0.0
     for trial in trials:
@@ -226,5 +221,5 @@ def _exposures_of(
         axes.barh(row, length, left=start, height=0.62, color=colour, alpha=0.8,
                   edgecolor="white", lw=1.2)  # fmt: skip
         start += length
-        if trial["status"] in {"withdrawn", "stopped"}:
-            axes.plot(start, row, "X", color=INK, ms=7, mec="white", mew=0.8, zorder=5)
+    if withdrew:
+        axes.plot(start, row, "X", color=INK, ms=7, mec="white", mew=0.8, zorder=5)

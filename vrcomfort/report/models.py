@@ -45,12 +45,12 @@ def run_anova(table: pd.DataFrame, plan: Plan, outcome: str) -> Result:
 
 
 def _anova(table: pd.DataFrame, plan: Plan) -> Result:
-    factors = [f for f in plan.anova if table[f.column].nunique() > 1]
+    factors = [f for f in plan.anova if len(table[f.column].unique()) > 1]
     if not factors:
         raise InputError("no factor has two levels in the data")
     names = [factor.name for factor in factors]
     long = table.assign(**{f.name: _levels(table, f) for f in factors})
-    cells = long.groupby(["participant", *names], as_index=False)["score"].mean()
+    cells = long.groupby(["participant", *names])["score"].mean().reset_index()
     result = anova(cells, value="score", participant="participant", within=names)
     return {
         "factors": {n: sorted(cells[n].astype(str).unique()) for n in names},
@@ -118,7 +118,7 @@ def run_mixed(table: pd.DataFrame, plan: Plan, conditions: list[str], outcome: s
 
 
 def _mixed(table: pd.DataFrame, plan: Plan, conditions: list[str]) -> Result:
-    factors = [name for name in plan.mixed_model if table[name].nunique() > 1]
+    factors = [name for name in plan.mixed_model if len(table[name].unique()) > 1]
     left_out: list[str] = []
     while factors:
         try:

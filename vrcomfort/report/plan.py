@@ -91,7 +91,7 @@ def load_plan(path: Path | None, *, protocol: str | None = None) -> Plan:
 
 
 def _tuples(value: Any) -> Any:
-    """Lists as tuples, which strict validation wants."""
+    """Make lists tuples, which strict validation wants."""
     if isinstance(value, dict):
         return {key: _tuples(item) for key, item in value.items()}
     return tuple(map(_tuples, value)) if isinstance(value, list) else value

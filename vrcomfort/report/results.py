@@ -17,6 +17,7 @@ from vrcomfort.report.contrasts import (
 )
 from vrcomfort.report.exposures import ITEMS, score_exposures
 from vrcomfort.report.models import run_anova, run_crossover, run_friedman, run_mixed
+from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import planned_exposures
 from vrcomfort.report.quality import quality
 from vrcomfort.report.withdrawals import (
@@ -32,9 +33,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.plan import Contrast, Plan
     from vrcomfort.report.study_data import StudyData
+    from vrcomfort.report.withdrawals import Withdrawal
 
+SOFTWARE = ("vrcomfort", "numpy", "scipy", "statsmodels")
 SCHEMA = 1
 """Version of the layout of results.json."""
 
@@ -48,15 +51,14 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         The results (only plain values) and the scores they come from.
     """
     scored = score_exposures(study, plan)
-    table = scored.table
-    conditions = conditions_of(table, study.labels)
+    conditions = conditions_of(scored.table, study.labels)
     contrasts = contrasts_of(plan, conditions)
     found = find_withdrawals(study)
-    tests = run_tests(table, plan, contrasts)
-    analysed = list(tests[0]["participants"]) if tests else []
+    tests = run_tests(scored.table, plan, contrasts)
+    analysed = _analysed(tests, scored.table)
     results = {
         "schema": SCHEMA,
-        "software": {name: version(name) for name in ("vrcomfort", "numpy", "scipy", "statsmodels")},
+        "software": {name: version(name) for name in SOFTWARE},
         "study": {"title": study.title, "protocol": study.protocol},
         "plan": plan.model_dump(mode="json"),
         "score_basis": scored.basis,
@@ -66,60 +68,81 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
             "n": len(everybody(study)),
             "analysed": analysed,
             "left_out": left_out(study, scored, found, analysed),
-            "exposures_per_condition": planned_exposures(table),
+            "exposures_per_condition": planned_exposures(scored.table),
             "sequences": sequences(study, analysed, found),
         },
         "tests": tests,
-        "sensitivity": [
-            line for t in tests for line in sensitivity(table, plan, t, lost_signs(found, t["a"], t["b"]))
-        ],
-        "descriptives": _descriptives(table, plan, conditions),
-        "items": _items(table, conditions, analysed),
-        "anova": [run_anova(table, plan, outcome) for outcome in plan.outcomes],
-        "friedman": [run_friedman(table, conditions, outcome) for outcome in plan.outcomes]
-        if len(conditions) > 2
-        else [],
-        "crossover": [
-            run_crossover(table, contrast, outcome)
-            for contrast in contrasts
-            for outcome in plan.outcomes
-        ],
-        "mixed_models": [run_mixed(table, plan, conditions, outcome) for outcome in plan.outcomes],
+        "sensitivity": _sensitivity(scored.table, plan, tests, found),
+        "descriptives": _descriptives(scored.table, plan, conditions),
+        "recovery": _recovery(scored.recovery, plan),
+        "items": _items(scored.table, conditions, analysed),
+        **_models(scored.table, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored),
     }
     return plain(results), scored
 
 
-def _descriptives(
-    table: pd.DataFrame, plan: Plan, conditions: list[str]
+def _sensitivity(
+    table: pd.DataFrame, plan: Plan, tests: list[dict[str, Any]], found: list[Withdrawal]
 ) -> list[dict[str, Any]]:
-    """Describe all scored exposures by condition, and by condition and scene and position."""
-    rows = []
-    for outcome in plan.outcomes:
-        for by in ("all", "scene", "position", "session"):
-            levels = [""] if by == "all" else sorted(table[by].unique(), key=str)
-            if by != "all" and len(levels) < 2:
-                continue
-            for level in levels:
-                part = table if by == "all" else table[table[by] == level]
-                for condition in conditions:
-                    scores = part.loc[part["condition"] == condition, outcome]
-                    if len(scores):
-                        points = scores.to_numpy(dtype=float) * WEIGHTS[outcome]
-                        rows.append({"outcome": outcome, "by": by, "level": str(level),
-                                     "condition": condition, **describe(points)})  # fmt: skip
-    return rows
+    return [
+        line
+        for test in tests
+        for line in sensitivity(table, plan, test, lost_signs(found, test["a"], test["b"]))
+    ]
 
 
-def _items(
-    table: pd.DataFrame, conditions: list[str], analysed: list[str]
-) -> list[dict[str, Any]]:
+def _models(
+    table: pd.DataFrame, plan: Plan, conditions: list[str], contrasts: list[Contrast]
+) -> dict[str, list[dict[str, Any]]]:
+    outcomes = plan.outcomes
+    several = outcomes if len(conditions) > 2 else ()
+    return {
+        "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
+        "friedman": [run_friedman(table, conditions, outcome) for outcome in several],
+        "crossover": [run_crossover(table, c, outcome) for c in contrasts for outcome in outcomes],
+        "mixed_models": [run_mixed(table, plan, conditions, outcome) for outcome in outcomes],
+    }
+
+
+def _analysed(tests: list[dict[str, Any]], table: pd.DataFrame) -> list[str]:
+    """Everybody who is in a test; everybody with a score if there is nothing to test."""
+    tested = {name for test in tests for name in test["participants"]}
+    return sorted(tested if tests else table["participant"].unique(), key=natural)
+
+
+def _descriptives(table: pd.DataFrame, plan: Plan, conditions: list[str]) -> list[dict[str, Any]]:
+    """Describe all scored exposures by condition, then also by scene, position and session."""
+    parts = [("all", "", table)]
+    for by in ("scene", "position", "session"):
+        levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
+        parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
+    return [
+        {"outcome": outcome, "by": by, "level": level, "condition": condition,
+         **_described(part[part["condition"] == condition], outcome)}
+        for outcome in plan.outcomes
+        for by, level, part in parts
+        for condition in conditions
+        if (part["condition"] == condition).any()
+    ]  # fmt: skip
+
+
+def _described(part: pd.DataFrame, outcome: str) -> dict[str, float]:
+    return describe(part[outcome].to_numpy(dtype=float) * WEIGHTS[outcome])
+
+
+def _recovery(table: pd.DataFrame, plan: Plan) -> list[dict[str, Any]]:
+    """Describe the scores after recovery, of everybody who was asked."""
+    return [{"outcome": o, **_described(table, o)} for o in plan.outcomes if len(table)]
+
+
+def _items(table: pd.DataFrame, conditions: list[str], analysed: list[str]) -> list[dict[str, Any]]:
     """Mean answer of each symptom by condition, of the analysed (of everybody, if nobody is)."""
     part = table[table["participant"].isin(analysed)] if analysed else table
-    means = part.groupby("condition")[list(ITEMS)].mean()
+    found = part.groupby("condition")[list(ITEMS)].mean().to_dict("index")
     return [
-        {"item": item, **{c: float(means.loc[c, item]) for c in conditions if c in means.index}}
+        {"item": item, **{c: float(found[c][item]) for c in conditions if c in found}}
         for item in ITEMS
     ]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,9 @@ from vrcomfort.records import read_rows
 from vrcomfort.records.reader import Rows
 from vrcomfort.report.ordering import natural
 
+_KEYS = (
+    "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint"
+)  # fmt: skip
 NEEDED = ("participant", "condition", "item", "response")
 
 
@@ -30,7 +33,7 @@ class Sheet:
     timepoint: str
     place: str
     """File and line where it starts."""
-    answers: dict[str, int | None] = field(default_factory=dict)
+    answers: dict[str, int | None]
 
     @property
     def name(self) -> str:
@@ -122,22 +125,22 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     missing = [name for name in NEEDED if name not in found.columns]
     if missing and found.columns:
         raise InputError(f"the column {missing[0]} is missing", file=file, line=1)
+    name = file.relative_to(source).as_posix() if source.is_dir() else file.name
     sheets: dict[tuple[str, ...], Sheet] = {}
     for row, line in zip(found.rows, found.lines, strict=True):
         if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
-            _add(sheets, row, file, line)
+            _add(sheets, row, file, name, line)
     return list(sheets.values())
 
 
 def _add(
-    sheets: dict[tuple[str, ...], Sheet], row: dict[str, str], file: Path, line: int
+    sheets: dict[tuple[str, ...], Sheet], row: dict[str, str], file: Path, name: str, line: int
 ) -> None:
     """Put one answer where it belongs."""
-    columns = ("participant", "session", "period", "trial", "condition", "scene", "sequence")
-    key = (*(row.get(name, "").strip() for name in columns), row.get("timepoint") or "post")
+    key = tuple(row.get(column, "").strip() for column in _KEYS)
     if not key[0]:
         raise InputError("a participant is missing", file=file, line=line, column="participant")
-    sheet = sheets.setdefault(key, Sheet(*key, place=f"{file.name}, line {line}"))
+    sheet = sheets.setdefault(key, _sheet(key, f"{name}, line {line}"))
     item = SSQ.item(row["item"])
     if item is None:
         message = f"`{row['item']}` is not an item of the SSQ"
@@ -146,6 +149,12 @@ def _add(
         message = f"`{item.name}` is answered twice in one questionnaire"
         raise InputError(message, file=file, line=line, column="item")
     sheet.answers[item.name] = _answer(row["response"].strip(), file, line)
+
+
+def _sheet(key: tuple[str, ...], place: str) -> Sheet:
+    moment = dict(zip(_KEYS, key, strict=True))
+    moment["timepoint"] = moment["timepoint"] or "post"
+    return Sheet(place=place, answers={}, **moment)
 
 
 def _answer(text: str, file: Path, line: int) -> int | None:

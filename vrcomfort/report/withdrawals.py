@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 ENDED = {"withdrawn": "withdrew", "stopped": "stop rule"}
-BETWEEN = "between exposures"
+AFTER = "after the exposure"
+"""Somebody who finished an exposure and left at the questionnaire or before the next one."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +28,10 @@ class Withdrawal:
     session: str
     position: str
     condition: str
-    """Blank if it happened between exposures."""
+    """Of the exposure that it happened in or after; blank before the first of a session."""
     scene: str
     after_s: float | None
-    """Into the exposure."""
+    """Time into the exposure; None if it was over."""
     how: str
 
 
@@ -41,10 +42,7 @@ def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     for person in study.participants:
         name = person["participant"]
         if person["status"] == "withdrawn" and name not in found:
-            trial = last.get(name, {})
-            found[name] = Withdrawal(
-                name, trial.get("session", ""), trial.get("trial", ""), "", "", None, BETWEEN
-            )
+            found[name] = _after_trial(name, last.get(name, {}))
     return [found[name] for name in sorted(found, key=natural)]
 
 
@@ -53,6 +51,18 @@ def _trials(study: StudyData) -> list[dict[str, str]]:
         return natural(trial["participant"]), natural(trial["session"]), natural(trial["trial"])
 
     return sorted(study.trials, key=moment)
+
+
+def _after_trial(name: str, trial: dict[str, str]) -> Withdrawal:
+    return Withdrawal(
+        participant=name,
+        session=trial.get("session", ""),
+        position=trial.get("trial", ""),
+        condition=trial.get("condition", ""),
+        scene=trial.get("scene", ""),
+        after_s=None,
+        how=AFTER,
+    )
 
 
 def _from_trial(trial: dict[str, str]) -> Withdrawal:
@@ -81,26 +91,33 @@ def count_withdrawals(study: StudyData, found: list[Withdrawal]) -> dict[str, An
         "recorded": bool(study.trials or study.participants),
         "n": len(found),
         "list": [vars(each) for each in found],
-        "by_condition": _by(study, found, lambda t: t["condition"]),
-        "by_scene": _by(study, found, lambda t: t["scene"]),
-        "by_position": _by(study, found, lambda t: f"session {t['session']}, {t['trial']}"),
+        "by_condition": _by(study, found, lambda t: t["condition"], lambda w: w.condition),
+        "by_scene": _by(study, found, lambda t: t["scene"], lambda w: w.scene),
+        "by_position": _by(
+            study,
+            found,
+            lambda t: f"session {t['session']}, exposure {t['trial']}",
+            lambda w: f"session {w.session}, exposure {w.position}",
+        ),
         "by_first_condition": _by_first(first, {each.participant for each in found}),
     }
 
 
 def _by(
-    study: StudyData, found: list[Withdrawal], key: Callable[[dict[str, str]], str]
+    study: StudyData,
+    found: list[Withdrawal],
+    of_trial: Callable[[dict[str, str]], str],
+    of_withdrawal: Callable[[Withdrawal], str],
 ) -> list[dict[str, Any]]:
-    """Exposures started and ended by a withdrawal, per value of `key`."""
-    started = Counter(key(trial) for trial in study.trials)
-    ended = Counter(key(t) for t in study.trials if t["status"] in ENDED)
-    rows = [
-        {"level": level, "exposures": started[level], "withdrawals": ended[level]}
+    """Exposures started, and withdrawals during and after them, per level."""
+    started = Counter(map(of_trial, study.trials))
+    during = Counter(of_withdrawal(w) for w in found if w.how != AFTER)
+    after = Counter(of_withdrawal(w) for w in found if w.how == AFTER and w.condition)
+    return [
+        {"level": level, "exposures": started[level], "during": during[level],
+         "after": after[level]}
         for level in sorted(started, key=natural)
-    ]
-    between = sum(not each.condition for each in found)
-    extra = {"level": BETWEEN, "exposures": None, "withdrawals": between}
-    return [*rows, extra] if between else rows
+    ]  # fmt: skip
 
 
 def first_conditions(study: StudyData) -> dict[str, str]:
@@ -113,14 +130,16 @@ def first_conditions(study: StudyData) -> dict[str, str]:
 
 def _by_first(first: dict[str, str], gone: set[str]) -> dict[str, Any]:
     groups = sorted(set(first.values()), key=natural)
-    rows = []
-    for group in groups:
-        members = [name for name, condition in first.items() if condition == group]
-        left = sum(name in gone for name in members)
-        rows.append({"level": group, "participants": len(members), "withdrawals": left})
-    counts = [[r["withdrawals"], r["participants"] - r["withdrawals"]] for r in rows]
-    p = fisher_exact(counts) if len(rows) == 2 and gone else None
-    return {"rows": rows, "fisher_p": p}
+    left = Counter(condition for name, condition in first.items() if name in gone)
+    total = Counter(first.values())
+    counts = [[left[group], total[group] - left[group]] for group in groups]
+    return {
+        "rows": [
+            {"level": group, "participants": total[group], "withdrawals": left[group]}
+            for group in groups
+        ],
+        "fisher_p": fisher_exact(counts) if len(groups) == 2 and gone else None,
+    }
 
 
 def lost_signs(found: list[Withdrawal], a: str, b: str) -> dict[str, int]:
@@ -140,10 +159,10 @@ def left_out(
     """Return everybody who is not in the primary analysis, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for each in found:
-        under = f" under {each.condition}" if each.condition else ""
-        session = f" in session {each.session}" if each.session else ""
-        reasons[each.participant].append(f"{each.how}{under}{session}")
+        reasons[each.participant].append(_in_words(each))
     for person in study.participants:
+        if person["status"] == "withdrawn" and person.get("note"):
+            reasons[person["participant"]].append(f"note: {person['note']}")
         if person["status"] == "excluded":
             note = person.get("note") or "no reason noted"
             reasons[person["participant"]].append(f"excluded by the experimenter ({note})")
@@ -155,6 +174,13 @@ def left_out(
         for name in everybody(study)
         if name not in analysed
     ]
+
+
+def _in_words(each: Withdrawal) -> str:
+    if not each.condition:
+        return "withdrew before the first exposure"
+    where = f"{each.condition}, session {each.session}, exposure {each.position}"
+    return f"withdrew after {where}" if each.how == AFTER else f"{each.how} in {where}"
 
 
 def sequences(

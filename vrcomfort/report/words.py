@@ -28,13 +28,13 @@ def p_value(value: float | None) -> str:
     """Write p with three digits after the point."""
     if value is None:
         return NONE
-    return "< .001" if value < 0.001 else fraction(value, 3)
+    return "<\u00a0.001" if value < 0.001 else fraction(value, 3)
 
 
 def p_equals(value: float | None) -> str:
     """Write p in a sentence."""
     text = p_value(value)
-    return f"p {text}" if text.startswith("<") else f"p = {text}"
+    return f"p\u00a0{text}" if text.startswith("<") else f"p\u00a0=\u00a0{text}"
 
 
 def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = False) -> str:
@@ -149,10 +149,11 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
     shift, effect = test["shift"], test["effect"]
     if effect is None:
-        return f"{name}: no participant’s score differed between {a} and {b} (n = {test['n']})."
+        return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
     return (
         f"{name}, {a} minus {b}: shift {number(shift['estimate'])} points "
-        f"{interval(shift)}, Z = {number(test['z'])}, {p_equals(test['p'])} "
-        f"({test['method']}), Holm {p_equals(test['p_holm'])}, "
-        f"r = {fraction(effect['estimate'])} {interval(effect, bounded=True)}, n = {test['n']}."
+        f"{interval(shift)}, Z\u00a0=\u00a0{number(test['z'])}, {p_equals(test['p'])} "
+        f"({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
+        f"r\u00a0=\u00a0{fraction(effect['estimate'])} {interval(effect, bounded=True)}, "
+        f"n\u00a0=\u00a0{test['n']}."
     )

@@ -40,8 +40,9 @@ class Lab:
 
 @dataclass
 class _Ending:
-    """How a trial ended; an error unless something better is known."""
+    """When an exposure began and how it ended; an error unless something better is known."""
 
+    start_s: float
     status: str = "aborted"
     abort_code: str | None = "error"
 
@@ -105,7 +106,7 @@ class SessionFlow:
 
     def _trial(self, place: Place) -> None:
         """Expose, write the trial's row whatever happens, and ask how it was."""
-        ending, start_s = _Ending(), self._lab.clock.now_s()
+        ending = _Ending(self._lab.clock.now_s())
         self._log.start_trial()
         try:
             reason = self._expose(place, ending)
@@ -113,7 +114,7 @@ class SessionFlow:
             ending.abort_code = "operator"
             raise
         finally:
-            self._diary.recorder.write(self._trial_row(place, ending, start_s))
+            self._diary.recorder.write(self._trial_row(place, ending))
         if reason is None:
             self._ask("after_trial", place)
             return
@@ -129,6 +130,7 @@ class SessionFlow:
         loop = self._enter(place)
         if place.trial == 1:
             self._train(loop, place)
+        ending.start_s = self._lab.clock.now_s()
         try:
             result = self._show(loop, place)
         except Withdrew as reason:
@@ -188,7 +190,7 @@ class SessionFlow:
     def _watch(self, step: Step, place: Place, total_s: float) -> partial[None]:
         return partial(self._diary.tell, step, place, total=total_s)
 
-    def _trial_row(self, place: Place, ending: _Ending, start_s: float) -> TrialRow:
+    def _trial_row(self, place: Place, ending: _Ending) -> TrialRow:
         return TrialRow(
             participant=self._diary.participant,
             session=self._diary.session,
@@ -197,7 +199,7 @@ class SessionFlow:
             trial=place.trial or 0,
             condition=place.condition or "",
             scene=place.scene,
-            start_s=start_s,
+            start_s=ending.start_s,
             end_s=self._lab.clock.now_s(),
             status=ending.status,
             abort_code=ending.abort_code,

@@ -1,0 +1,58 @@
+"""Builds the head traces that fit the scenes: temple_walk.csv and mountain_walk.csv.
+
+Run ``python scenes/build_traces.py [FOLDER]``; the same bytes come out every time.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from vrcomfort.headset.synthesis import Gait, Look, Point, Walk, synthesize
+from vrcomfort.headset.trace import Trace, write_trace
+
+STATUE = (0.0, 2.0, -8.1)
+AMPHORA = (-1.75, 1.4, -2.75)
+ORRERY = (-1.85, 1.55, -5.1)
+TABLE = (11.3, 0.85, -5.6)
+BURNER = (18.3, 1.25, 4.8)
+ALTAR = (23.85, 1.3, 4.4)
+
+TEMPLE_START: Point = (0.0, 0.0, 0.0)
+TEMPLE: list[Walk | Look] = [
+    Look(STATUE, 1.0),
+    Walk((-0.5, 0.0, -2.2), AMPHORA),
+    Look(AMPHORA, 1.6),
+    Walk((-0.7, 0.0, -4.7), ORRERY),
+    Look(ORRERY, 2.5),
+    Walk((0.0, 0.0, -6.3), STATUE),
+    Look((0.0, 2.4, -8.1), 1.5),
+    Walk((4.0, 0.0, -6.4)),
+    Walk((8.6, 0.0, -6.2), TABLE),
+    Look(TABLE, 1.8),
+    Walk((8.6, 0.0, 2.9)),
+    Walk((16.0, 0.0, 3.0)),
+    Look(BURNER, 2.2),
+    Walk((16.4, 0.0, 2.0), BURNER),
+    Walk((20.6, 0.0, 2.0), BURNER),
+    Walk((22.0, 0.0, 4.2), ALTAR),
+    Look(ALTAR, 2.2),
+]
+
+
+def temple() -> Trace:
+    """Walk from the bright court through the hall into the dark crypt."""
+    return synthesize(TEMPLE_START, TEMPLE, seed=2015, gait=Gait(eye_height_m=1.66))
+
+
+TRACES = {"temple_walk": temple}
+
+
+def build(folder: Path) -> None:
+    """Build all traces and write them."""
+    for name, make in TRACES.items():
+        write_trace(make(), folder / f"{name}.csv")
+
+
+if __name__ == "__main__":
+    build(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parent)

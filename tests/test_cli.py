@@ -1,0 +1,173 @@
+"""The command line as a user meets it: answers, refusals in one sentence, exit codes."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from vrcomfort.cli import main
+
+Run = Callable[..., tuple[int, str, str]]
+
+SSQ_ITEMS = (
+    "general_discomfort,fatigue,headache,eyestrain,difficulty_focusing,increased_salivation,"
+    "sweating,nausea,difficulty_concentrating,fullness_of_head,blurred_vision,dizzy_eyes_open,"
+    "dizzy_eyes_closed,vertigo,stomach_awareness,burping"
+)
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Return what runs the command and gives (exit code, stdout, stderr)."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, arguments)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = int(end.code or 0)
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call
+
+
+def assert_refused(result: tuple[int, str, str], *words: str) -> None:
+    code, _, err = result
+    assert code == 2
+    assert err.startswith("error: ")
+    assert err.count("\n") == 1, "one sentence, no traceback"
+    for word in words:
+        assert word in err
+
+
+@pytest.mark.parametrize(
+    "command",
+    ["run", "simulate", "play", "render", "report", "score", "design", "plan", "import-trace"],
+)
+def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    assert f"vrcomfort {command}" in out
+
+
+def test_design_of_carnegie_is_balanced_for_twenty(run: Run) -> None:
+    code, out, _ = run("design", "carnegie_2015", "--participants", 20, "--json")
+    design = json.loads(out)
+    assert code == 0
+    assert design["conditions"]["first"] == {"dof_off": 10, "dof_on": 10}
+    assert set(design["crossing"].values()) == {5}
+    assert len(design["crossing"]) == 4
+    assert "divide evenly" in design["remainder"]
+
+
+def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> None:
+    _, out, _ = run("design", "carnegie_2015", "-n", 22)
+    words = " ".join(out.split())
+    assert "22 participants do not divide by 4 sequences" in words
+    assert "goes back to the pool" in words
+
+
+def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
+    _, out, _ = run("plan", "carnegie_2015", "--json")
+    needed = {
+        (row["scene"], row["condition"], row["name"]): row["needed"] for row in json.loads(out)
+    }
+    assert needed["temple", "dof_on", "depth_of_field"]
+    assert not needed["temple", "dof_off", "depth_of_field"]
+    assert not needed["temple", "dof_off", "focus"]
+    assert not needed["mountain", "dof_on", "velocity"]
+
+
+def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "answers.csv"
+    file.write_text(f"who,{SSQ_ITEMS}\nA,{','.join('3' * 16)}\n", encoding="utf-8")
+    code, out, _ = run("score", "ssq", file, "--json")
+    (row,) = json.loads(out)
+    assert code == 0
+    assert (row["who"], row["total"], row["total_raw"]) == ("A", pytest.approx(235.62), 63)
+
+
+def test_score_names_the_place_of_an_answer_out_of_range(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "answers.csv"
+    file.write_text(f"who,{SSQ_ITEMS}\nA,4,{','.join('0' * 15)}\n", encoding="utf-8")
+    assert_refused(run("score", "ssq", file), "line 2", "general_discomfort", "4")
+
+
+def test_unknown_questionnaire_is_refused(run: Run, tmp_path: Path) -> None:
+    assert_refused(run("score", "vas", tmp_path / "x.csv"), "ssq")
+
+
+def test_unknown_protocol_is_refused_with_those_there_are(run: Run) -> None:
+    assert_refused(run("design", "carnegie_2016"), "carnegie_2016", "carnegie_2015")
+
+
+def test_misspelt_protocol_key_is_refused_with_its_place(run: Run, tmp_path: Path) -> None:
+    from vrcomfort.resources import data_folder
+
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    file.write_text(text.replace("exposure_s", "exposure_ms", 1), encoding="utf-8")
+    line = next(i for i, row in enumerate(text.splitlines(), 1) if row.startswith("exposure_s"))
+    assert_refused(run("plan", file), "mine.toml", f"line {line}", "exposure_s")
+
+
+@pytest.mark.parametrize("size", ["640", "0x400", "axb", "99999x10"])
+def test_bad_sizes_are_refused(run: Run, tmp_path: Path, size: str) -> None:
+    assert_refused(run("render", "--scene", "temple", "--size", size, "--out", tmp_path), "--size")
+
+
+@pytest.mark.parametrize("pose", ["1,2,3", "a,b,c,d,e,f", "0,0,0,0,0,nan"])
+def test_bad_poses_are_refused(run: Run, tmp_path: Path, pose: str) -> None:
+    result = run("render", "--scene", "temple", "--pose", pose, "--out", tmp_path)
+    assert_refused(result, "--pose", "X,Y,Z,YAW,PITCH,ROLL")
+
+
+def test_condition_without_protocol_is_refused(run: Run, tmp_path: Path) -> None:
+    result = run("render", "--scene", "temple", "--condition", "dof_on", "--out", tmp_path)
+    assert_refused(result, "--protocol")
+
+
+def test_condition_that_the_protocol_lacks_is_refused(run: Run, tmp_path: Path) -> None:
+    options = ("--protocol", "carnegie_2015", "--condition", "blurry")
+    result = run("render", "--scene", "temple", *options, "--out", tmp_path)
+    assert_refused(result, "blurry", "dof_on")
+
+
+def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "participants.csv").write_text("participant\n", encoding="utf-8")
+    assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "study folder")
+
+
+def test_trace_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "trace.csv"
+    file.write_text("time,x\n0,1\n", encoding="utf-8")
+    assert_refused(run("play", file, "--scene", "temple", "--out", tmp_path / "o"), "xr_time_ns")
+
+
+def test_broken_scene_is_refused(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "broken.glb"
+    file.write_bytes(b"glTF\x02\x00\x00\x00 and then nothing")
+    assert_refused(run("render", "--scene", file, "--out", tmp_path / "o"), "broken.glb")
+
+
+def test_unity_log_becomes_a_trace(run: Run, tmp_path: Path) -> None:
+    log = tmp_path / "log.txt"
+    rows = ["Time x y z alpha beta gamma ", "0.00,0,1.6,0,0,0,0", "0.01,0,1.6,0.02,0,0,0"]
+    log.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    trace = tmp_path / "trace.csv"
+    code, _, _ = run("import-trace", log, "--format", "unity-euler", "--out", trace)
+    header, _, last = trace.read_text(encoding="utf-8").splitlines()
+    assert code == 0
+    # Unity's +z is forward; ours is backward.
+    assert dict(zip(header.split(","), last.split(","), strict=True))["head_z_m"] == "-0.02"
+
+
+def test_doctor_finds_what_the_tests_need(run: Run) -> None:
+    code, out, _ = run("doctor", "--json")
+    assert code == 0
+    assert {finding["part"] for finding in json.loads(out)} >= {"OpenGL", "Python", "scenes"}

@@ -1,0 +1,100 @@
+"""The GPU's nine rays against an independent ray cast, along the shipped walks."""
+
+import numpy as np
+import pytest
+
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.optics.focus import estimate_focus, ray_directions
+from vrcomfort.protocol.conditions import Focus
+from vrcomfort.render.focus import FocusPass
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.raycast import cast
+from vrcomfort.resources import data_folder
+
+SETTINGS = Focus(law="instant")
+POSES = 60
+
+
+@pytest.fixture(scope="module", params=["temple"])
+def scene(request):
+    return load_scene(request.param)
+
+
+def walk(scene):
+    """Times and world-from-head poses, evenly along the shipped walk."""
+    trace = read_trace(data_folder("scenes") / f"{scene.name}_walk.csv")
+    places = np.linspace(0, len(trace) - 1, POSES).astype(int)
+    return [
+        (float(trace.time_ns[i]) * 1e-9, trace.avatar.pose(i) @ trace.head.pose(i)) for i in places
+    ]
+
+
+def gpu_samples(ctx, scene, poses):
+    gpu = GpuScene(ctx, scene)
+    focus = FocusPass(ctx, gpu, SETTINGS)
+    samples = []
+    for index, (time_s, head) in enumerate(poses):
+        gpu.update(time_s, head)
+        samples += focus.render(frame_index=index, display_time_ns=index, world_from_head=head)
+    return [*samples, *focus.drain()]
+
+
+def cpu_rays_m(scene, time_s, head):
+    """Distances along the head's forward axis."""
+    directions = ray_directions(SETTINGS.ring_deg)
+    world = directions @ head.matrix()[:3, :3].T
+    along = cast(scene, time_s, np.tile(head.position, (9, 1)), world, head=head)
+    return np.minimum(along / np.linalg.norm(directions, axis=1), SETTINGS.infinity_m)
+
+
+def near_things_that_move_or_have_holes(scene):
+    """Poses half a metre to two metres before each moving or alpha-masked thing."""
+    poses = []
+    for time_s in (0.3, 1.9):
+        world = scene.world_from_node(time_s)
+        for index, node in enumerate(scene.nodes):
+            masked = any(
+                scene.materials[scene.primitives[item].material].alpha_mode == "MASK"
+                for item in node.mesh
+            )
+            if not node.mesh or not (node.moving or masked):
+                continue
+            low, high = np.stack([scene.primitives[item].bounds for item in node.mesh]).mean(0)
+            centre = world[index][:3, :3] @ ((low + high) / 2) + world[index][:3, 3]
+            away = np.linalg.norm(world[index][:3, :3] @ (high - low)) * 0.5 + 0.5
+            poses.append((time_s, Pose(centre + np.array([0.0, 0.0, min(away, 4.0)]))))
+    return poses[:: max(1, len(poses) // 40)]
+
+
+def test_rays_agree_with_the_ray_cast_along_the_walk(ctx, scene):
+    poses = walk(scene)
+    samples = gpu_samples(ctx, scene, poses)
+    wrong = 0
+    for sample, (time_s, head) in zip(samples, poses, strict=True):
+        expected_m = cpu_rays_m(scene, time_s, head)
+        wrong += int((np.abs(sample.rays_m / expected_m - 1) > 1e-4).sum())
+        raw_m, used = estimate_focus(sample.rays_m, SETTINGS)
+        assert sample.used.tolist() == used.tolist()
+        assert sample.focus_m == pytest.approx(raw_m, rel=1e-5)
+    # A ray that grazes an edge may fall on either side of it in float32.
+    assert wrong <= 0.01 * 9 * POSES
+
+
+def test_rays_agree_on_what_moves_and_what_has_holes(ctx, scene):
+    poses = near_things_that_move_or_have_holes(scene)
+    assert len(poses) >= 2
+    samples = gpu_samples(ctx, scene, poses)
+    expected_m = np.array([cpu_rays_m(scene, time_s, head) for time_s, head in poses])
+    rays_m = np.array([sample.rays_m for sample in samples])
+    # Mip levels of an alpha mask and the full-size image part ways within a texel of an edge.
+    assert (np.abs(rays_m / expected_m - 1) > 1e-4).mean() <= 0.03
+    assert (rays_m < 4.0).any()
+
+
+def test_focus_follows_what_is_looked_at(ctx, scene):
+    samples = gpu_samples(ctx, scene, walk(scene))
+    focus_m = np.array([sample.focus_m for sample in samples])
+    assert focus_m.min() < 2.5
+    assert focus_m.max() > 2 * focus_m.min()
