@@ -84,3 +84,6 @@ class Headset(Protocol):
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
         """Show the two images (linear sRGB already tone-mapped, RGBA8), or nothing for `None`."""
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call: taken off, tracking lost, recentered ..."""

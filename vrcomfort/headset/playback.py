@@ -15,7 +15,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.pose_track import PoseTrack, Times
 from vrcomfort.headset.trace import Trace
 
@@ -132,6 +132,10 @@ class PlaybackHeadset:
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
         """Take the images and show them to nobody."""
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return nothing: to a trace nothing happens."""
+        return []
 
     def _schedule(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
         if self._rate is None:

@@ -83,12 +83,18 @@ class FrameLoop:
         schedule: RatingSchedule | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        start_ns: int | None = None
+        shown_ns, before_ns = 0, None
         self._start_s = self.diary.clock.now_s()
         for frame in self._frames:
-            start_ns = frame.predicted_display_time_ns if start_ns is None else start_ns
-            before_s = self.elapsed_s
-            self.elapsed_s = (frame.predicted_display_time_ns - start_ns) / 1e9
+            self._note_events()
+            if frame.paused:  # nobody sees it: time that is no exposure
+                self.headset.submit(frame, None)
+                before_ns = None
+                continue
+            now_ns = frame.predicted_display_time_ns
+            shown_ns += 0 if before_ns is None else now_ns - before_ns
+            before_s, before_ns = self.elapsed_s, now_ns
+            self.elapsed_s = shown_ns / 1e9
             self.diary.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, exhibit)
             self._listen(exhibit, schedule)
@@ -99,6 +105,10 @@ class FrameLoop:
                 self.elapsed_s = exhibit.duration_s
                 return "completed"
         return "headset_ended"
+
+    def _note_events(self) -> None:
+        for event in self.headset.take_events():
+            self.diary.event(event.name, detail=event.detail)
 
     def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
         if self._scene_start_ns is None:

@@ -60,7 +60,8 @@ class FrameLog:
 
     def _count(self, frame: Frame) -> bool:
         now_ns, before_ns = frame.predicted_display_time_ns, self._shown_ns
-        late = before_ns is not None and now_ns - before_ns > DROPPED_INTERVAL * frame.period_ns
+        follows = before_ns is not None and not frame.discontinuity
+        late = follows and now_ns - (before_ns or 0) > DROPPED_INTERVAL * frame.period_ns
         self._shown_ns = now_ns
         self.frames += 1
         self.dropped += late

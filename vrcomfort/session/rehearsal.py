@@ -35,6 +35,13 @@ class Rehearsal:
         stage-from-head for each frame of an exposure; the head holds still at questions.
     answers
         The answers to all questions, in the order in which they are asked.
+
+    Attributes
+    ----------
+    screen
+        Where the questions stand; set it before the first one.
+    fed, said
+        The head poses sent, and the answers decided on, so far.
     """
 
     def __init__(self, feed: RemoteFeed, heads: Iterator[Pose], answers: Iterator[int]) -> None:
@@ -46,6 +53,7 @@ class Rehearsal:
         self._frame = 0
         self.screen: PanelScreen | None = None
         self.fed: list[Pose] = []
+        self.said: list[int] = []
 
     def before_frame(self) -> None:
         """Send the next state; give this to the headset as `before_wait`."""
@@ -75,6 +83,7 @@ class Rehearsal:
         if cell is None:
             said = "has no more answers" if answer is None else f"answers {answer}"
             raise InputError(f"the script {said} at {page.question!r}; mend the script of answers")
+        self.said.append(cell.value)
         return cell
 
     def _hand(self) -> RemoteHand:

@@ -60,6 +60,7 @@ class OpenXrHeadset:
         self._next_index = 0
         self._time_ns = self._period_ns = 0
         self._cut = True
+        self._paused = False
         self._spawn: Pose | None = None
         self.avatar_pose = Pose()
 
@@ -208,6 +209,8 @@ class OpenXrHeadset:
         if self._spawn is not None:
             self.avatar_pose = self._spawn @ floor_under(head).inverse()
             self._spawn, self._cut = None, True
+        paused = not self._xr.lifecycle.seen
+        self._cut |= self._paused and not paused
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
@@ -217,8 +220,9 @@ class OpenXrHeadset:
             avatar_pose=self.avatar_pose,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
-            paused=not self._xr.lifecycle.seen,
+            paused=paused,
         )
+        self._paused = paused
         self._next_index, self._cut = self._next_index + 1, False
         return frame
 
