@@ -50,6 +50,11 @@ class Actions:
         xr.attach_session_action_sets(
             session, xr.SessionActionSetsAttachInfo(action_sets=[self._set])
         )
+        self._get = {  # made once: hot
+            (name, hand): xr.ActionStateGetInfo(action=action, subaction_path=path)
+            for name, action in self._actions.items()
+            for hand, path in enumerate(self._hands)
+        }
         self._aims = [self._space(self._actions["aim"], hand) for hand in self._hands]
         self._gaze_space = None if self._gaze is None else self._space(self._gaze)
         self._sync_info = xr.ActionsSyncInfo(active_action_sets=[xr.ActiveActionSet(self._set, 0)])
@@ -61,10 +66,7 @@ class Actions:
 
     def read(self, stage: Stage, time_ns: int) -> Inputs:
         """Return what hands and eyes do at `time_ns`."""
-        left, right = (
-            self._hand(hand, aim, stage, time_ns)
-            for hand, aim in zip(self._hands, self._aims, strict=True)
-        )
+        left, right = (self._hand(hand, stage, time_ns) for hand in (0, 1))
         return Inputs(left, right, self._read_gaze(stage, time_ns))
 
     def tick(self, hand: int) -> None:
@@ -86,11 +88,11 @@ class Actions:
         """Destroy the action set and what belongs to it."""
         xr.destroy_action_set(self._set)
 
-    def _hand(self, hand: int, aim: xr.Space, stage: Stage, time_ns: int) -> HandInput:
-        active = xr.get_action_state_pose(self._session, self._get("aim", hand)).is_active
-        stick = xr.get_action_state_vector2f(self._session, self._get("move", hand)).current_state
+    def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
+        active = xr.get_action_state_pose(self._session, self._get["aim", hand]).is_active
+        stick = xr.get_action_state_vector2f(self._session, self._get["move", hand]).current_state
         return HandInput(
-            aim=stage.locate(aim, time_ns) if active else None,
+            aim=stage.locate(self._aims[hand], time_ns) if active else None,
             select=self._pressed("select", hand),
             back=self._pressed("back", hand),
             stop=self._pressed("stop", hand),
@@ -98,11 +100,8 @@ class Actions:
         )
 
     def _pressed(self, name: str, hand: int) -> bool:
-        state = xr.get_action_state_boolean(self._session, self._get(name, hand))
+        state = xr.get_action_state_boolean(self._session, self._get[name, hand])
         return bool(state.current_state and state.changed_since_last_sync)
-
-    def _get(self, name: str, hand: int) -> xr.ActionStateGetInfo:
-        return xr.ActionStateGetInfo(action=self._actions[name], subaction_path=hand)
 
     def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
         if self._gaze_space is None:

@@ -61,7 +61,9 @@ class Swapchain:
         timeout_s: float,
     ) -> None:
         self.size_px = size_px
-        self._timeout_ns = int(timeout_s * 1e9)
+        self._acquire_info = xr.SwapchainImageAcquireInfo()
+        self._wait_info = xr.SwapchainImageWaitInfo(timeout=int(timeout_s * 1e9))
+        self._release_info = xr.SwapchainImageReleaseInfo()
         self._handle = xr.create_swapchain(session, _create_info(size_px, color_format))
         images = xr.enumerate_swapchain_images(self._handle, xr.SwapchainImageOpenGLKHR)
         make_current(ctx)
@@ -76,17 +78,15 @@ class Swapchain:
         RuntimeLostError
             If the runtime gives none in time.
         """
-        index = xr.acquire_swapchain_image(self._handle, xr.SwapchainImageAcquireInfo())
+        index = xr.acquire_swapchain_image(self._handle, self._acquire_info)
         try:
-            xr.wait_swapchain_image(
-                self._handle, xr.SwapchainImageWaitInfo(timeout=self._timeout_ns)
-            )
+            xr.wait_swapchain_image(self._handle, self._wait_info)
         except xr.exception.TimeoutExpired as error:
-            raise lost(f"it gave no image within {self._timeout_ns / 1e9:g} s") from error
+            raise lost(f"it gave no image within {self._wait_info.timeout / 1e9:g} s") from error
         try:
             yield self._targets[index]
         finally:
-            xr.release_swapchain_image(self._handle, xr.SwapchainImageReleaseInfo())
+            xr.release_swapchain_image(self._handle, self._release_info)
 
     @property
     def sub_image(self) -> xr.SwapchainSubImage:

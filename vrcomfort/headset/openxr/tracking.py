@@ -42,6 +42,7 @@ class Tracking:
     ) -> None:
         self._session, self._stage, self._notify = session, stage, notify
         self._known = True
+        self._where = xr.ViewLocateInfo(STEREO)
         self.head = Pose()
         self.views = UNKNOWN, UNKNOWN
         self.xr_views: tuple[xr.View, ...] = (xr.View(), xr.View())
@@ -49,9 +50,8 @@ class Tracking:
     def update(self, time_ns: int) -> bool:
         """Locate head and eyes at `time_ns`; return True where poses jump (tracking came back)."""
         head = self._stage.locate_head(time_ns)
-        state, views = xr.locate_views(
-            self._session, xr.ViewLocateInfo(STEREO, time_ns, self._stage.space)
-        )
+        self._where.display_time, self._where.space = time_ns, self._stage.space
+        state, views = xr.locate_views(self._session, self._where)
         valid = state._view_state_flags & VALID == VALID  # the enum costs 10 µs
         known = head is not None and valid
         if head is not None and valid:
