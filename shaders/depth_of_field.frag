@@ -83,7 +83,8 @@ void gather_rings(float disc_px, float back_px, vec2 front_px) {
     int i = 0;
     for (int ring = 1; ring <= rings; ++ring)
         for (int tap = 0; tap < 8 * ring; ++tap, ++i) {
-            float away = float(ring) * spacing;
+            // Not in the middle of its annulus but where its mean square distance is.
+            float away = spacing * sqrt(float(ring * ring) + 0.25);
             vec2 at = centre + away * directions[i] * vec2(1.0, pixel_aspect);
             ivec2 texel = clamp(ivec2(floor(at)), ivec2(0), last);
             vec4 q = halved ? texelFetch(points_half, texel / 2, 0) : texelFetch(points, texel, 0);

@@ -37,10 +37,12 @@ float nearer(float depth) {
     return clamp((depth - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
 }
 
-void gather(vec2 half_streak, bool for_back, bool for_front) {
+// Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along: there,
+// taps are whole pixels, twice as many.
+void gather(vec2 half_streak, bool for_back, bool for_front, bool whole_pixels) {
     float reach = length(half_streak);
     // An odd number, so that the middle one is p itself.
-    int pairs = int(ceil(reach * samples_per_px));
+    int pairs = int(ceil(reach * samples_per_px * (whole_pixels ? 2.0 : 1.0)));
     float spacing = 2.0 * reach / float(2 * pairs + 1);
     vec2 direction = half_streak / reach;
     vec2 centre = vec2(pixel) + 0.5;
@@ -49,6 +51,7 @@ void gather(vec2 half_streak, bool for_back, bool for_front) {
         float along = float(i) * spacing;
         vec2 at = centre + along * direction;
         vec4 q = texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
+        if (whole_pixels) at = floor(at) + 0.5;
         vec3 c = texture(colour, at * texel).rgb;
         float is_front = nearer(q.z);
         if (for_back)
@@ -62,19 +65,21 @@ void gather(vec2 half_streak, bool for_back, bool for_front) {
 }
 
 void main() {
-    vec2 around = texelFetch(longest, pixel / TILE, 0).xy;
+    vec3 tile = texelFetch(longest, pixel / TILE, 0).xyz;
+    vec2 around = tile.xy;
     blurred = texelFetch(colour, pixel, 0);
     if (dot(around, around) < LEAST_PX * LEAST_PX)
         return;
     bool moves = dot(p.xy, p.xy) >= LEAST_PX * LEAST_PX;
     float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
     bool together = moves && apart < 0.25 + 0.05 * length(around);
+    bool whole_pixels = tile.z < 0.25 * length(around);
     if (moves)
-        gather(p.xy, true, together);
+        gather(p.xy, true, together, whole_pixels);
     else
         back = vec4(blurred.rgb, 1.0);
     if (!together)
-        gather(around, false, true);
+        gather(around, false, true, whole_pixels);
     if (front.a <= 0.0 && !moves)
         return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);

@@ -102,6 +102,8 @@ def test_ring_taps_share_the_disc_equally(rings):
     assert taps == (2 * rings + 1) ** 2
     np.testing.assert_allclose(taps * coc.tap_area_px(2.0), np.pi * (2 * (rings + 0.5)) ** 2)
     np.testing.assert_allclose(coc.ring_directions(rings).sum(axis=0), 0, atol=1e-12)
+    moment = sum(8 * k * coc.ring_radius_px(k, 2.0) ** 2 for k in range(1, rings + 1)) / taps
+    np.testing.assert_allclose(moment, (2 * (rings + 0.5)) ** 2 / 2, rtol=0.02)
 
 
 clip = st.tuples(*[st.floats(-1e6, 1e6, width=32)] * 4).map(np.array)

@@ -11,7 +11,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, axis_angle, slerp, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset, default_fovs
 from vrcomfort.headset.pose_track import PoseTrack
-from vrcomfort.headset.trace import Trace, read_trace, write_trace
+from vrcomfort.headset.trace import Trace, read_trace
+from vrcomfort.records.recorder import csv_line
+from vrcomfort.records.rows import FrameRow, cell_text
 
 SIZE = (64, 80)
 
@@ -164,32 +166,34 @@ def test_a_session_has_one_clock_over_several_runs():
     assert second[0].avatar_pose.position[0] == first[0].avatar_pose.position[0] + 1
 
 
-def recorded(frames):
-    """The frames as a session records them."""
-    tracks = [
-        PoseTrack(np.array([p.position for p in ps]), np.array([p.orientation for p in ps]))
-        for ps in zip(*([f.head_pose, f.avatar_pose, *eyes(f)] for f in frames), strict=True)
+def record(frames, path):
+    """Write the frames as a session does, with blanks where no focus was found."""
+    rows = [
+        FrameRow(
+            session_s=frame.predicted_display_time_ns * 1e-9,
+            xr_time_ns=frame.predicted_display_time_ns,
+            period_ns=frame.period_ns,
+            trial=1,
+            should_render=frame.should_render,
+            head=frame.head_pose,
+            left=frame.views[0],
+            right=frame.views[1],
+            avatar=frame.avatar_pose,
+            discontinuity=frame.discontinuity,
+        )
+        for frame in frames
     ]
-    fovs = [[(v.fov.left, v.fov.right, v.fov.up, v.fov.down) for v in f.views] for f in frames]
-    return Trace(
-        time_ns=np.array([f.predicted_display_time_ns for f in frames]),
-        head=tracks[0],
-        cuts=np.array([f.discontinuity for f in frames]),
-        period_ns=np.array([f.period_ns for f in frames]),
-        eyes=(tracks[2], tracks[3]),
-        fovs=np.array(fovs),
-        avatar=tracks[1],
-        trial=tuple("1" for _ in frames),
-    )
+    cells = [FrameRow.columns(), *([cell_text(cell) for cell in row.cells()] for row in rows)]
+    path.write_text("".join(map(csv_line, cells)), encoding="utf-8")
 
 
-@pytest.mark.parametrize("replay_hz", [None, 90.0])
+@pytest.mark.parametrize("replay_hz", [None, 89.53])
 def test_a_recorded_session_plays_back_bit_for_bit(tmp_path, replay_hz):
     spawn = Pose(np.array([0.1, 0.2, 0.3]), axis_angle([0.0, 1.0, 0.0], 0.3))
-    frames = play(TEN_MS, 8, refresh_hz=90, spawn=spawn)
-    write_trace(recorded(frames), tmp_path / "frames.csv")
+    frames = play(TEN_MS, 40, refresh_hz=89.53, spawn=spawn)
+    record(frames, tmp_path / "frames.csv")
     trace = read_trace(tmp_path / "frames.csv")
-    again = play(trace, 8, refresh_hz=replay_hz, ipd_m=0.5, spawn=Pose())
+    again = play(trace, 40, refresh_hz=replay_hz, ipd_m=0.5, spawn=Pose())
     assert poses(again) == poses(frames)
     assert [(f.views[0].fov, f.views[1].fov) for f in again] == [
         (f.views[0].fov, f.views[1].fov) for f in frames
@@ -198,6 +202,8 @@ def test_a_recorded_session_plays_back_bit_for_bit(tmp_path, replay_hz):
         f.predicted_display_time_ns for f in frames
     ]
     assert [f.period_ns for f in again] == [f.period_ns for f in frames]
+    assert [f.discontinuity for f in again] == [f.discontinuity for f in frames]
+    assert frames[9].discontinuity  # the loop
 
 
 @pytest.mark.parametrize("hz", [0.0, -1.0, float("nan"), float("inf")])

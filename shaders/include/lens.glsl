@@ -1,9 +1,13 @@
 // A lens for the brute-force reference: where one lens sample sees a point.
 //
 // A point with signed radius s (px) is seen through lens position u (unit disc) s * u from where
-// the pinhole sees it. In clip space, with w = d the distance along the eye's axis and an eye that
-// shares the head's axis, law `dioptre` is (1/f - 1/d) * w = d/f - 1: affine in d, an exact shear.
-// The `linear` law and the limit r_max are not linear in clip space: they hold at vertices only.
+// the pinhole sees it. In clip space, with w = d the distance along the eye's axis:
+//
+//   law `dioptre`  s w = (1/f - 1/d) w = d/f - 1: affine in d, so every triangle is sheared
+//                  exactly, also where it passes the eye. The limit r_max is left out: it would
+//                  not be affine. Displays that are not canted are assumed (else: at vertices).
+//   law `linear`   s w = (d - f) d, and s within its limit: holds at vertices only.
+//
 // Twin and source: vrcomfort/optics/circle_of_confusion.py.
 
 // Adds the lens displacement. lens_ndc = u * 2 / size_px (y times the pixel aspect). head_depth_m:
@@ -13,12 +17,11 @@ vec4 through_lens(vec4 clip, vec2 lens_ndc, float head_depth_m, float focus_m, f
     float focus = min(focus_m, infinity_m);
     float d = min(head_depth_m, infinity_m);
 #ifdef LAW_DIOPTRE
-    float defocus = 1.0 / focus - 1.0 / d;
+    float radius_times_w = px_per_defocus * (clip.w / focus - (d > 0.0 ? clip.w / d : 1.0));
 #else
-    float defocus = d - focus;
+    float radius = clamp((d - focus) * px_per_defocus, -radius_limit_px, radius_limit_px);
+    float radius_times_w = radius * clip.w;
 #endif
-    // Points at and behind the eye are clipped anyway; only their sign matters.
-    float radius = d > 0.0 ? defocus * px_per_defocus : -radius_limit_px;
-    clip.xy += lens_ndc * clamp(radius, -radius_limit_px, radius_limit_px) * clip.w;
+    clip.xy += lens_ndc * radius_times_w;
     return clip;
 }

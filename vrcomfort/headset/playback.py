@@ -168,9 +168,9 @@ class PlaybackHeadset:
         assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
         times = self._trace.time_ns[first:end]
         count = 0
-        while (time_ns := int(times[0]) + round(count * SECOND_NS / self._rate)) <= times[-1]:
-            before = int(np.searchsorted(times, time_ns, side="right")) - 1
-            yield _Sample(first + before, _fraction(times, before, time_ns), time_ns, count == 0)
+        while (time_ns := int(times[0]) + round(count * SECOND_NS / self._rate)) <= times[-1] + 1:
+            before, fraction = _place(times, time_ns)
+            yield _Sample(first + before, fraction, time_ns, count == 0)
             count += 1
 
     def _period_ns(self, sample: _Sample) -> int:
@@ -235,9 +235,17 @@ def heading(pose: Pose) -> Array:
     return axis_angle([0.0, 1.0, 0.0], np.arctan2(-level[0], -level[2]))
 
 
-def _fraction(times: Times, before: int, time_ns: int) -> float:
+def _place(times: Times, time_ns: int) -> tuple[int, float]:
+    """Return the sample at or before a time, and how far on the way to the next one it is.
+
+    A sample within 1 ns counts as being there: recorded times are whole nanoseconds, and a
+    recording that is played at its own rate must give its own poses.
+    """
+    before = int(np.searchsorted(times, time_ns + 1, side="right")) - 1
     elapsed = time_ns - int(times[before])
-    return elapsed / int(times[before + 1] - times[before]) if elapsed else 0.0
+    if elapsed <= 1:
+        return before, 0.0
+    return before, elapsed / int(times[before + 1] - times[before])
 
 
 def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:

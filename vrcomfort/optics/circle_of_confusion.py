@@ -6,6 +6,7 @@ image width. Signs: negative in front of the focus distance, positive behind it.
 
 from __future__ import annotations
 
+import math
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -110,13 +111,19 @@ def disc_area_px(radius_px: ArrayLike, softness_px: float = 1.0, /) -> Array:
 def ring_directions(rings: int) -> Array:
     """Return (4·rings·(rings + 1), 2) unit vectors: 8 taps for the first ring, 16 for the second.
 
-    A tap of ring k lies at k·spacing. Rings of 8·k taps and one tap in the centre share a disc of
-    radius (rings + 1/2)·spacing equally: each has :func:`tap_area_px`. Every second ring is turned
-    by half a step, so that taps do not line up in spokes.
+    Rings of 8·k taps and one tap in the centre share a disc of radius (rings + 1/2)·spacing
+    equally: each has :func:`tap_area_px`. Ring k lies at √(k² + 1/4)·spacing, where the mean square
+    distance of its annulus is, so the pattern's second moment is the disc's. Every second ring is
+    turned by half a step, so that taps do not line up in spokes.
     """
     angles = [2 * np.pi * (np.arange(8 * k) + 0.5 * (k % 2)) / (8 * k) for k in range(1, rings + 1)]
     angle = np.concatenate(angles)
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def ring_radius_px(ring: int, spacing_px: float) -> float:
+    """Return how far the taps of a ring (1, 2, …) are from the middle."""
+    return spacing_px * math.sqrt(ring**2 + 0.25)
 
 
 def tap_area_px(spacing_px: float) -> float:

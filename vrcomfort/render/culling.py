@@ -39,6 +39,15 @@ def visible(planes: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
     return inside
 
 
+def visible_in_views(clips_from_source: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
+    """Return (views, n): `visible` for each of (views, 4, 4) projections, near planes included."""
+    x, y, z, w = np.moveaxis(clips_from_source, 1, 0)
+    sides = np.stack([w + x, w - x, w + y, w - y, w - z], axis=1)
+    normals = sides[..., :3]
+    reach = centers @ normals.swapaxes(1, 2) + halves @ np.abs(normals).swapaxes(1, 2)
+    return np.asarray(np.all(reach + sides[:, None, :, 3] >= 0, axis=2))
+
+
 def transformed_boxes(
     target_from_source: Array, centers: Array, halves: Array
 ) -> tuple[Array, Array]:

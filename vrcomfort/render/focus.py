@@ -130,14 +130,14 @@ class FocusPass:
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
         head_from_relative = rotation_only(rotation_matrix(world_from_head.orientation).T)
-        self.triangles = 0
-        for ray, clip_from_head in enumerate(self._clips_from_head):
-            self._rays.viewport = (ray, 0, 1, 1)
-            self.triangles += self._gpu.draw_depth(
-                clip_from_head @ head_from_relative, world_from_head.position
-            )
+        self.triangles = self._gpu.draw_depth_views(
+            self._clips_from_head @ head_from_relative, world_from_head.position, self._aim
+        )
         self._rays.viewport = (0, 0, RAYS, 1)
         ctx.enable_only(moderngl.NOTHING)
+
+    def _aim(self, ray: int) -> None:
+        self._rays.viewport = (ray, 0, 1, 1)
 
     def _estimate(self, step: float) -> None:
         self._ctx.copy_framebuffer(self._history, self._target)
@@ -195,17 +195,19 @@ def make_focus_pass(
     return FocusPass(ctx, gpu, settings, near_m=near_m)
 
 
-def ray_projections(ring_deg: float, near_m: float) -> list[Array]:
-    """Return nine (4, 4) reverse-Z projections of the head's frame, one narrow frustum per ray.
+def ray_projections(ring_deg: float, near_m: float) -> Array:
+    """Return (9, 4, 4) reverse-Z projections of the head's frame, one narrow frustum per ray.
 
     Depth stays ``near_m / distance`` with distance along the head's forward axis.
     """
     half = RAY_WIDTH / 2
     corners = ray_tangents(ring_deg)[:, :, None] + [-half, half]
-    return [
-        clip_from_view(Fov(*np.arctan([left, right, up, down]).tolist()), near_m)
-        for (left, right), (down, up) in corners
-    ]
+    return np.stack(
+        [
+            clip_from_view(Fov(*np.arctan([left, right, up, down]).tolist()), near_m)
+            for (left, right), (down, up) in corners
+        ]
+    )
 
 
 def step_size(settings: Focus, dt_s: float) -> float:

@@ -87,6 +87,21 @@ def depth_texture(
     return point_sampled(texture, comparison=False)
 
 
+def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:
+    """Return a function that copies a single-sample texture (depth too) over another like it.
+
+    `Context.copy_framebuffer` copies colour only.
+    """
+    copy = function(ctx, "glCopyImageSubData", *[ctypes.c_int] * 15)
+
+    def copy_texture(source: moderngl.Texture, target: moderngl.Texture) -> None:
+        level_and_corner = (0, 0, 0, 0)
+        place = (_TEXTURE_2D, *level_and_corner)
+        copy(source.glo, *place, target.glo, *place, *source.size, 1)
+
+    return copy_texture
+
+
 def color_texture(
     ctx: moderngl.Context,
     size_px: tuple[int, int],

@@ -7,6 +7,7 @@ one row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, Literal, cast
 
 import moderngl
@@ -16,23 +17,19 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.render import culling, lighting, shaders
 from vrcomfort.render.draw_list import COMMAND, Batch, DrawList, batches, front_to_back
-from vrcomfort.render.node_poses import NodePoses
-from vrcomfort.render.scene_data import Primitive, Scene
+from vrcomfort.render.node_poses import NodePoses, relative_rows
+from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
+from vrcomfort.render.vertex_data import (
+    VERTEX_FORMAT,
+    VERTEX_NAMES,
+    index_bytes,
+    vertex_bytes,
+)
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
 
-_VERTEX = np.dtype(
-    [
-        ("position", np.float32, 3),
-        ("normal", np.float16, 4),
-        ("uv", np.float32, 2),
-        ("color", np.float16, 4),
-    ]
-)
-_VERTEX_FORMAT = "3f4 4f2 2f4 4f2"
-_VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
 _ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
 _PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
 
@@ -57,8 +54,8 @@ class GpuScene:
         self._poses = NodePoses(scene)
         self._velocity = "VELOCITY" in (defines or {})
         rows = max(len(self._list.node), 1)
-        self._vertices = ctx.buffer(_vertices(scene.primitives))
-        self._indices = ctx.buffer(_indices(scene.primitives))
+        self._vertices = ctx.buffer(vertex_bytes(scene.primitives))
+        self._indices = ctx.buffer(index_bytes(scene.primitives))
         self._rows = ctx.buffer(reserve=rows * 64, dynamic=True)
         self._previous_rows = (
             ctx.buffer(reserve=rows * 48, dynamic=True) if self._velocity else None
@@ -74,7 +71,7 @@ class GpuScene:
 
     def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
         content: list[tuple[Any, ...]] = [
-            (self._vertices, _VERTEX_FORMAT, *_VERTEX_NAMES),
+            (self._vertices, VERTEX_FORMAT, *VERTEX_NAMES),
             (self._rows, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
         ]
         if self._previous_rows is not None:
@@ -201,12 +198,42 @@ class GpuScene:
             return 0
         order = rows[np.argsort(self._list.key[rows], kind="stable")]
         self._upload(order, origin_m, previous=False)
-        for program in self._depth_programs:
-            uniform = cast(moderngl.Uniform, program["clip_from_relative"])
-            uniform.write(np.ascontiguousarray(clip_from_relative.T, dtype=np.float32))
+        self._look_through(clip_from_relative)
         for batch in batches(self._list.key, order):
             self._draw_depth_batch(self._surfaces[batch.key], batch, cull=not shadow)
         return self._triangles(order)
+
+    def draw_depth_views(
+        self, clips_from_relative: Array, origin_m: Array, begin_view: Callable[[int], None]
+    ) -> int:
+        """Draw depth as `draw_depth` does, for several views from one point, with one upload.
+
+        Parameters
+        ----------
+        clips_from_relative
+            (views, 4, 4) projections.
+        begin_view
+            Called with the number of each view before it is drawn, to set its viewport.
+        """
+        seen = culling.visible_in_views(clips_from_relative, self._centers - origin_m, self._halves)
+        view, row = np.nonzero(seen & self._in_use & ~self._blended_row)
+        key = self._list.key[row] + view * len(self._surfaces)
+        order = np.argsort(key, kind="stable")
+        self._upload(row[order], origin_m, previous=False)
+        begun = -1
+        for batch in batches(key, order):
+            number, surface = divmod(batch.key, len(self._surfaces))
+            if number != begun:
+                begun = number
+                begin_view(number)
+                self._look_through(clips_from_relative[number])
+            self._draw_depth_batch(self._surfaces[surface], batch, cull=True)
+        return self._triangles(row)
+
+    def _look_through(self, clip_from_relative: Array) -> None:
+        matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
+        for program in self._depth_programs:
+            cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
     def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
         if movement == "all":
@@ -225,17 +252,17 @@ class GpuScene:
             return
         nodes = self._list.node[order]
         rows = np.empty((len(order), 4, 4), dtype=np.float32)
-        rows[:, :3] = _relative(self._world, nodes, origin_m)
+        rows[:, :3] = relative_rows(self._world, nodes, origin_m)
         rows[:, 3] = self._thing[order]
-        self._rows.orphan()
+        self._rows.orphan(rows.nbytes)
         self._rows.write(rows)
         if previous and self._previous_rows is not None:
-            self._previous_rows.orphan()
-            before = _relative(self._previous_world, nodes, origin_m)
-            self._previous_rows.write(before.astype(np.float32))
+            before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
+            self._previous_rows.orphan(before.nbytes)
+            self._previous_rows.write(before)
         commands = self._list.commands[order]
         commands["base_instance"] = np.arange(len(order))
-        self._commands.orphan()
+        self._commands.orphan(commands.nbytes)
         self._commands.write(commands)
 
     def _draw_batch(self, surface: Surface, batch: Batch) -> None:
@@ -270,29 +297,3 @@ class GpuScene:
 
 
 _ALPHA_TO_COVERAGE = 0x809E
-
-
-def _relative(world: Array, nodes: Rows, origin_m: Array) -> Array:
-    """Return (n, 3, 4) relative-from-node rows, subtracted in float64."""
-    rows = world[nodes, :3]
-    rows[:, :, 3] -= origin_m
-    return np.asarray(rows)
-
-
-def _vertices(primitives: tuple[Primitive, ...]) -> bytes:
-    return b"".join(_packed(primitive).tobytes() for primitive in primitives) or bytes(64)
-
-
-def _packed(primitive: Primitive) -> NDArray[np.void]:
-    vertices = np.zeros(len(primitive.positions), _VERTEX)
-    vertices["position"] = primitive.positions
-    vertices["normal"][:, :3] = primitive.normals
-    vertices["uv"] = primitive.uvs
-    vertices["color"] = 1 if primitive.colors is None else primitive.colors
-    return vertices
-
-
-def _indices(primitives: tuple[Primitive, ...]) -> bytes:
-    return b"".join(np.asarray(p.indices, dtype=np.uint32).tobytes() for p in primitives) or bytes(
-        12
-    )

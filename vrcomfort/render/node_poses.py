@@ -44,6 +44,13 @@ class NodePoses:
         return world
 
 
+def relative_rows(world_from_node: Array, nodes: NDArray[np.intp], origin_m: Array) -> Array:
+    """Return (n, 3, 4) relative-from-node rows, subtracted in float64."""
+    rows = world_from_node[nodes, :3]
+    rows[:, :, 3] -= origin_m
+    return np.asarray(rows)
+
+
 def _locked(scene: Scene) -> NDArray[np.bool_]:
     """Return (n,) True for nodes that are head-locked, or below one that is."""
     locked = np.zeros(len(scene.nodes), dtype=bool)

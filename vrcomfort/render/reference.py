@@ -35,7 +35,7 @@ class Reference:
     """Accumulates lens and shutter samples of one eye by brute force.
 
     The lens has the circle of confusion of the condition's depth of field; with law ``dioptre``
-    each sample is the exact shear of a thin lens, with ``linear`` (and where r_max is reached) it
+    each sample is the exact shear of a thin lens without r_max; with ``linear`` it
     is exact at vertices only. The shutter is centred on the frame and poses are extrapolated at
     constant velocity, less the motion that the previous pose has cancelled.
 
@@ -125,7 +125,7 @@ class Reference:
             return "no lens"
         if effect.law == "linear":
             return "law linear: the lens is exact at vertices only"
-        return "law dioptre: the lens is exact, except where vertices reach the largest radius"
+        return "law dioptre: the lens is exact; r_max does not limit it"
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:

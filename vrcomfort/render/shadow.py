@@ -49,6 +49,7 @@ class ShadowMap:
         self._light_from_world = light_rotation(gpu.scene.environment.sun_direction)
         self._static = _Map(ctx, size_px)
         self._live = _Map(ctx, size_px) if gpu.moves else self._static
+        self._copy = gl.copier(ctx)
         self._center: Array | None = None
         texel_m = 2 * radius_m / size_px
         self.bias = np.array(
@@ -66,7 +67,7 @@ class ShadowMap:
             self._place(center)
             self._draw(self._static, clear=True)
         if self._live is not self._static:
-            self._ctx.copy_framebuffer(self._live.target, self._static.target)
+            self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
         self._live.depth.use(TEXTURE_UNIT)
 

@@ -55,7 +55,7 @@ class MaterialBuffer:
             _material_block(material, layout).tobytes().ljust(self._stride, b"\0")
             for material in materials
         )
-        self._buffer = ctx.buffer(data)
+        self._buffer = ctx.buffer(data or bytes(self._stride))
 
     def bind(self, material: int) -> None:
         """Make a material the one that shaders see."""

@@ -83,7 +83,7 @@ def paired_figure(
 
 def _boxes(axes: Axes, scores: np.ndarray[Any, Any], names: tuple[str, ...]) -> None:
     axes.boxplot(
-        scores, positions=[0.72, 2.28], widths=0.2, showfliers=False, patch_artist=True,
+        scores, positions=[0.72, 2.28], widths=0.2, whis=(0, 100), patch_artist=True,
         boxprops={"facecolor": "#eeeeee", "edgecolor": "#777777"},
         medianprops={"color": INK, "lw": 1.8}, whiskerprops={"color": "#777777"},
         capprops={"color": "#777777"},
@@ -162,7 +162,8 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
             axes.plot([min(values), max(values)], [row, row], color="#cccccc", lw=2, zorder=1)
         for place, condition in enumerate(conditions):
             if condition["name"] in names:
-                axes.plot([i[condition["name"]] for i in ranked], range(len(ranked)),
+                rows = np.arange(len(ranked)) + 0.22 * ((len(names) - 1) / 2 - place)
+                axes.plot([i[condition["name"]] for i in ranked], rows,
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=condition["label"], zorder=3)  # fmt: skip
         wording = {item.name: item.text for item in SSQ.items}

@@ -60,7 +60,8 @@ def mixed_model(
     Raises
     ------
     InputError
-        If too few values are left for a residual, or the factors cannot be told apart.
+        If too few values or no variance are left for a residual, or the factors cannot be told
+        apart.
     """
     rows = table.dropna(subset=[value, participant, *factors])
     columns = _columns(rows, factors, references or {})
@@ -120,5 +121,8 @@ def _fit(
 ) -> tuple[Any, tuple[str, ...]]:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        fit = MixedLM(values, design, groups=people).fit(reml=True)
+        try:
+            fit = MixedLM(values, design, groups=people).fit(reml=True)
+        except np.linalg.LinAlgError as error:
+            raise InputError("the scores leave no variance to model") from error
     return fit, tuple(dict.fromkeys(str(w.message) for w in caught))

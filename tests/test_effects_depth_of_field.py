@@ -1,0 +1,137 @@
+"""Depth of field on images whose blur can be worked out by hand."""
+
+import numpy as np
+import pytest
+from effects_parts import depth_of_field
+
+from vrcomfort.geometry import Fov, Pose, axis_angle
+
+WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
+"""At 128 px: 6.4 px of radius per dioptre and at most."""
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(1)
+
+
+def columns(width=128, height=96):
+    return np.arange(width)[None, :].repeat(height, axis=0)
+
+
+def ulps(a, b):
+    return np.abs(a.view("i2").astype(int) - b.view("i2").astype(int)).max()
+
+
+@pytest.mark.parametrize("rings", [1, 3, 5])
+def test_a_constant_image_stays_constant(ctx, rng, rings):
+    rgb = np.tile(np.array([0.3, 1.7, 900.0], "f2"), (96, 128, 1))
+    distance = np.exp(rng.uniform(-1, 4, (96, 128)))
+    distance[:40] = np.linspace(0.3, 9, 128)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, rings=rings, **WIDE)
+    assert ulps(blurred, rgb) <= 1
+
+
+def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng):
+    rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
+    blurred = depth_of_field(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 1.0, max_radius_percent=0)
+    np.testing.assert_array_equal(blurred.view("i2"), rgb.view("i2"))
+
+
+def test_small_blur_is_an_exact_copy_unless_something_wider_reaches_it(ctx, rng):
+    rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
+    # Radii: 6.4 px in front of columns 0 to 31, at most 0.48 px elsewhere.
+    distance = np.where(columns() < 32, 0.5, rng.uniform(0.93, 1.08, (96, 128)))
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, **WIDE)
+    untouched = columns() >= 32 + 9
+    np.testing.assert_array_equal(blurred[untouched], rgb[untouched])
+    touched = columns() == 33
+    assert np.mean(np.abs(blurred[touched].astype(float) - rgb[touched])) > 0.05
+
+
+def test_a_sharp_foreground_does_not_leak(ctx):
+    bar = np.abs(columns() - 64) < 10
+    rgb = np.where(bar[..., None], [10.0, 0, 0], [0, 0, 1.0])
+    distance = np.where(bar, 1.0, np.inf)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, **WIDE).astype(float)
+    assert blurred[~bar][:, 0].max() <= 10.0 / 255 / 10
+    np.testing.assert_array_equal(blurred[bar], rgb[bar])
+
+
+@pytest.mark.parametrize("near_is_left", [True, False])
+def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(ctx, near_is_left):
+    near = (columns() < 64) == near_is_left
+    rgb = np.where(near[..., None], [1.0, 0, 0], [0, 0, 1.0])
+    blurred = depth_of_field(ctx, rgb, np.where(near, 0.5, 1.0), 1.0, **WIDE).astype(float)
+    offset = (np.arange(128) - 63.5) * (1 if near_is_left else -1) / 6.4
+    x = np.clip(offset, -1, 1)
+    covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
+    profile = blurred[48]
+    assert np.sqrt(np.mean((profile[:, 0] - covered)[50:78] ** 2)) <= 0.03
+    np.testing.assert_allclose(profile.sum(axis=-1), 1, atol=2e-3)
+    assert np.all(profile[:, 0][offset > 1.3] == 0)
+
+
+@pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])
+@pytest.mark.parametrize("aspect", [1.0, 1.25])
+def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect):
+    """Round in angle: taller in pixels where pixels are narrower than high."""
+    rgb = np.zeros((96, 128, 3))
+    rgb[45:51, 61:67] = 1.0
+    distance = 1 / (1 - radius_px / 6.4) if radius_px < 6.4 else np.inf
+    tangent = np.tan(0.8)
+    horizontal = float(np.arctan(tangent * 128 / 96 * aspect))
+    fov = Fov(-horizontal, horizontal, 0.8, -0.8)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, fov=fov, rings=5, **WIDE)[..., 0].astype(
+        float
+    )
+    assert blurred.sum() == pytest.approx(36, rel=0.01)
+    y, x = np.mgrid[-47.5:48, -63.5:64]
+    # Second moments: those of the disc, plus those of the 6 x 6 square.
+    for axis, scale in ((x, 1.0), (y, aspect)):
+        moment = np.sum(blurred * axis**2) / blurred.sum() - 35 / 12
+        assert moment == pytest.approx((radius_px * scale) ** 2 / 4, rel=0.12, abs=0.21)
+    assert abs(np.sum(blurred * x * y)) / blurred.sum() < 0.1
+
+
+def test_depth_runs_along_the_heads_axis_in_canted_eyes(ctx, rng):
+    """A plane across the head's axis at the focus distance is sharp in an eye turned outwards."""
+    rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
+    cant = axis_angle([0.0, 1.0, 0.0], 0.3)
+    fov = Fov(-0.8, 0.8, 0.65, -0.65)
+    tangent = np.linspace(-1, 1, 257)[1::2] * np.tan(0.8)
+    eye = Pose(np.array([-0.03, 0.0, -0.05]), cant)
+    slope = np.cos(0.3) + np.sin(0.3) * tangent
+    distance = (2.0 - 0.05) / slope
+    settings = WIDE | {"full_blur_dioptre": 0.05}
+    blurred = depth_of_field(ctx, rgb, distance, 2.0, fov=fov, eye=eye, **settings)
+    np.testing.assert_array_equal(blurred, rgb)
+    assert np.any(depth_of_field(ctx, rgb, distance, 2.0, fov=fov, **settings) != rgb)
+
+
+SIZES = [(1, 1), (7, 5), (33, 17), (131, 67)]
+
+
+@pytest.mark.parametrize("size_px", SIZES)
+@pytest.mark.parametrize("law", ["linear", "dioptre"])
+def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law):
+    width, height = size_px
+    settings = {"law": law, "max_radius_percent": 5.0, "full_blur_m": 0.1, "full_blur_dioptre": 0.1}
+    rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
+    rgb[rng.random((height, width)) < 0.2] = 65504
+    rgb[rng.random((height, width)) < 0.2] = 0
+    for near_m in (0.001, 0.02, 1.0):
+        far = np.exp(rng.uniform(np.log(near_m), np.log(3e4), (height, width)))
+        for distance in (np.inf, near_m, np.where(far > 10, np.inf, far), far):
+            for focus_m in (0.05, 1.0, 3e4, np.inf, np.nan):
+                out = depth_of_field(ctx, rgb, distance, focus_m, near_m=near_m, **settings)
+                assert np.isfinite(out).all()
+                assert out.max() <= 65504
+                assert out.min() >= 0
+
+
+def test_the_same_input_gives_the_same_bytes(ctx, rng):
+    rgb = rng.uniform(0, 1, (50, 70, 3))
+    distance = rng.uniform(0.4, 5, (50, 70))
+    first, second = (depth_of_field(ctx, rgb, distance, 1.0, **WIDE) for _ in range(2))
+    assert first.tobytes() == second.tobytes()

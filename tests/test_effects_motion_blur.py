@@ -1,0 +1,123 @@
+"""Motion blur on images whose streaks can be worked out by hand."""
+
+import numpy as np
+import pytest
+from effects_parts import motion_blur, motion_blur_pass
+
+WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 10.0}
+"""At 128 px: half streaks of at most 12.8 px."""
+
+
+@pytest.fixture
+def rng():
+    return np.random.default_rng(2)
+
+
+def columns(width=128, height=96):
+    return np.arange(width)[None, :].repeat(height, axis=0)
+
+
+def test_what_does_not_move_is_copied_exactly(ctx, rng):
+    rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
+    blurred = motion_blur(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 0.0, **WHOLE)
+    np.testing.assert_array_equal(blurred.view("i2"), rgb.view("i2"))
+
+
+def test_a_closed_shutter_copies_exactly(ctx, rng):
+    rgb = rng.uniform(0, 9, (37, 61, 3)).astype("f2")
+    blurred = motion_blur(ctx, rgb, 1.0, 30.0, shutter_fraction=0.0)
+    np.testing.assert_array_equal(blurred, rgb)
+
+
+def test_a_constant_image_stays_constant(ctx, rng):
+    rgb = np.tile(np.array([0.3, 1.7, 900.0], "f2"), (96, 128, 1))
+    velocity = rng.normal(0, 10, (96, 128, 2))
+    blurred = motion_blur(ctx, rgb, rng.uniform(0.3, 9, (96, 128)), velocity, **WHOLE)
+    assert np.abs(blurred.view("i2").astype(int) - rgb.view("i2")).max() <= 1
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("speed_px", [4.0, 12.0, 20.0])
+def test_an_edge_becomes_a_ramp_as_long_as_the_streak(ctx, axis, speed_px):
+    position = columns() if axis == 0 else columns(96, 128).T
+    middle = position.shape[1 - axis] // 2
+    rgb = np.where(position < middle, 1.0, 0.0)[..., None].repeat(3, axis=-1)
+    velocity = speed_px * np.eye(2)[axis]
+    blurred = motion_blur(ctx, rgb, 2.0, velocity, **WHOLE)[..., 0].astype(float)
+    profile = blurred[48] if axis == 0 else blurred[:, 64]
+    offset = np.arange(len(profile)) - (middle - 0.5)
+    expected = np.clip(0.5 - offset / speed_px, 0, 1)
+    np.testing.assert_allclose(profile, expected, atol=0.08)
+    assert np.sqrt(np.mean((profile - expected)[middle - 20 : middle + 20] ** 2)) < 0.03
+
+
+@pytest.mark.parametrize("shutter_fraction", [0.25, 0.5])
+def test_the_shutter_sets_the_length(ctx, shutter_fraction):
+    rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
+    settings = WHOLE | {"shutter_fraction": shutter_fraction}
+    line = motion_blur(ctx, rgb, 2.0, [32.0, 0.0], samples=32, **settings)[48, :, 0].astype(float)
+    x = np.arange(128) - 64
+    assert line.sum() == pytest.approx(1, rel=0.02)
+    assert np.sum(line * x) == pytest.approx(0, abs=0.05)  # centred on the frame's own pose
+    width = np.sqrt(12 * np.sum(line * x**2))
+    assert width == pytest.approx(32 * shutter_fraction, rel=0.1)
+
+
+def test_a_still_foreground_stays_sharp_and_does_not_bleed(ctx):
+    """Such as a thing that is locked to the head, before a world that rushes by."""
+    bar = np.abs(columns() - 64) < 10
+    rgb = np.where(bar[..., None], [1.0, 0, 0], [0, 0, 1.0])
+    velocity = np.where(bar[..., None], 0.0, [20.0, 0.0])
+    blurred = motion_blur(ctx, rgb, np.where(bar, 0.5, 5.0), velocity, **WHOLE).astype(float)
+    np.testing.assert_array_equal(blurred[bar], rgb[bar])
+    assert blurred[~bar][:, 0].max() <= 1 / 255
+
+
+def test_a_moving_foreground_sweeps_over_a_still_background(ctx):
+    bar = np.abs(columns() - 63.5) < 16
+    rgb = np.where(bar[..., None], [1.0, 0, 0], [0, 0, 1.0])
+    velocity = np.where(bar[..., None], [16.0, 0.0], 0.0)
+    blurred = motion_blur(ctx, rgb, np.where(bar, 0.5, 5.0), velocity, **WHOLE).astype(float)
+    offset = np.abs(np.arange(128) - 63.5) - 16  # from the edge, outwards
+    expected = np.clip(0.5 - offset / 16, 0, 1)
+    np.testing.assert_allclose(blurred[48, :, 0], expected, atol=0.08)
+    np.testing.assert_allclose(blurred[48].sum(axis=-1), 1, atol=2e-3)
+
+
+def test_the_limit_shortens_and_says_so(ctx, rng):
+    rgb = rng.uniform(0, 1, (96, 128, 3))
+    effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], **WHOLE)
+    assert effect.limit_px == pytest.approx(12.8)
+    assert effect.longest_half_streak_px() == pytest.approx(50, rel=1e-3)
+    gentle = motion_blur_pass(ctx, rgb, 2.0, [3.0, 4.0], **WHOLE)
+    assert gentle.longest_half_streak_px() == pytest.approx(2.5, rel=1e-3)
+
+
+def test_the_longest_streak_is_remembered_over_frames(ctx, rng):
+    effect = motion_blur_pass(ctx, rng.uniform(0, 1, (20, 30, 3)), 2.0, [8.0, 0.0], **WHOLE)
+    velocity = effect._passes[0]._inputs[0][1]
+    velocity.write(np.zeros((20, 30, 2), "f2").tobytes())
+    effect.render()
+    assert effect.longest_half_streak_px() == pytest.approx(4, rel=1e-3)
+
+
+@pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17), (131, 67)])
+def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px):
+    width, height = size_px
+    rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
+    rgb[rng.random((height, width)) < 0.3] = 65504
+    far = np.exp(rng.uniform(np.log(0.02), np.log(3e4), (height, width)))
+    for distance in (np.inf, 0.02, np.where(far > 10, np.inf, far)):
+        for speed in (1e-6, 1.0, 1e2, 1e5, np.inf, np.nan):
+            velocity = speed * rng.normal(0, 1, (height, width, 2))
+            out = motion_blur(ctx, rgb, distance, velocity, max_radius_percent=20.0)
+            assert np.isfinite(out).all()
+            assert out.max() <= 65504
+            assert out.min() >= 0
+
+
+def test_the_same_input_gives_the_same_bytes(ctx, rng):
+    rgb, distance = rng.uniform(0, 1, (50, 70, 3)), rng.uniform(0.4, 5, (50, 70))
+    velocity = rng.normal(0, 6, (50, 70, 2))
+    first, second = (motion_blur(ctx, rgb, distance, velocity, **WHOLE) for _ in range(2))
+    assert first.tobytes() == second.tobytes()

@@ -1,0 +1,42 @@
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vrcomfort.geometry import Fov, Pose, normalize
+from vrcomfort.render import culling
+from vrcomfort.render.camera import EyeCamera
+
+coordinate = st.floats(-50, 50)
+vector = st.tuples(coordinate, coordinate, coordinate)
+part = st.floats(-1, 1)
+
+
+@settings(max_examples=200, deadline=None)
+@given(
+    quaternion=st.tuples(part, part, part, part).filter(lambda q: np.linalg.norm(q) > 0.1),
+    center=vector,
+    half=st.tuples(*[st.floats(0, 5)] * 3),
+    inside=st.tuples(part, part, part),
+)
+def test_a_box_with_a_point_in_view_is_never_dropped(quaternion, center, half, inside):
+    camera = EyeCamera(Pose((0, 0, 0), normalize(quaternion)), Fov(-0.9, 0.6, 0.5, -0.7))
+    matrix = camera.clip_from_relative()
+    x, y, z, w = matrix @ np.append(np.array(center) + np.array(half) * inside, 1.0)
+    in_view = w > 0 and max(abs(x), abs(y)) <= w and z <= w
+    kept = culling.visible(culling.planes(matrix), np.array([center]), np.array([half]))[0]
+    assert kept or not in_view
+
+
+def test_boxes_behind_and_beside_are_dropped():
+    planes = culling.planes(EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5)).clip_from_relative())
+    centers = np.array([[0, 0, -5.0], [0, 0, 5.0], [9, 0, -5.0], [0, 0, -1e6]])
+    kept = culling.visible(planes, centers, np.full((4, 3), 0.5))
+    assert kept.tolist() == [True, False, False, True]
+
+
+@given(center=vector, half=st.tuples(*[st.floats(0, 5)] * 3), inside=st.tuples(part, part, part))
+def test_a_transformed_box_holds_the_transformed_points(center, half, inside):
+    matrix = np.random.default_rng(3).normal(size=(1, 4, 4))
+    moved, reach = culling.transformed_boxes(matrix, np.array([center]), np.array([half]))
+    point = matrix[0, :3, :3] @ (np.array(center) + np.array(half) * inside) + matrix[0, :3, 3]
+    assert np.all(np.abs(point - moved[0]) <= reach[0] + 1e-9)

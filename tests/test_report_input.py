@@ -1,0 +1,152 @@
+"""What a report does with data and plans that are not as they should be."""
+
+import json
+
+import pytest
+from report_parts import Study, foreign
+
+from vrcomfort.errors import InputError
+from vrcomfort.report import build_report
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.plan import load_plan
+from vrcomfort.resources import data_folder
+
+SCORES = {f"P{i}": {"a": 3 + i, "b": 2 + i // 2} for i in range(5)}
+
+
+def test_minimal_foreign_file_is_raw_and_says_so(tmp_path):
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", SCORES), out=tmp_path / "o")
+    results = json.loads(summary.results.read_text("utf-8"))
+    assert results["score_basis"] == "raw_post"
+    assert "no baseline questionnaire" in summary.index.read_text("utf-8")
+    assert (summary.participants, summary.analysed, summary.warnings) == (5, 5, ())
+    assert not results["withdrawals"]["recorded"]
+
+
+def test_files_are_found_at_any_depth(tmp_path):
+    foreign(tmp_path / "s/x/y/questionnaires.csv", {"P1": SCORES["P1"]})
+    foreign(tmp_path / "s/questionnaires.csv", {"P2": SCORES["P2"]})
+    assert build_report(tmp_path / "s", out=tmp_path / "o").participants == 2
+
+
+def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_path):
+    file = foreign(tmp_path / "s/questionnaires.csv", SCORES)
+    text = file.read_text("utf-8")
+    file.write_text(text[:-3])
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    assert summary.analysed == 4
+    half, incomplete = summary.warnings
+    assert half.startswith("questionnaires.csv, line 161: the last row is half-written")
+    assert "P4" in incomplete
+    assert "no answer to burping" in incomplete
+    assert "half-written" in summary.index.read_text("utf-8").lower()
+
+
+def test_blank_answer_excludes_the_questionnaire_with_its_reason(tmp_path):
+    study = Study(tmp_path / "s")
+    for name in ("P1", "P2", "P3"):
+        folder = study.session(name, 1, 0, [("a", "x", 4), ("b", "x", 2)])
+    file = folder / "questionnaires.csv"
+    lines = file.read_text().splitlines(keepends=True)
+    lines[20] = lines[20].replace(",difficulty_focusing,0,", ",difficulty_focusing,,").replace(
+        ",headache,0,", ",headache,,"
+    ).replace(",eyestrain,0,", ",eyestrain,,")  # fmt: skip
+    file.write_text("".join(lines))
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    assert summary.analysed == 2
+    assert summary.warnings[0].startswith("sub-P3/ses-1/questionnaires.csv, line 18: P3")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "column"),
+    [
+        ("P0,a,general_discomfort,3", "P0,a,general_discomfort,4", 2, "response"),
+        ("P0,a,fatigue,0", "P0,a,fatigue,None", 3, "response"),
+        ("P0,a,fatigue,0", "P0,a,tiredness,0", 3, "item"),
+        ("P0,a,headache,0", "P0,a,fatigue,0", 4, "item"),
+        ("P0,a,headache,0", ",a,headache,0", 4, "participant"),
+    ],
+)
+def test_wrong_answers_are_errors_with_their_place(tmp_path, old, new, line, column):
+    file = foreign(tmp_path / "questionnaires.csv", SCORES)
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+    with pytest.raises(InputError) as caught:
+        build_report(file, out=tmp_path / "o")
+    assert (caught.value.file, caught.value.line, caught.value.column) == (file, line, column)
+    assert not (tmp_path / "o").exists()
+
+
+def test_missing_column_is_named(tmp_path):
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("participant,item,response\nP1,nausea,1\n")
+    with pytest.raises(InputError, match="column condition is missing"):
+        build_report(file, out=tmp_path / "o")
+
+
+@pytest.mark.parametrize("source", ["nothing", "empty"])
+def test_no_data_is_an_error(tmp_path, source):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError):
+        build_report(tmp_path / source, out=tmp_path / "o")
+
+
+def test_nothing_but_incomplete_questionnaires_still_gives_a_report(tmp_path):
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("participant,condition,item,response\nP1,a,nausea,1\nP1,b,nausea,2\n")
+    summary = build_report(file, out=tmp_path / "o")
+    assert (summary.analysed, len(summary.warnings)) == (0, 2)
+
+
+def write_plan(path, text):
+    path.write_text('name = "mine"\ntitle = "Mine"\n' + text, encoding="utf-8")
+    return path
+
+
+def test_own_plan_changes_the_tests(tmp_path):
+    plan = write_plan(
+        tmp_path / "p.toml",
+        'outcomes = ["T"]\nfamily = ["T"]\nzeros = "wilcox"\nalternative = "less"\n'
+        'contrasts = [{ a = "b", b = "a" }]\n',
+    )
+    source = foreign(tmp_path / "questionnaires.csv", SCORES)
+    (line,) = build_report(source, plan=plan, out=tmp_path / "o").headlines
+    assert line.startswith("Total severity, b minus a")
+    test = json.loads((tmp_path / "o/results.json").read_text("utf-8"))["tests"][0]
+    assert (test["zero_method"], test["alternative"], test["a"]) == ("wilcox", "less", "b")
+    assert test["p_holm"] == test["p"]
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "line"),
+    [
+        ("zero = 1\n", "unknown key `zero`", 3),
+        ('zeros = "drop"\n', "zeros", 3),
+        ('[[anova]]\nname = "x"\n', "missing key `anova.0.column`", 3),
+        ("zeros = \n", "not valid TOML", None),
+    ],
+)
+def test_faults_of_a_plan_have_their_place(tmp_path, text, words, line):
+    plan = write_plan(tmp_path / "p.toml", text)
+    with pytest.raises(InputError, match=words) as caught:
+        load_plan(plan)
+    assert (caught.value.file, caught.value.line) == (plan, line)
+
+
+def test_plan_for_other_conditions_is_an_error(tmp_path):
+    plan = write_plan(tmp_path / "p.toml", 'contrasts = [{ a = "x", b = "a" }]\n')
+    source = foreign(tmp_path / "questionnaires.csv", SCORES)
+    with pytest.raises(InputError, match="condition `x`; the data have a, b"):
+        build_report(source, plan=plan, out=tmp_path / "o")
+
+
+@pytest.mark.parametrize(
+    "plan", sorted(data_folder("analysis").glob("*.toml")), ids=lambda p: p.stem
+)
+def test_shipped_plans_are_valid_and_named_after_their_file(plan):
+    assert load_plan(plan).name == plan.stem
+
+
+def test_names_sort_as_people_sort_them():
+    assert sorted(["P10", "P2", "p1", "P2b"], key=natural) == ["P2", "P2b", "P10", "p1"]

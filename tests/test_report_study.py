@@ -1,0 +1,230 @@
+"""Reports of whole study folders."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from report_parts import ITEMS, Study, answers, carnegie_like, foreign
+
+from vrcomfort.questionnaire import score
+from vrcomfort.report import build_report
+from vrcomfort.stats.signed_rank import signed_rank
+
+
+def report(source: Path, out: Path, plan: Path | None = None) -> dict:
+    return json.loads(build_report(source, plan=plan, out=out).results.read_text("utf-8"))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+def total_raw(total: int) -> int:
+    found = score(answers(total))
+    assert found is not None
+    return found.total_raw
+
+
+@pytest.fixture(scope="module")
+def carnegie(tmp_path_factory) -> tuple[dict, Path]:
+    folder = tmp_path_factory.mktemp("carnegie")
+    carnegie_like(folder / "study")
+    return report(folder / "study", folder / "out"), folder
+
+
+def test_the_plan_of_the_protocol_is_taken(carnegie):
+    results, _ = carnegie
+    assert results["plan"]["name"] == "carnegie_2015"
+    assert results["score_basis"] == "difference_from_baseline"
+    assert [(t["a"], t["b"], t["outcome"]) for t in results["tests"]] == [
+        ("dof_off", "dof_on", outcome) for outcome in "TNOD"
+    ]
+
+
+def test_primary_analysis_has_those_with_every_exposure(carnegie):
+    results, _ = carnegie
+    assert results["participants"]["analysed"] == ["P01", "P02", "P03", "P04", "P06", "P07"]
+    left_out = {row["participant"]: row["reason"] for row in results["participants"]["left_out"]}
+    assert left_out["P05"].startswith("withdrew in dof_off, session 1, exposure 1")
+    assert "too sick" in left_out["P05"]
+    assert left_out["P08"].startswith("stop rule in dof_on, session 2")
+    assert results["participants"]["exposures_per_condition"] == {"dof_off": 2, "dof_on": 2}
+
+
+def test_differences_are_taken_on_integers_and_tests_match_the_statistics(carnegie):
+    results, _ = carnegie
+    expected = []
+    for i in (0, 1, 2, 3, 5, 6):
+        base, off, on = i % 3, 4 + i % 4, 1 + i % 3
+        sums = [
+            total_raw(base + off) + total_raw(base + off + (i % 2)),
+            total_raw(base + on) + total_raw(base + on + (1 - i % 2)),
+        ]
+        expected.append(sums[0] - sums[1])
+    test = signed_rank(expected, 3.74 / 2)
+    found = results["tests"][0]
+    assert found["p"] == pytest.approx(test.p, rel=1e-9)
+    assert found["z"] == pytest.approx(test.z, rel=1e-9)
+    assert found["shift"]["estimate"] == pytest.approx(test.shift.estimate)
+    assert found["descriptives"]["difference"]["mean"] == pytest.approx(
+        sum(expected) / len(expected) * 3.74 / 2
+    )
+
+
+def test_holm_is_over_the_family(carnegie):
+    results, _ = carnegie
+    for test in results["tests"]:
+        assert test["p"] <= test["p_holm"] <= min(1, 4 * test["p"]) + 1e-12
+
+
+def test_withdrawals_are_counted_by_condition_order_and_position(carnegie):
+    found = carnegie[0]["withdrawals"]
+    assert [w["participant"] for w in found["list"]] == ["P05", "P08"]
+    assert [w["after_s"] for w in found["list"]] == [40.0, 40.0]
+    during = {row["level"]: row["during"] for row in found["by_condition"]}
+    assert during == {"dof_off": 1, "dof_on": 1}
+    first = found["by_first_condition"]
+    assert [(r["level"], r["participants"], r["withdrawals"]) for r in first["rows"]] == [
+        ("dof_off", 4, 1), ("dof_on", 4, 1),
+    ]  # fmt: skip
+    assert first["fisher_p"] == 1.0
+    positions = [row["level"] for row in found["by_position"]]
+    assert positions[0] == "session 1, exposure 1"
+
+
+def test_sensitivity_adds_who_was_lost(carnegie):
+    lines = [s for s in carnegie[0]["sensitivity"] if s["outcome"] == "T"]
+    assert [line["n"] for line in lines] == [7, 8, 8]
+    primary = carnegie[0]["tests"][0]["p"]
+    assert lines[2]["p"] > primary
+
+
+def test_anova_crosses_blur_and_scene(carnegie):
+    total = carnegie[0]["anova"][0]
+    assert total["factors"] == {"depth of field": ["off", "on"], "scene": ["mountain", "temple"]}
+    assert [e["effect"] for e in total["effects"]] == [
+        "depth of field", "scene", "depth of field × scene",
+    ]  # fmt: skip
+    assert total["n"] == 6
+
+
+def test_order_effects_are_reported(carnegie):
+    crossover = carnegie[0]["crossover"][0]
+    assert (crossover["n_ab"], crossover["n_ba"]) == (3, 3)
+    terms = carnegie[0]["mixed_models"][0]["terms"]
+    assert set(terms) == {
+        "condition: dof_off − dof_on", "scene: temple − mountain", "position: 2 − 1",
+        "session: 2 − 1",
+    }  # fmt: skip
+
+
+def test_page_is_self_contained_and_complete(carnegie):
+    page = (carnegie[1] / "out" / "index.html").read_text("utf-8")
+    assert not re.search(r'<(script|link|img|iframe)\b|url\(["\']?http|src=', page)
+    assert page.count("<figure>") == page.count('role="img"') == 4
+    assert "No blur minus Blur" in page
+    for words in ("Holm", "Pratt", "Greenhouse", "withdrew", "P05", "3.74"):
+        assert words in page
+    ids = re.findall(r'\bid="([^"]+)"', page)
+    assert len(ids) == len(set(ids))
+
+
+def test_same_input_gives_the_same_bytes(carnegie, tmp_path):
+    _, folder = carnegie
+    build_report(folder / "study", out=tmp_path / "again")
+    assert contents(tmp_path / "again") == contents(folder / "out")
+
+
+def test_reports_need_no_graphics():
+    code = "import sys, vrcomfort.report; print({'moderngl', 'OpenGL', 'xr'} & set(sys.modules))"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "set()"
+
+
+def test_withdrawal_at_a_question_is_of_the_exposure_before(tmp_path):
+    study = carnegie_like(tmp_path / "s")
+    study.session("P09", 1, 1, [("dof_off", "temple", None)])
+    study.person("P09", "off", "withdrawn", "session 1: stopped at the question nausea")
+    results = report(tmp_path / "s", tmp_path / "o")
+    last = results["withdrawals"]["list"][-1]
+    assert (last["participant"], last["condition"], last["how"]) == (
+        "P09", "dof_off", "after the exposure",
+    )  # fmt: skip
+    assert {r["level"]: r["after"] for r in results["withdrawals"]["by_condition"]}["dof_off"] == 1
+
+
+def test_session_without_baseline_is_left_out_with_the_reason(tmp_path):
+    study = Study(tmp_path / "s")
+    for i, name in enumerate(("P1", "P2", "P10")):
+        study.session(name, 1, None if name == "P2" else 1, [("a", "x", 3 + i), ("b", "x", 2)])
+    results = report(tmp_path / "s", tmp_path / "o")
+    assert results["participants"]["analysed"] == ["P1", "P10"]
+    reasons = [row["reason"] for row in results["quality"]["excluded_questionnaires"]]
+    assert reasons == ["no complete baseline to subtract"] * 2
+
+
+def test_baseline_of_each_condition(tmp_path):
+    rows = [
+        f"{p},{c},{t},{item},{answer}"
+        for p in "123"
+        for c, t, total in (
+            ("a", "baseline", 2),
+            ("a", "post", 6),
+            ("b", "baseline", 5),
+            ("b", "post", 6),
+        )
+        for item, answer in answers(total).items()
+    ]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("participant,condition,timepoint,item,response\n" + "\n".join(rows) + "\n")
+    results = report(file, tmp_path / "o")
+    means = {d["condition"]: d["mean"] for d in results["descriptives"] if d["outcome"] == "T"}
+    assert means["a"] == pytest.approx(3.74 * (total_raw(6) - total_raw(2)))
+    assert means["b"] == pytest.approx(3.74 * (total_raw(6) - total_raw(5)))
+
+
+def test_unequal_numbers_of_exposures_stay_exact(tmp_path):
+    study = Study(tmp_path / "s")
+    for i in range(4):
+        study.session(
+            f"P{i}", 1, 0, [("a", "x", 3), ("a", "y", 4), ("a", "z", 5), ("b", "x", 2 + i)]
+        )
+    found = report(tmp_path / "s", tmp_path / "o")["tests"][0]
+    mean = sum(total_raw(t) for t in (3, 4, 5)) / 3 * 3.74
+    assert found["descriptives"]["a"]["mean"] == pytest.approx(mean)
+    assert found["exposures_per_condition"] == {"a": 3, "b": 1}
+
+
+def test_three_conditions_add_friedman_and_every_pair(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i, "c": 5} for i in range(6)}
+    results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
+    assert [(t["a"], t["b"]) for t in results["tests"][::4]] == [("a", "b"), ("a", "c"), ("b", "c")]
+    assert results["friedman"][0]["n"] == 6
+    assert results["anova"][0]["effects"][0]["sphericity"] is not None
+
+
+@pytest.mark.parametrize("people", [1, 2])
+def test_too_few_people_are_said_and_not_tested(tmp_path, people):
+    scores = {f"P{i}": {"a": 3, "b": 2 + i} for i in range(people)}
+    results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
+    untested = results["tests"][0]["not_tested"]
+    assert (untested is None) == (people == 2)
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    assert ("too few for a test" in page) == (people == 1)
+
+
+def test_one_condition_is_described_and_not_compared(tmp_path):
+    scores = {f"P{i}": {"only": i} for i in range(4)}
+    results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
+    assert results["tests"] == []
+    assert results["descriptives"][0]["n"] == 4
+
+
+def test_identical_answers_are_no_evidence(tmp_path):
+    scores = {f"P{i}": {"a": 3, "b": 3} for i in range(5)}
+    results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
+    assert (results["tests"][0]["p"], results["tests"][0]["effect"]) == (1.0, None)
+    assert len(ITEMS) == 16

@@ -1,0 +1,40 @@
+"""Vertices and indices of a scene as the GPU reads them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.render.scene_data import Primitive
+
+_VERTEX = np.dtype(
+    [
+        ("position", np.float32, 3),
+        ("normal", np.float16, 4),
+        ("uv", np.float32, 2),
+        ("color", np.float16, 4),
+    ]
+)
+VERTEX_FORMAT = "3f4 4f2 2f4 4f2"
+VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
+
+
+def vertex_bytes(primitives: tuple[Primitive, ...]) -> bytes:
+    """Return the vertices of all primitives, one after the other."""
+    return b"".join(_packed(primitive).tobytes() for primitive in primitives) or bytes(64)
+
+
+def _packed(primitive: Primitive) -> NDArray[np.void]:
+    vertices = np.zeros(len(primitive.positions), _VERTEX)
+    vertices["position"] = primitive.positions
+    vertices["normal"][:, :3] = primitive.normals
+    vertices["uv"] = primitive.uvs
+    vertices["color"] = 1 if primitive.colors is None else primitive.colors
+    return vertices
+
+
+def index_bytes(primitives: tuple[Primitive, ...]) -> bytes:
+    """Return the indices of all primitives, each counting from its own first vertex."""
+    return b"".join(np.asarray(p.indices, dtype=np.uint32).tobytes() for p in primitives) or bytes(
+        12
+    )
