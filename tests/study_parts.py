@@ -89,7 +89,7 @@ class AheadHeadset:
                 raise KeyboardInterrupt
             yield frame(index)
 
-    def submit(self, frame: Frame, eyes: Any) -> None:
+    def submit(self, _frame: Frame, _eyes: Any) -> None:
         self.submitted += 1
 
 
@@ -121,7 +121,7 @@ class LateFocus:
         self._focus = condition.depth_of_field is not None
         self._late: list[Sample] = []
 
-    def render(self, frame: Frame, scene_time_s: float) -> Picture:
+    def render(self, frame: Frame, _scene_time_s: float) -> Picture:
         if self._focus:
             self._late.append(Sample(frame.index))
         arrived = tuple(self._late[:-3])
@@ -159,7 +159,7 @@ class Scripted:
     def end_exposure(self, elapsed_s: float) -> None:
         self.felt_s.append(elapsed_s)
 
-    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
+    def prompt(self, _instrument: Instrument, elapsed_s: float, _timeout_s: float) -> None:
         self.asked_s = elapsed_s
 
     def rating(self, elapsed_s: float) -> int | None:

@@ -35,7 +35,9 @@ def fingerprint(folder: Path) -> dict[str, str]:
 
 def _digest(path: Path) -> str:
     if path.suffix == ".csv":
-        kept = [{k: v for k, v in row.items() if k not in TIMINGS | TIME_STAMPS} for row in rows(path)]
+        kept = [
+            {k: v for k, v in row.items() if k not in TIMINGS | TIME_STAMPS} for row in rows(path)
+        ]
         return hashlib.sha256(repr(kept).encode()).hexdigest()
     if path.name == "manifest.json":
         content = json.loads(path.read_text(encoding="utf-8"))

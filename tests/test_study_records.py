@@ -192,6 +192,19 @@ def test_enrolment_keeps_sequences_and_fills_the_places_of_those_who_left(tmp_pa
         enrol(tmp_path / "S", design, "P01")
 
 
+def test_a_damaged_list_of_participants_is_told_and_not_rewritten(tmp_path):
+    protocol = tiny_protocol(tmp_path)
+    open_study(tmp_path / "S", protocol)
+    enrol(tmp_path / "S", build_design(protocol), "P01")
+    file = tmp_path / "S" / "participants.csv"
+    cut = file.read_bytes()[:-1]
+    file.write_bytes(cut)
+    with pytest.raises(InputError, match="half-written") as caught:
+        enrol(tmp_path / "S", build_design(protocol), "P02")
+    assert caught.value.line == 2
+    assert file.read_bytes() == cut
+
+
 def test_names_that_cannot_be_folders_and_studies_that_are_others(tmp_path):
     protocol = tiny_protocol(tmp_path)
     open_study(tmp_path / "S", protocol)

@@ -116,10 +116,11 @@ def test_withdrawal_does_not_depend_on_the_frame_rate():
 
 def _study(seed: int, people: int) -> tuple[dict[str, list[float]], int]:
     protocol = load_protocol("carnegie_2015")
+    settings = protocol.simulation.model_copy(update={"question_hazard": 0.0})
     deltas: dict[str, list[float]] = {"dof_on": [], "dof_off": []}
     withdrawals = 0
     for number, sequence in enumerate(build_design(protocol, seed=seed).plan(people)):
-        person = SimulatedRespondent(protocol.simulation, participant=f"P{number}", seed=seed)
+        person = SimulatedRespondent(settings, participant=f"P{number}", seed=seed)
         before = score(answers(person))
         for trial in sequence.sessions[0]:
             stayed_s = expose(person, trial.condition)
@@ -168,7 +169,7 @@ def terminal(read_line, waiting_line=lambda: None) -> tuple[TerminalRespondent, 
 def typed(*lines: str) -> tuple[list[tuple[str, int | None]], str]:
     person, shown = terminal(Typist(*lines))
     heard: list[tuple[str, int | None]] = []
-    person.ask(POST, lambda item, response, took_s: heard.append((item, response)))
+    person.ask(POST, lambda item, response, _: heard.append((item, response)))
     return heard, shown.getvalue()
 
 

@@ -37,8 +37,8 @@ def report(
 ) -> None:
     """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG.
 
-        vrcomfort report out/demo/study --out out/demo/report
-        vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report
+    - `vrcomfort report out/demo/study --out out/demo/report`
+    - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
     """
     from vrcomfort.report import build_report
 
@@ -60,7 +60,7 @@ def score(
 
     Items are found by their names, in any order; other columns are kept.
 
-        vrcomfort score ssq answers.csv > scores.csv
+    - `vrcomfort score ssq answers.csv > scores.csv`
     """
     if instrument != "ssq":
         raise InputError(f"there is no scorer for {instrument!r}; the one there is: ssq")

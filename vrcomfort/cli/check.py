@@ -36,8 +36,8 @@ def doctor(as_json: Json = False) -> None:
 
     The exit code is 1 if something that vrcomfort needs is missing.
 
-        vrcomfort doctor
-        vrcomfort doctor --json
+    - `vrcomfort doctor`
+    - `vrcomfort doctor --json`
     """
     findings = [check() for check in _CHECKS]
     if as_json:

@@ -40,8 +40,8 @@ def demo(
 
     The participants are simulated: the numbers show what a report looks like, and nothing else.
 
-        vrcomfort demo
-        vrcomfort demo --out somewhere --participants 20
+    - `vrcomfort demo`
+    - `vrcomfort demo --out somewhere --participants 20`
     """
     study, pictures = _fresh(out)
     say = console(quiet).print
@@ -71,7 +71,8 @@ def _fresh(out: Path) -> tuple[Path, Path]:
     parts = [out / name for name in ("study", "pictures", "report")]
     foreign = [path for path in out.glob("*") if path not in parts] if out.is_dir() else []
     if foreign:
-        raise InputError(f"holds {foreign[0].name}, which no demo made; choose another --out", file=out)
+        message = f"holds {foreign[0].name}, which no demo made; choose another --out"
+        raise InputError(message, file=out)
     output_folder(out)
     for part in parts:
         shutil.rmtree(part, ignore_errors=True)

@@ -9,7 +9,15 @@ import typer
 
 from vrcomfort.cli.playing import play_trace
 from vrcomfort.cli.still import PoseText, still
-from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_size, warn
+from vrcomfort.cli.terminal import (
+    Quiet,
+    RefreshRate,
+    Size,
+    console,
+    output_folder,
+    parse_size,
+    warn,
+)
 from vrcomfort.cli.wiring import DEFAULT_IPD_M, pick_condition
 from vrcomfort.errors import InputError
 
@@ -51,7 +59,8 @@ def render(
     previous_pose: Annotated[
         str | None,
         typer.Option(
-            metavar="X,Y,Z,YAW,PITCH,ROLL", help="Head one frame (1/90 s) earlier; without it, at rest."
+            metavar="X,Y,Z,YAW,PITCH,ROLL",
+            help="Head one frame (1/90 s) earlier; without it, at rest.",
         ),
     ] = None,
     protocol: ProtocolOption = None,
@@ -71,8 +80,8 @@ def render(
 
     Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json.
 
-        vrcomfort render --scene temple --out picture
-        vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture
+    - `vrcomfort render --scene temple --out picture`
+    - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`
     """
     study, shown = pick_condition(protocol, condition)
     poses = PoseText("--pose", pose), PoseText("--previous-pose", previous_pose)
@@ -98,17 +107,15 @@ def play(
     size: Size = "640x800",
     frames: Annotated[
         int | None,
-        typer.Option(help="So many frames (a short trace loops); without it, the trace once.", min=1),
+        typer.Option(help="So many frames (a short trace loops); without it, all once.", min=1),
     ] = None,
-    refresh_hz: Annotated[
-        float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
-    ] = None,
+    refresh_hz: RefreshRate = None,
     video: Annotated[bool, typer.Option(help="Also write video.mp4.")] = True,
     quiet: Quiet = False,
 ) -> None:
     """Play a head trace through a scene: one side-by-side picture per frame, and frames.csv.
 
-        vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played
+    - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
     """
     study, shown = pick_condition(protocol, condition)
     count = play_trace(
@@ -134,7 +141,7 @@ def import_trace(
 ) -> None:
     """Turn another program's head log into a trace.
 
-        vrcomfort import-trace log.txt --format unity-euler --out trace.csv
+    - `vrcomfort import-trace log.txt --format unity-euler --out trace.csv`
     """
     from vrcomfort.headset.trace import import_trace as read
     from vrcomfort.headset.trace import write_trace

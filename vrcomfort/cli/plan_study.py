@@ -8,13 +8,9 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from vrcomfort.cli.terminal import Json, Seed, answer, console
+from vrcomfort.cli.terminal import Json, ProtocolArgument, Seed, answer, console
 from vrcomfort.design import Audit, Design, FactorAudit, audit, build_design
 from vrcomfort.protocol import Condition, Protocol, Sequence, load_protocol
-
-ProtocolArgument = Annotated[
-    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
-]
 
 
 def register(app: typer.Typer) -> None:
@@ -31,8 +27,8 @@ def design(
 ) -> None:
     """Show who meets what in which order, and how balanced that is.
 
-        vrcomfort design carnegie_2015 --participants 20
-        vrcomfort design my_study.toml -n 24 --json
+    - `vrcomfort design carnegie_2015 --participants 20`
+    - `vrcomfort design my_study.toml -n 24 --json`
     """
     scheme = build_design(load_protocol(protocol), seed=seed)
     sequences = scheme.plan(participants)
@@ -51,19 +47,20 @@ def design(
 def plan(protocol: ProtocolArgument, as_json: Json = False) -> None:
     """Show which passes each condition needs in each scene, and why.
 
-        vrcomfort plan carnegie_2015
-        vrcomfort plan my_study.toml --json
+    - `vrcomfort plan carnegie_2015`
+    - `vrcomfort plan my_study.toml --json`
     """
     from vrcomfort.render.gltf import load_scene
     from vrcomfort.render.plan import plan_passes
 
     study = load_protocol(protocol)
-    rows: list[dict[str, Any]] = []
-    for name in study.scenes:
-        scene = load_scene(study.scene_source(name))
-        for condition in study.conditions:
-            for step in plan_passes(scene, condition):
-                rows.append({"scene": name, "condition": condition.name, **asdict(step)})
+    rows = [
+        {"scene": name, "condition": condition.name, **asdict(step)}
+        for name in study.scenes
+        for scene in [load_scene(study.scene_source(name))]
+        for condition in study.conditions
+        for step in plan_passes(scene, condition)
+    ]
     if as_json:
         answer(rows)
     else:
@@ -76,7 +73,7 @@ def _design_as_data(sequences: list[Sequence], counted: Audit) -> dict[str, Any]
         for name, value in asdict(counted).items()
     }
     order = [
-        {"participant": f"P{number:02d}", "sequence": each.name, "sessions": each.model_dump()["sessions"]}
+        {"participant": f"P{number:02d}", **each.model_dump()}
         for number, each in enumerate(sequences, start=1)
     ]
     return {**data, "order": order}

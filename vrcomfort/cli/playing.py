@@ -56,9 +56,7 @@ def play_trace(
     return _draw(headset, renderer, out, video=video, total=frames or len(trace), quiet=quiet)
 
 
-def _draw(
-    headset: Any, renderer: Any, out: Path, *, video: bool, total: int, quiet: bool
-) -> int:
+def _draw(headset: Any, renderer: Any, out: Path, *, video: bool, total: int, quiet: bool) -> int:
     from vrcomfort.render.output import VideoWriter, read_rgb8, side_by_side, write_png
     from vrcomfort.session.frame_log import FrameLog
 

@@ -53,10 +53,10 @@ class PoseText:
             numbers = []
         if len(numbers) != 6 or not all(map(math.isfinite, numbers)):
             raise InputError(
-                f"{self.option} {self.text!r} is not a pose; write six numbers X,Y,Z,YAW,PITCH,ROLL "
+                f"{self.option} {self.text!r} is not a pose; write X,Y,Z,YAW,PITCH,ROLL "
                 "in metres and degrees, for example 0,1.6,0,30,-5,0"
             )
-        return Pose(numbers[:3], yaw_pitch_roll(*np.radians(numbers[3:])))
+        return Pose(np.array(numbers[:3]), yaw_pitch_roll(*np.radians(numbers[3:])))
 
 
 def still(
@@ -86,7 +86,7 @@ def still(
     scene = load_scene(scene_source)
     for warning in scene.warnings:
         warn(warning)
-    now = now or scene.spawn @ Pose([0.0, EYE_HEIGHT_M, 0.0])
+    now = now or scene.spawn @ Pose(np.array([0.0, EYE_HEIGHT_M, 0.0]))
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
     out.mkdir(parents=True, exist_ok=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from enum import StrEnum
 from functools import lru_cache
 from pathlib import Path
@@ -9,7 +10,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.terminal import Quiet, Seed, Size, console, parse_size, progress_bar, warn
+from vrcomfort.cli.terminal import (
+    ProtocolArgument,
+    Quiet,
+    RefreshRate,
+    Seed,
+    Size,
+    console,
+    parse_size,
+    progress_bar,
+    warn,
+)
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, read_trace_if
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -22,15 +33,9 @@ if TYPE_CHECKING:
 
 EXIT_ABORTED = 130
 
-ProtocolArgument = Annotated[
-    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
-]
 Study = Annotated[Path, typer.Option("--out", help="The study folder; made if it is not there.")]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
-]
-RefreshOption = Annotated[
-    float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
 ]
 ExposureOption = Annotated[
     float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
@@ -70,7 +75,7 @@ def run(
     ] = None,
     seed: Seed = 0,
     size: Size = "640x800",
-    refresh_hz: RefreshOption = None,
+    refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
     quiet: Quiet = False,
 ) -> None:
@@ -78,8 +83,8 @@ def run(
 
     Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept.
 
-        vrcomfort run smoke --participant P01 --out my_study
-        vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated
+    - `vrcomfort run smoke --participant P01 --out my_study`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
     """
     del headset  # one kind so far
     study = load_protocol(protocol)
@@ -88,8 +93,8 @@ def run(
     )
     lab = _Lab(study, out, playback, seed, exposure_s)
     numbers = [session] if session else lab.next_session(participant)
-    with _session_progress(quiet) as tell:
-        outcome = lab.run(participant, respondent, numbers, tell)
+    with _SessionBars(quiet) as bars:
+        outcome = lab.run(participant, respondent, numbers, bars.tell)
     console(quiet).print(_sentence(outcome, out))
     if outcome.status == "aborted":
         raise typer.Exit(EXIT_ABORTED)
@@ -102,14 +107,14 @@ def simulate(
     seed: Seed = 0,
     trace: TraceOption = None,
     size: Size = "320x400",
-    refresh_hz: RefreshOption = None,
+    refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
     quiet: Quiet = False,
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
 
-        vrcomfort simulate smoke --participants 4 --out my_study
-        vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study
+    - `vrcomfort simulate smoke --participants 4 --out my_study`
+    - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_study(
         load_protocol(protocol),
@@ -228,38 +233,28 @@ def _load_scene(source: str) -> Scene:
     return scene
 
 
-class _session_progress:  # noqa: N801 - used like a function
-    """A bar for exposures and rests; the questionnaires speak for themselves."""
+class _SessionBars(ExitStack):
+    """A bar for each exposure and rest; the questionnaires speak for themselves."""
 
     def __init__(self, quiet: bool) -> None:
+        super().__init__()
         self._quiet = quiet
-        self._bar: Any = None
         self._title = ""
         self._done = 0.0
 
-    def __enter__(self) -> Any:
-        return self._tell
-
-    def __exit__(self, *_: object) -> None:
-        self._close()
-
-    def _close(self) -> None:
-        if self._bar is not None:
-            self._bar.__exit__(None, None, None)
-            self._bar = None
-
-    def _tell(self, progress: Progress) -> None:
-        if progress.step not in {"training", "exposure", "rest"}:
-            self._close()
-            return
-        title = f"{progress.step} {progress.trial or ''}".strip()
-        if self._bar is None or title != self._title:
-            self._close()
-            self._bar = progress_bar(title, round(progress.total), quiet=self._quiet)
-            self._advance = self._bar.__enter__()
+    def tell(self, progress: Progress) -> None:
+        """Show how far a step of the session has come."""
+        timed = progress.step in {"training", "exposure", "rest"}
+        title = f"{progress.step} {progress.trial or ''}".strip() if timed else ""
+        if title != self._title:
+            self.close()
             self._title, self._done = title, 0.0
-        self._advance(progress.done - self._done)
-        self._done = progress.done
+            if title:
+                bar = progress_bar(title, round(progress.total), quiet=self._quiet)
+                self._advance = self.enter_context(bar)
+        if title:
+            self._advance(progress.done - self._done)
+            self._done = progress.done
 
 
 def _sentence(outcome: Outcome, out: Path) -> str:

@@ -25,6 +25,12 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was 
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
 Seed = Annotated[int, typer.Option(help="Every random choice derives from it.", min=0)]
 Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's image.")]
+ProtocolArgument = Annotated[
+    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
+]
+RefreshRate = Annotated[
+    float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
+]
 
 _errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -81,7 +87,9 @@ def parse_size(text: str) -> tuple[int, int]:
         raise InputError(f"--size {text!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
     size = int(width), int(height)
     if max(size) > 8192:
-        raise InputError(f"--size {text!r} is larger than 8192 pixels on a side; choose a smaller one")
+        raise InputError(
+            f"--size {text!r} has a side of more than 8192 pixels; choose a smaller one"
+        )
     return size
 
 

@@ -95,7 +95,9 @@ def read_trace_if(path: Path | None, tell: Callable[[str], None]) -> Trace | Non
     return trace
 
 
-def pick_condition(protocol: str | None, condition: str | None) -> tuple[Protocol | None, Condition]:
+def pick_condition(
+    protocol: str | None, condition: str | None
+) -> tuple[Protocol | None, Condition]:
     """Return the condition that a pair of options names; without both, the default.
 
     Raises

@@ -76,12 +76,16 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     Raises
     ------
     InputError
-        If the file is damaged.
+        If the file is damaged: nobody is left out silently.
     """
     file = study / ParticipantRow.FILE
     if not file.exists():
         return []
     found = read_rows(file)
+    if found.warnings:  # going on would enrol somebody twice
+        last = len(found.rows) + 2
+        message = "this row is half-written; complete it, with a line end, or remove it"
+        raise InputError(message, file=file, line=last)
     if found.rows and set(found.columns) != set(ParticipantRow.columns()):
         columns = ", ".join(ParticipantRow.columns())
         raise InputError(f"the columns must be {columns}", file=file, line=1)

@@ -44,8 +44,8 @@ class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 
     `pinhole` and `linear` are linear HDR light before and after the effects, `depth` is reverse-Z
-    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is where
-    the eye counts as having been, None where motion blur needs none.
+    with `near_m`, `velocity` is px per frame, `encoded` is what the display gets. `previous` is
+    where the eye counts as having been, None where motion blur needs none.
     """
 
     camera: EyeCamera

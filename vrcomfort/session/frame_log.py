@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import replace
+from typing import Protocol
 
 from vrcomfort.headset.base import Frame
-from vrcomfort.records import FrameRow, Recorder
+from vrcomfort.records import FrameRow, Row
 from vrcomfort.session.parts import FocusSample, RenderedFrame
 
 _LATEST_FRAMES = 16
@@ -17,13 +18,20 @@ DROPPED_INTERVAL = 1.2
 """A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
 
+class RowWriter(Protocol):
+    """Where rows go: a session's recorder, or one file."""
+
+    def write(self, *rows: Row) -> None:
+        """Append rows."""
+
+
 class FrameLog:
     """The frame rows of one session, in order.
 
     Counts frames and dropped frames of the trial since `start_trial`.
     """
 
-    def __init__(self, recorder: Recorder) -> None:
+    def __init__(self, recorder: RowWriter) -> None:
         self._recorder = recorder
         self._waiting: OrderedDict[int, FrameRow] = OrderedDict()
         self._focus: dict[int, FocusSample] = {}

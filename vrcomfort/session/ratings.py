@@ -23,7 +23,7 @@ class Rated:
 
 
 class RatingSchedule:
-    """Asks every `every_s` seconds while more than that is left of the exposure."""
+    """Asks every `every_s` seconds, as long as the time to answer lies within the exposure."""
 
     def __init__(self, settings: Ratings, respondent: Respondent, duration_s: float) -> None:
         self.instrument = INSTRUMENTS[settings.instrument]
@@ -48,7 +48,7 @@ class RatingSchedule:
 
     def _prompt_if_due(self, elapsed_s: float) -> None:
         due_s = self._settings.every_s * (self._asked + 1)
-        if elapsed_s >= due_s and due_s < self._duration_s:
+        if due_s <= elapsed_s <= self._duration_s - self._settings.timeout_s:
             self._asked += 1
             self._pending_since_s = elapsed_s
             self._respondent.prompt(self.instrument, elapsed_s, self._settings.timeout_s)
