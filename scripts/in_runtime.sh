@@ -29,7 +29,8 @@ print("\n".join([*project["dependencies"], *extras["dev"], *extras["openxr"]]))
 PYTHON
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --constraint "$checkout/requirements.lock" --requirement "$venv/requirements.txt" >&2
-    printf '#!/bin/sh\nexec "%s/bin/python" -m vrcomfort.cli "$@"\n' "$venv" >"$venv/bin/vrcomfort"
+    printf '#!%s/bin/python\nfrom vrcomfort.cli import main\nmain()\n' "$venv" \
+        >"$venv/bin/vrcomfort"
     chmod +x "$venv/bin/vrcomfort"
     echo "$wanted" >"$venv/installed"
 }

@@ -247,7 +247,7 @@ def test_validation_layers_find_nothing(
                 headset.inputs()
                 panel.draw(picture)
                 headset.submit(frame, eyes)
-            headset.hide_panel(panel)
+            panel.hide()
             headset.recenter()
             headset.tick(0)
             for frame in islice(headset.frames(), 3):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -18,6 +20,7 @@ from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.headset.base import Frame
 from vrcomfort.protocol import load_protocol
+from vrcomfort.resources import data_folder
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import Rehearsal
@@ -56,7 +59,7 @@ class FlatRenderer:
     def begin(self, scene: object, condition: object) -> None:
         """Draw the same whatever is asked for."""
 
-    def render(self, frame: Frame, scene_time_s: float) -> FlatRenderer:
+    def render(self, frame: Frame, scene_time_s: float) -> FlatRenderer:  # noqa: ARG002
         return self
 
     def drain(self) -> tuple[Any, ...]:
@@ -137,3 +140,27 @@ def test_a_runtime_that_dies_leaves_every_row_up_to_then(
     assert len(read(tmp_path, "questionnaires.csv")) == 16
     assert len(read(tmp_path, "frames.csv")) >= 15
     assert read(tmp_path, "trials.csv")["status"].tolist() == ["aborted"]
+
+
+def test_the_command_line_rehearses_a_whole_session(tmp_path: Path) -> None:
+    answers = tmp_path / "answers.txt"
+    answers.write_text("0 1 2 3 " * 60 + "  # in the order of the questions\n")
+    study = tmp_path / "study"
+    command = [
+        *("vrcomfort", "run", "smoke", "--participant", "P01", "--out", str(study)),
+        *("--headset", "openxr", "--size", "64x80", "--quiet"),
+        *("--monado-trace", str(data_folder("scenes") / "temple_walk.csv")),
+        *("--monado-answers", str(answers)),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    assert done.returncode == 0, done.stderr
+    asked = read(tmp_path, "questionnaires.csv")
+    assert asked["response"].astype(int).tolist()[:16] == [0, 1, 2, 3] * 4
+    manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
+    assert "Monado" in manifest["runtime"]
+    assert manifest["headset"]["image_format"] == "SRGB8_ALPHA8"
+    assert manifest["respondent"] == "panel"
+    trace = pd.read_csv(data_folder("scenes") / "temple_walk.csv")
+    columns = ["head_x_m", "head_y_m", "head_z_m"]
+    fed, seen = (table[columns].to_numpy() for table in (trace, read(tmp_path, "frames.csv")))
+    assert max(np.abs(fed - position).max(axis=1).min() for position in seen) <= 1e-6

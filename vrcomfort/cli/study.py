@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
     ProtocolArgument,
     Quiet,
@@ -22,9 +23,11 @@ from vrcomfort.cli.terminal import (
     warn,
 )
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, read_trace_if
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
+    from vrcomfort.cli.live import LiveLab
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.scene_data import Scene
@@ -46,6 +49,7 @@ class HeadsetKind(StrEnum):
     """Headsets that a session can run on."""
 
     PLAYBACK = "playback"
+    OPENXR = "openxr"
 
 
 class RespondentKind(StrEnum):
@@ -53,6 +57,7 @@ class RespondentKind(StrEnum):
 
     SIMULATED = "simulated"
     TERMINAL = "terminal"
+    PANEL = "panel"
 
 
 def register(app: typer.Typer) -> None:
@@ -67,14 +72,24 @@ def run(
     out: Study,
     headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK,
     trace: TraceOption = None,
+    monado_trace: Annotated[
+        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+    ] = None,
+    monado_answers: Annotated[
+        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
+    ] = None,
     respondent: Annotated[
-        RespondentKind, typer.Option(help="Who answers.")
-    ] = RespondentKind.TERMINAL,
+        RespondentKind | None,
+        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
+    ] = None,
     session: Annotated[
         int | None, typer.Option(help="Session number; without it, the next one.", min=1)
     ] = None,
     seed: Seed = 0,
-    size: Size = "640x800",
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
+    ] = None,
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
     quiet: Quiet = False,
@@ -85,16 +100,28 @@ def run(
 
     - `vrcomfort run smoke --participant P01 --out my_study`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr`
     """
-    del headset  # one kind so far
     study = load_protocol(protocol)
     playback = PlaybackIn(
-        parse_size(size), study.headset.ipd_m, read_trace_if(trace, warn), refresh_hz
+        parse_size(size or "640x800"), study.headset.ipd_m, read_trace_if(trace, warn), refresh_hz
     )
-    lab = _Lab(study, out, playback, seed, exposure_s)
-    numbers = [session] if session else lab.next_session(participant)
-    with _SessionBars(quiet) as bars:
-        outcome = lab.run(participant, respondent, numbers, bars.tell)
+    live = None
+    with ExitStack() as owned:
+        if headset is HeadsetKind.OPENXR:
+            live = owned.enter_context(
+                live_lab(
+                    study,
+                    size_px=parse_size(size) if size else None,
+                    refresh_hz=refresh_hz,
+                    monado_trace=monado_trace,
+                    answers=monado_answers,
+                )
+            )
+        lab = _Lab(study, out, playback, seed, exposure_s, live)
+        numbers = [session] if session else lab.next_session(participant)
+        bars = owned.enter_context(_SessionBars(quiet))
+        outcome = lab.run(participant, respondent or lab.usual_respondent, numbers, bars.tell)
     console(quiet).print(_sentence(outcome, out))
     if outcome.status == "aborted":
         raise typer.Exit(EXIT_ABORTED)
@@ -172,14 +199,23 @@ class _Lab:
         playback: PlaybackIn,
         seed: int,
         exposure_s: float | None,
+        live: LiveLab | None = None,
     ) -> None:
         self._protocol = protocol
         self._study = study
         self._playback = playback
         self._seed = seed
         self._exposure_s = exposure_s
+        self._live = live
         self._rendering: tuple[StereoRenderer, Machine] | None = None
+        if live is not None:
+            self._rendering = live.renderer, live.machine
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
+
+    @property
+    def usual_respondent(self) -> RespondentKind:
+        """Return who answers where nothing else is said."""
+        return RespondentKind.TERMINAL if self._live is None else RespondentKind.PANEL
 
     def next_session(self, participant: str) -> list[int]:
         """Return the number of the first session that is not recorded."""
@@ -204,7 +240,7 @@ class _Lab:
             participant,
             study=self._study,
             load_scene=self._load_scene,
-            headset_for=self._playback,
+            headset_for=self._live.headset_for if self._live else self._playback,
             renderer=renderer,
             respondent=self._respondent(kind, participant),
             clock=session.VirtualClock() if simulated else session.WallClock(),
@@ -221,6 +257,12 @@ class _Lab:
         if kind is RespondentKind.SIMULATED:
             settings = self._protocol.simulation
             return SimulatedRespondent(settings, participant=participant, seed=self._seed)
+        if kind is RespondentKind.PANEL:
+            if self._live is None:
+                raise InputError(
+                    "--respondent panel needs a headset to answer in: --headset openxr"
+                )
+            return self._live.panel
         return TerminalRespondent(console())
 
 

@@ -79,6 +79,10 @@ class Headset(Protocol):
     def image_size_px(self) -> tuple[int, int]:
         """Return (width, height) of one eye's image."""
 
+    @property
+    def details(self) -> dict[str, str]:
+        """Return what else the manifest should know: runtime, tracked space, image format ..."""
+
     def frames(self) -> Iterator[Frame]:
         """Yield frames until the headset (or its trace) ends; each must be submitted."""
 

@@ -104,6 +104,11 @@ class PlaybackHeadset:
         return self._size_px
 
     @property
+    def details(self) -> dict[str, str]:
+        """Return nothing more: the trace and the settings say it all."""
+        return {}
+
+    @property
     def ipd_m(self) -> float:
         """Return the distance between the eyes (of the first sample, where they are recorded)."""
         if self._trace.eyes is None:

@@ -31,6 +31,9 @@ class Panel(Protocol):
     def draw(self, picture: Picture) -> None:
         """Show a picture."""
 
+    def hide(self) -> None:
+        """Take the panel away."""
+
 
 class PanelHeadset(Protocol):
     """What a headset needs so that questions can be asked in it."""
@@ -53,9 +56,6 @@ class PanelHeadset(Protocol):
 
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
         """Put a panel into the room."""
-
-    def hide_panel(self, panel: Panel) -> None:
-        """Take it away."""
 
 
 class PanelScreen:
@@ -83,7 +83,7 @@ class PanelScreen:
                 self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
             self._panel.draw(picture)
         elif self._panel is not None:
-            self._headset.hide_panel(self._panel)
+            self._panel.hide()
             self._panel = self._frames = None
 
     def pointing(self) -> Pointing:

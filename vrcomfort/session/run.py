@@ -194,6 +194,7 @@ def _noting_headset(lab: Lab, manifest: Manifest, folder: Path) -> Lab:
                 "name": headset.name,
                 "refresh_hz": headset.refresh_hz,
                 "image_size_px": list(headset.image_size_px),
+                **headset.details,
                 "ipd_m": lab.protocol.headset.ipd_m,
             }
             manifest.write(folder)

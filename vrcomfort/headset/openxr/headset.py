@@ -131,15 +131,10 @@ class OpenXrHeadset:
             self._xr.actions.tick(hand)
 
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
-        """Put a panel into the room; draw on it, and take it away with `hide_panel`."""
-        panel = layers.PanelLayer(self._xr.swapchain, size_px, quad)
+        """Put a panel into the room; draw on it, and hide it when it is done."""
+        panel = layers.PanelLayer(self._xr.swapchain, size_px, quad, self._panels.remove)
         self._panels.append(panel)
         return panel
-
-    def hide_panel(self, panel: layers.PanelLayer) -> None:
-        """Take a panel away."""
-        self._panels.remove(panel)
-        panel.release()
 
     def place(self, *, spawn: Pose) -> None:
         """Put the participant's floor point and heading on `spawn` (in the world), next frame."""
@@ -172,7 +167,7 @@ class OpenXrHeadset:
             pass  # the runtime is gone already
         finally:
             for panel in list(self._panels):
-                self.hide_panel(panel)
+                panel.hide()
             self._xr.release()
 
     def request_exit(self) -> None:

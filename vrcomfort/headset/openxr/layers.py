@@ -106,9 +106,18 @@ class PanelLayer:
         (width, height) of the picture.
     quad
         Where it stands in the stage, and how large.
+    on_hide
+        Called with the panel when it is taken away.
     """
 
-    def __init__(self, make_swapchain: MakeSwapchain, size_px: tuple[int, int], quad: Quad) -> None:
+    def __init__(
+        self,
+        make_swapchain: MakeSwapchain,
+        size_px: tuple[int, int],
+        quad: Quad,
+        on_hide: Callable[[PanelLayer], None],
+    ) -> None:
+        self._on_hide = on_hide
         self.quad = quad
         self._swapchain = make_swapchain(size_px)
         self._shown: NDArray[np.uint8] | None = None
@@ -136,8 +145,9 @@ class PanelLayer:
             size=xr.Extent2Df(*self.quad.size_m),
         )
 
-    def release(self) -> None:
-        """Release the images."""
+    def hide(self) -> None:
+        """Take the panel away, and release its images."""
+        self._on_hide(self)
         self._swapchain.release()
 
 
