@@ -48,7 +48,7 @@ class ScriptedScreen:
         self._now = self._next
         self._next = replace(self._next, select=False)
 
-    def tick(self, hand: int) -> None:
+    def tick(self, hand: int) -> None:  # noqa: ARG002
         self.ticks += 1
 
 
