@@ -39,13 +39,48 @@ TEMPLE: list[Walk | Look] = [
     Look(ALTAR, 2.2),
 ]
 
+RANGE = (-30.0, 22.0, -400.0)
+SIGNPOST = (-1.15, 1.55, -3.9)
+CAIRN = (2.1, 0.75, -3.3)
+BIRDS = (-4.0, 12.0, -42.0)
+WIND_WHEEL = (-6.4, 6.15, -8.2)
+HUT = (14.5, 1.5, -8.6)
+EAST = (400.0, 5.0, 60.0)
+
+MOUNTAIN_START: Point = (0.0, 0.0, 0.0)
+MOUNTAIN: list[Walk | Look] = [
+    Look(RANGE, 1.2),
+    Walk((-0.1, 0.0, -2.8), SIGNPOST),
+    Look(SIGNPOST, 2.0),
+    Walk((0.7, 0.0, -3.7), CAIRN),
+    Look(CAIRN, 2.2),
+    Walk((1.0, 0.0, -5.6)),
+    Walk((3.0, 0.0, -6.6), RANGE),
+    Look(BIRDS, 2.4),
+    Look(WIND_WHEEL, 2.0),
+    Walk((4.6, 0.0, -6.6), RANGE),
+    Walk((8.8, 0.0, -6.4), HUT),
+    Look(HUT, 1.6),
+    Walk((8.7, 0.0, -1.5)),
+    Walk((9.6, 0.0, 1.5)),
+    Walk((16.0, 0.0, 3.2), EAST),
+    Walk((20.0, 0.0, 2.4)),
+    Look(EAST, 1.6),
+    Look((29.0, 5.0, -14.0), 1.6),
+]
+
 
 def temple() -> Trace:
     """Walk from the bright court through the hall into the dark crypt."""
     return synthesize(TEMPLE_START, TEMPLE, seed=2015, gait=Gait(eye_height_m=1.66))
 
 
-TRACES = {"temple_walk": temple}
+def mountain() -> Trace:
+    """Walk along the terrace: near things, then the valley, the birds and the far ranges."""
+    return synthesize(MOUNTAIN_START, MOUNTAIN, seed=30_000, gait=Gait(eye_height_m=1.64))
+
+
+TRACES = {"temple_walk": temple, "mountain_walk": mountain}
 
 
 def build(folder: Path) -> None:

@@ -148,6 +148,10 @@ void main() {
     // At the rim of a triangle, what vertices interpolate may leave their range.
     radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
 #ifdef VELOCITY
-    velocity = velocity_px(present_clip, previous_clip, image_size_px.xy);
+    // At sample 0, the one that is kept: there the triangle is, at the pixel's centre it may not be.
+    vec4 now = interpolateAtSample(present_clip, 0);
+    vec4 before = interpolateAtSample(previous_clip, 0);
+    // Mesa 22 divides both by the 1/w of the centre, which may lie beyond the horizon: w < 0.
+    velocity = velocity_px(now * sign(now.w), before * sign(now.w), image_size_px.xy);
 #endif
 }

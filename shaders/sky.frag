@@ -19,6 +19,7 @@ layout(location = 1) out vec2 velocity;
 void main() {
     radiance = vec4(sky_radiance(normalize(direction)), 1.0);
 #ifdef VELOCITY
-    velocity = velocity_px(present_clip, previous_clip, image_size_px.xy);
+    velocity = velocity_px(interpolateAtSample(present_clip, 0),
+                           interpolateAtSample(previous_clip, 0), image_size_px.xy);
 #endif
 }

@@ -62,6 +62,13 @@ def test_radius_is_the_papers_law():
     np.testing.assert_allclose(dioptre, [-5, 0, 2.5, 4.9], atol=1e-12)
 
 
+def test_a_far_focus_keeps_a_far_range_sharp_in_metres():
+    settings = {"law": "linear", "near_m": 0.02, "radius_limit_px": 10.0, "full_blur": 10.0}
+    depth = 0.02 / np.array([5.0, 6e3, 8e3, 10e3])
+    radius = coc.signed_radius_px(depth, focus_m=8e3, **settings)
+    np.testing.assert_allclose(radius, [-9.99375, -2.5, 0, 2.5], atol=1e-9)
+
+
 @pytest.mark.parametrize("law", LAWS)
 def test_sky_is_as_far_as_infinity(law):
     settings = {"law": law, "near_m": 0.02, "radius_limit_px": 11.2, "full_blur": 2.0}
@@ -160,7 +167,7 @@ def test_shader_radius_survives_a_focus_that_is_no_number(ctx):
     constants = [[0.02, np.nan, 0, 3e4], [5.6, 11.2, 0, 0]]
     call = "vec4(signed_radius_px(x.x, a.x, a.y, a.z, a.w, b.x, b.y))"
     np.testing.assert_allclose(
-        evaluate(ctx, "coc.glsl", call, x, constants=constants)[:, 0], [0, -11.2, -11.2]
+        evaluate(ctx, "coc.glsl", call, x, constants=constants)[:, 0], [0, -11.2, -11.2], rtol=1e-4
     )
 
 

@@ -17,7 +17,7 @@ SETTINGS = Focus(law="instant")
 POSES = 60
 
 
-@pytest.fixture(scope="module", params=["temple"])
+@pytest.fixture(scope="module", params=["temple", "mountain"])
 def scene(request):
     return load_scene(request.param)
 
@@ -68,29 +68,30 @@ def near_things_that_move_or_have_holes(scene):
     return poses[:: max(1, len(poses) // 40)]
 
 
+def assert_rays_agree(samples, scene, poses):
+    """Equal to 1e-5, but for one ray in 500: float32 may put a grazed edge on its other side."""
+    expected_m = np.array([cpu_rays_m(scene, time_s, head) for time_s, head in poses])
+    rays_m = np.array([sample.rays_m for sample in samples])
+    wrong = np.abs(rays_m / expected_m - 1) > 1e-5
+    assert wrong.mean() <= 0.002, (rays_m[wrong], expected_m[wrong])
+
+
 def test_rays_agree_with_the_ray_cast_along_the_walk(ctx, scene):
     poses = walk(scene)
     samples = gpu_samples(ctx, scene, poses)
-    wrong = 0
-    for sample, (time_s, head) in zip(samples, poses, strict=True):
-        expected_m = cpu_rays_m(scene, time_s, head)
-        wrong += int((np.abs(sample.rays_m / expected_m - 1) > 1e-4).sum())
+    assert_rays_agree(samples, scene, poses)
+    for sample in samples:
         raw_m, used = estimate_focus(sample.rays_m, SETTINGS)
         assert sample.used.tolist() == used.tolist()
         assert sample.focus_m == pytest.approx(raw_m, rel=1e-5)
-    # A ray that grazes an edge may fall on either side of it in float32.
-    assert wrong <= 0.01 * 9 * POSES
 
 
 def test_rays_agree_on_what_moves_and_what_has_holes(ctx, scene):
     poses = near_things_that_move_or_have_holes(scene)
-    assert len(poses) >= 2
     samples = gpu_samples(ctx, scene, poses)
-    expected_m = np.array([cpu_rays_m(scene, time_s, head) for time_s, head in poses])
-    rays_m = np.array([sample.rays_m for sample in samples])
-    # Mip levels of an alpha mask and the full-size image part ways within a texel of an edge.
-    assert (np.abs(rays_m / expected_m - 1) > 1e-4).mean() <= 0.03
-    assert (rays_m < 4.0).any()
+    assert_rays_agree(samples, scene, poses)
+    assert len(poses) >= 10
+    assert np.mean([sample.rays_m < 5.0 for sample in samples]) > 0.2
 
 
 def test_focus_follows_what_is_looked_at(ctx, scene):

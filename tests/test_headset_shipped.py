@@ -10,7 +10,7 @@ from vrcomfort.headset.trace import read_trace
 from vrcomfort.render.gltf import load_scene
 from vrcomfort.resources import data_folder
 
-SCENES = ["temple"]
+SCENES = ["temple", "mountain"]
 
 
 @pytest.fixture(scope="module", params=SCENES)

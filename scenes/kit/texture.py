@@ -60,15 +60,22 @@ def cutout_png(color: Array, alpha: Array) -> bytes:
 def normal_png(height: Array, *, strength: float, levels: int = 31) -> bytes:
     """Return a tangent-space normal map of a periodic (h, w) height.
 
-    `strength` is the slope of a rise of 1 over one texel. The map holds (x, y, 1) before
-    normalisation: slopes, which average rightly in mipmaps.
+    `strength` is the slope of a rise of 1 over one texel.
     """
     slope_u = (np.roll(height, -1, 1) - np.roll(height, 1, 1)) / 2 * strength
     slope_v = (np.roll(height, -1, 0) - np.roll(height, 1, 0)) / 2 * strength
+    return slopes_png(-slope_u, slope_v, levels=levels)
+
+
+def slopes_png(right: Array, up: Array, *, levels: int = 31) -> bytes:
+    """Return a normal map of normals (right, up, 1), both within ± 1.
+
+    The map holds them before normalisation: slopes, which average rightly in mipmaps.
+    """
     half = (levels - 1) / 2
-    xy = np.clip(np.stack([-slope_u, slope_v], axis=-1), -1, 1)
+    xy = np.clip(np.stack([right, up], axis=-1), -1, 1)
     stepped = np.round((np.round(xy * half) / half * 0.5 + 0.5) * 254)
-    rgb = np.concatenate([stepped, np.full((*height.shape, 1), 255.0)], axis=2)
+    rgb = np.concatenate([stepped, np.full((*right.shape, 1), 255.0)], axis=2)
     return _png(Image.fromarray(rgb.astype(np.uint8)))
 
 

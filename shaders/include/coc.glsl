@@ -24,10 +24,12 @@ float signed_radius_px(float depth, float near, float focus_m, float offset_m, f
     float defocus = fma(offset_m - focus, z, near);  // one rounding: near focus all digits cancel
 #ifdef LAW_DIOPTRE
     defocus /= focus * max(fma(offset_m, z, near), LEAST);
+    float px = px_per_defocus;
 #else
     defocus /= z;
+    float px = min(px_per_defocus, radius_limit_px / focus);  // a far focus keeps a far range sharp
 #endif
-    return clamp(defocus * px_per_defocus, -radius_limit_px, radius_limit_px);
+    return clamp(defocus * px, -radius_limit_px, radius_limit_px);
 }
 
 // Coverage of a point by a disc whose rim falls from 1 to 0 over softness_px. At radius 0.5 and

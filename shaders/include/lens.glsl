@@ -19,7 +19,8 @@ vec4 through_lens(vec4 clip, vec2 lens_ndc, float head_depth_m, float focus_m, f
 #ifdef LAW_DIOPTRE
     float radius_times_w = px_per_defocus * (clip.w / focus - (d > 0.0 ? clip.w / d : 1.0));
 #else
-    float radius = clamp((d - focus) * px_per_defocus, -radius_limit_px, radius_limit_px);
+    float px = min(px_per_defocus, radius_limit_px / focus);
+    float radius = clamp((d - focus) * px, -radius_limit_px, radius_limit_px);
     float radius_times_w = radius * clip.w;
 #endif
     clip.xy += lens_ndc * radius_times_w;

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Condition, DepthOfField, MotionBlur, Protocol
+from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur, Protocol
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
@@ -27,7 +27,11 @@ EYE_HEIGHT_M = 1.6
 """Where a picture is taken from if nothing else is said."""
 
 DEFAULT_CONDITION = Condition(
-    name="default", depth_of_field=DepthOfField(), motion_blur=MotionBlur()
+    name="default",
+    label="Depth of field like an eye's, and motion blur without that of turning the head",
+    focus=Focus(mean="dioptres", law="linear_dioptre"),
+    depth_of_field=DepthOfField(law="dioptre"),
+    motion_blur=MotionBlur(),
 )
 
 

@@ -63,7 +63,8 @@ def signed_radius_px(
     focus_m
         Focus distance along the head's forward axis; `infinity_m` and beyond are all infinity.
     full_blur
-        Defocus at which the radius reaches its limit: metres (`linear`) or dioptres (`dioptre`).
+        Defocus at which the radius reaches its limit: metres (`linear`; the focus distance where
+        that is more) or dioptres (`dioptre`).
     slope
         (...,) of :func:`head_depth_slope`.
     offset_m
@@ -74,7 +75,9 @@ def signed_radius_px(
     With z = depth, n = near·slope and o = offset, the distance from the head is d = n/z + o. The
     defocus in metres is (n + (o − f)·z)/z and in dioptres the same over f·(n + o·z)/z, so no
     infinite distance is ever formed: in dioptres the radius is affine in z where o = 0.
-    Carnegie & Rhee 2015, Algorithm 1, r_i ∝ |d_f − d_i|·r_max; see `full_blur` for the constant.
+    Carnegie & Rhee 2015, Algorithm 1, r_i ∝ |d_f − d_i|·r_max. The paper gives no constant: with
+    1/d_max no room shows any blur, and with that of a room no landscape has anything sharp. So
+    the constant is 1/full_blur up to a focus at that distance, and 1/d_f beyond.
     """
     n = near_m * np.asarray(slope, dtype=np.float64)
     focus = min(focus_m, infinity_m)
@@ -83,6 +86,7 @@ def signed_radius_px(
     defocus = n + (offset_m - focus) * z
     if law == "linear":
         defocus = defocus / z
+        full_blur = max(full_blur, focus)
     else:
         defocus = defocus / (focus * np.maximum(n + offset_m * z, 1e-6 * near_m))
     return np.clip(defocus * (radius_limit_px / full_blur), -radius_limit_px, radius_limit_px)

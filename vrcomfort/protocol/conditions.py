@@ -49,7 +49,8 @@ class DepthOfField(Settings):
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Positive = 10.0
-    """Defocus at which the `linear` law reaches r_max (the paper gives no constant)."""
+    """Defocus at which the `linear` law reaches r_max (the paper gives no constant); where the focus
+    is farther than this, the focus distance takes its place."""
     full_blur_dioptre: Positive = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3

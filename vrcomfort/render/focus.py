@@ -28,8 +28,9 @@ from vrcomfort.render.gpu_scene import GpuScene
 LATENCY = 2
 """Frames between drawing and reading: the CPU never waits for the frame it has just sent."""
 
-RAY_WIDTH = 1e-3
-"""Width of a ray's frustum as a tangent, about a pixel of a headset: picks mip levels alike."""
+RAY_WIDTH = 1e-4
+"""Tangent across a ray's frustum, 0.3 arcmin. Thin enough that alpha masks are read at full size,
+as a ray meets them; a pixel's width would read a mip level and see other holes."""
 
 AT_ONCE = 3e38
 """A step of the refocus law that reaches everything."""

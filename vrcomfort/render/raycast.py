@@ -54,7 +54,9 @@ def cast(
     for node, placed in zip(scene.nodes, scene.world_from_node(time_s), strict=True):
         if node.head_locked and root is None:
             continue
-        world_from_node = np.asarray(root @ placed if node.head_locked and root is not None else placed)
+        world_from_node = np.asarray(
+            root @ placed if node.head_locked and root is not None else placed
+        )
         for item in node.mesh_at(_distance_m(scene, node.mesh, world_from_node, eye)):
             found = _cast_primitive(scene, item, world_from_node, origins, directions)
             nearest = np.minimum(nearest, found)

@@ -85,7 +85,7 @@ class ScenePass:
         return self._targets.count
 
     def update(self, time_s: float, head: Pose, previous_time_s: float | None = None) -> None:
-        """Move the scene to a time and draw shadows; `render` does it where it was not done."""
+        """Move the scene to a time; `render` does it where it was not done."""
         self.gpu.update(time_s, head, previous_time_s)
 
     def render(
@@ -102,12 +102,13 @@ class ScenePass:
         self.gpu.update(time_s, camera.head, before.time_s)
         eye_m = camera.world_from_eye.position
         if self._shadow is not None:
-            self._shadow.render(camera.head)
+            self._shadow.render(time_s, camera.head)
             self._light.update(eye_m, self._shadow.shadow_from_world, self._shadow.bias)
         else:
             self._light.update(eye_m, None, None)
         self._view.update(camera, before)
         self._draw(camera)
+        self.triangles += 0 if self._shadow is None else self._shadow.triangles
 
     def _draw(self, camera: EyeCamera) -> None:
         ctx = self._ctx

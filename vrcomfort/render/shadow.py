@@ -51,6 +51,7 @@ class ShadowMap:
         self._live = _Map(ctx, size_px) if gpu.moves else self._static
         self._copy = gl.copier(ctx)
         self._center: Array | None = None
+        self._drawn_for: tuple[float, Pose] | None = None
         texel_m = 2 * radius_m / size_px
         self.bias = np.array(
             [1 / size_px, 1.5 * texel_m, 0.2 * texel_m / (2 * DEPTH_RANGE * radius_m), 0]
@@ -58,10 +59,14 @@ class ShadowMap:
         self.shadow_from_world = np.eye(4)
         self.triangles = 0
 
-    def render(self, head: Pose) -> None:
-        """Bring the map up to date for everything that `GpuScene.update` has moved."""
-        center = self._snapped(head.position)
+    def render(self, time_s: float, head: Pose) -> None:
+        """Bring the map up to date for what `GpuScene.update` has moved, once for both eyes."""
+        self._live.depth.use(TEXTURE_UNIT)
         self.triangles = 0
+        if self._drawn_for == (time_s, head):
+            return
+        self._drawn_for = (time_s, head)
+        center = self._snapped(head.position)
         if self._center is None or not np.array_equal(center, self._center):
             self._center = center
             self._place(center)
@@ -69,7 +74,6 @@ class ShadowMap:
         if self._live is not self._static:
             self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
-        self._live.depth.use(TEXTURE_UNIT)
 
     def _snapped(self, position_m: Array) -> Array:
         """Return the map's centre in light space: `position_m` rounded to whole steps."""

@@ -89,7 +89,7 @@ def _boxes(axes: Axes, scores: np.ndarray[Any, Any], names: tuple[str, ...]) -> 
         capprops={"color": "#777777"},
     )  # fmt: skip
     axes.plot([0.72, 2.28], scores.mean(axis=0), "D", color=INK, ms=4, zorder=5)
-    axes.set_xticks([1, 2], names)
+    axes.set_xticks([1, 2], [fill(name, 20, break_long_words=False) for name in names])
     axes.set_xlim(0.45, 2.55)
 
 
@@ -162,7 +162,7 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
             axes.plot([min(values), max(values)], [row, row], color="#cccccc", lw=2, zorder=1)
         for place, condition in enumerate(conditions):
             if condition["name"] in names:
-                rows = np.arange(len(ranked)) + 0.22 * ((len(names) - 1) / 2 - place)
+                rows = np.arange(len(ranked)) + 0.7 / len(names) * ((len(names) - 1) / 2 - place)
                 axes.plot([i[condition["name"]] for i in ranked], rows,
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=condition["label"], zorder=3)  # fmt: skip
@@ -174,7 +174,7 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
         axes.set_xlabel(f"mean answer (scale 0–3), {score_label(results['score_basis'])}")
         if results["score_basis"] == "difference_from_baseline":
             axes.axvline(0, color=FAINT, lw=0.8)
-        axes.legend(frameon=False, loc="lower right")
+        axes.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))
     return text[0]
 
 
@@ -199,7 +199,10 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
         axes.tick_params(axis="y", length=0)
         axes.set_xlabel(f"time in exposure, all sessions ({_unit(trials)[1]})")
         axes.xaxis.set_major_locator(MaxNLocator(nbins=8))
-        axes.legend(frameon=False, ncols=4, loc="lower left", bbox_to_anchor=(0, 1), fontsize=8)
+        columns = 3 if len(place) < 3 else 2
+        axes.legend(
+            frameon=False, ncols=columns, loc="lower left", bbox_to_anchor=(0, 1), fontsize=8
+        )
     return text[0]
 
 

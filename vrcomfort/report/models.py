@@ -112,19 +112,19 @@ def _crossover(table: pd.DataFrame, contrast: Contrast) -> Result:
     return asdict(crossover(first, second, a_first))
 
 
-def run_mixed(table: pd.DataFrame, plan: Plan, conditions: list[str], outcome: str) -> Result:
-    """Linear mixed model of every scored exposure, complete participants or not."""
-    return guarded(outcome, lambda: _mixed(points(table, outcome), plan, conditions))
+def run_mixed(table: pd.DataFrame, plan: Plan, reference: str, outcome: str) -> Result:
+    """Linear mixed model of every scored exposure; conditions are compared with `reference`."""
+    return guarded(outcome, lambda: _mixed(points(table, outcome), plan, reference))
 
 
-def _mixed(table: pd.DataFrame, plan: Plan, conditions: list[str]) -> Result:
+def _mixed(table: pd.DataFrame, plan: Plan, reference: str) -> Result:
     factors = [name for name in plan.mixed_model if len(table[name].unique()) > 1]
     left_out: list[str] = []
     while factors:
         try:
             model = mixed_model(
                 table, value="score", participant="participant", factors=factors,
-                references={"condition": conditions[-1]}, confidence=plan.confidence,
+                references={"condition": reference}, confidence=plan.confidence,
             )  # fmt: skip
         except InputError:
             if len(factors) == 1:

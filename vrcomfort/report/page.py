@@ -44,8 +44,33 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         figures={name: inline_svg(svg, name) for name, svg in figures.items()},
         methods=words.methods(results),
         basis=words.basis_sentence(results["score_basis"]),
-        headlines=[words.headline(t, labels) for t in results["tests"]],
+        described=_described(results["tests"]),
+        headlines=[words.headline(t, labels) for t in _most_wanted(results)],
     )
+
+
+MOST_HEADLINES = 8
+
+
+def _most_wanted(results: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the tests to put in sentences: all, or those of the first score if they are many."""
+    tests: list[dict[str, Any]] = results["tests"]
+    if len(tests) <= MOST_HEADLINES:
+        return tests
+    return [test for test in tests if test["outcome"] == results["plan"]["outcomes"][0]]
+
+
+def _described(tests: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return each condition's statistics once per score; differences if there is one contrast."""
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    single = len({(test["a"], test["b"]) for test in tests}) == 1
+    for test in tests:
+        for key, values in (test.get("descriptives") or {}).items():
+            if key != "difference" or single:
+                found.setdefault((test["outcome"], key), values)
+    order = list(dict.fromkeys(test["outcome"] for test in tests))
+    rows = [{"outcome": o, "key": key, "values": v} for (o, key), v in found.items()]
+    return sorted(rows, key=lambda row: order.index(row["outcome"]))
 
 
 def inline_svg(svg: str, name: str) -> str:

@@ -97,12 +97,13 @@ def _models(
     table: pd.DataFrame, plan: Plan, conditions: list[str], contrasts: list[Contrast]
 ) -> dict[str, list[dict[str, Any]]]:
     outcomes = plan.outcomes
+    reference = contrasts[0].b if len(contrasts) == 1 else next(iter(conditions), "")
     several = outcomes if len(conditions) > 2 else ()
     return {
         "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
         "friedman": [run_friedman(table, conditions, outcome) for outcome in several],
         "crossover": [run_crossover(table, c, outcome) for c in contrasts for outcome in outcomes],
-        "mixed_models": [run_mixed(table, plan, conditions, outcome) for outcome in outcomes],
+        "mixed_models": [run_mixed(table, plan, reference, outcome) for outcome in outcomes],
     }
 
 

@@ -42,7 +42,7 @@ def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = F
     if not found or found.get("low") is None:
         return NONE
     write = fraction if bounded else number
-    return f"[{write(found['low'], digits)}, {write(found['high'], digits)}]"
+    return f"[{write(found['low'], digits)},\u00a0{write(found['high'], digits)}]"
 
 
 def degrees(value: float) -> str:

@@ -1,0 +1,81 @@
+"""The cost of each effect as a ratio to the plain frame, with the run's own A/A interval."""
+
+from __future__ import annotations
+
+import time
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.table import Result
+from bench.walk import REFRESH_HZ, SCENES, pairs
+from vrcomfort.headset.base import Frame
+from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.scene_data import Scene
+
+SIZE_PX = (640, 800)
+CONDITIONS = (
+    Condition(name="plain"),
+    Condition(name="plain_again"),
+    Condition(name="depth_of_field", depth_of_field=DepthOfField()),
+    Condition(name="motion_blur", motion_blur=MotionBlur()),
+    Condition(name="both", depth_of_field=DepthOfField(), motion_blur=MotionBlur()),
+)
+
+
+def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
+    """Time every condition on the same frames, in turn, between two `finish` calls."""
+    rows = []
+    for name in SCENES:
+        scene = load_scene(name)
+        seconds = _seconds(ctx, scene, rounds)
+        ratios = seconds / seconds[:, :1]
+        for index, condition in enumerate(CONDITIONS):
+            low, median, high = np.percentile(ratios[:, index], [5, 50, 95])
+            rows.append(
+                {
+                    "scene": name,
+                    "condition": condition.name,
+                    "ms per stereo frame": float(np.median(seconds[:, index]) * 1e3),
+                    "ratio to plain": float(median),
+                    "5 %": float(low),
+                    "95 %": float(high),
+                }
+            )
+    notes = [
+        f"{SIZE_PX[0]}×{SIZE_PX[1]} per eye, {rounds} frames of the shipped walk, the conditions "
+        "in turn on each frame; wall clock between two finish().",
+        "`plain_again` is the A/A interval: the same work as `plain`.",
+        f"Renderer: {ctx.info['GL_RENDERER']}.",
+    ]
+    return Result("Cost of the effects", rows, notes)
+
+
+def _seconds(ctx: moderngl.Context, scene: Scene, rounds: int) -> NDArray[np.float64]:
+    """Return (rounds, conditions) seconds per stereo frame."""
+    renderers = []
+    for condition in CONDITIONS:
+        renderer = StereoRenderer(ctx, SIZE_PX)
+        renderer.begin(scene, condition)
+        renderers.append(renderer)
+    times = [
+        [_frame_seconds(ctx, renderer, pair) for renderer in renderers]
+        for pair in pairs(scene, SIZE_PX, rounds + 1)
+    ]
+    return np.array(times[1:])  # the first frame compiles shaders
+
+
+def _frame_seconds(
+    ctx: moderngl.Context, renderer: StereoRenderer, pair: tuple[Frame, Frame]
+) -> float:
+    before, frame = pair
+    scene_time_s = frame.index / REFRESH_HZ
+    renderer.render(before, scene_time_s - 1 / REFRESH_HZ)
+    ctx.finish()
+    start_s = time.perf_counter()
+    renderer.render(frame, scene_time_s)
+    ctx.finish()
+    return time.perf_counter() - start_s
