@@ -89,6 +89,7 @@ class FrameLoop:
             self._note_events()
             if frame.paused:  # nobody sees it: time that is no exposure
                 self.headset.submit(frame, None)
+                shown_ns += 0 if before_ns is None else frame.period_ns  # the last one seen
                 before_ns = None
                 continue
             now_ns = frame.predicted_display_time_ns
