@@ -113,6 +113,7 @@ class Picture:
     focus_samples: tuple[Sample, ...]
     eyes: tuple[None, None] = (None, None)
     max_blur_px: float | None = 1.5
+    gpu_times: tuple[Any, ...] | None = None
     cpu_ms: float | None = None
 
 

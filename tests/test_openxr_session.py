@@ -54,7 +54,7 @@ class FlatRenderer:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
         self.focus_samples: tuple[Any, ...] = ()
-        self.max_blur_px = self.cpu_ms = None
+        self.max_blur_px = self.cpu_ms = self.gpu_times = None
 
     def begin(self, scene: object, condition: object) -> None:
         """Draw the same whatever is asked for."""

@@ -17,13 +17,14 @@ from vrcomfort.cli.terminal import (
     RefreshRate,
     Seed,
     Size,
+    complain,
     console,
     parse_size,
     progress_bar,
     warn,
 )
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, read_trace_if
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from vrcomfort.respondent import Respondent
     from vrcomfort.session import Outcome, Progress
 
+EXIT_RUNTIME_LOST = 3
 EXIT_ABORTED = 130
 
 Study = Annotated[Path, typer.Option("--out", help="The study folder; made if it is not there.")]
@@ -92,11 +94,16 @@ def run(
     ] = None,
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Take one participant through one session.
 
-    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept.
+    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept, and --resume
+    continues. The exit code is 130 after Ctrl-C, 3 where the headset's runtime went away.
 
     - `vrcomfort run smoke --participant P01 --out my_study`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
@@ -107,6 +114,9 @@ def run(
         parse_size(size or "640x800"), study.headset.ipd_m, read_trace_if(trace, warn), refresh_hz
     )
     live = None
+    number = session or next_session(out, participant)
+    if resume:
+        seed, exposure_s = _as_before(out, participant, number, seed, exposure_s)
     with ExitStack() as owned:
         if headset is HeadsetKind.OPENXR:
             live = owned.enter_context(
@@ -119,9 +129,15 @@ def run(
                 )
             )
         lab = _Lab(study, out, playback, seed, exposure_s, live)
-        numbers = [session] if session else lab.next_session(participant)
         bars = owned.enter_context(_SessionBars(quiet))
-        outcome = lab.run(participant, respondent or lab.usual_respondent, numbers, bars.tell)
+        kind = respondent or lab.usual_respondent
+        try:
+            outcome = lab.run(participant, kind, [number], bars.tell, resume=resume)
+        except RuntimeLostError as error:
+            complain(str(error))
+            raise typer.Exit(EXIT_RUNTIME_LOST) from error
+    for warning in outcome.warnings:
+        warn(warning)
     console(quiet).print(_sentence(outcome, out))
     if outcome.status == "aborted":
         raise typer.Exit(EXIT_ABORTED)
@@ -217,15 +233,14 @@ class _Lab:
         """Return who answers where nothing else is said."""
         return RespondentKind.TERMINAL if self._live is None else RespondentKind.PANEL
 
-    def next_session(self, participant: str) -> list[int]:
-        """Return the number of the first session that is not recorded."""
-        from vrcomfort.records import recorded_sessions
-
-        done = recorded_sessions(self._study, participant)
-        return [next(number for number in range(1, len(done) + 2) if number not in done)]
-
     def run(
-        self, participant: str, kind: RespondentKind, sessions: list[int] | None, tell: Any
+        self,
+        participant: str,
+        kind: RespondentKind,
+        sessions: list[int] | None,
+        tell: Any,
+        *,
+        resume: bool = False,
     ) -> Outcome:
         """Run sessions of one participant."""
         from vrcomfort import session
@@ -247,6 +262,7 @@ class _Lab:
             seed=self._seed,
             sessions=sessions,
             exposure_s=self._exposure_s,
+            resume=resume,
             machine=machine,
             progress=tell,
         )
@@ -264,6 +280,27 @@ class _Lab:
                 )
             return self._live.panel
         return TerminalRespondent(console())
+
+
+def next_session(study: Path, participant: str) -> int:
+    """Return the number of the first session that is not recorded to its end."""
+    from vrcomfort.records import recorded_sessions, unfinished_sessions
+
+    done = set(recorded_sessions(study, participant))
+    done -= set(unfinished_sessions(study, participant))
+    return next(number for number in range(1, len(done) + 2) if number not in done)
+
+
+def _as_before(
+    study: Path, participant: str, session: int, seed: int, exposure_s: float | None
+) -> tuple[int, float | None]:
+    """Return the seed and the exposure of an interrupted session; those given if there is none."""
+    from vrcomfort.records import read_manifest, session_folder, unfinished_sessions
+
+    if session not in unfinished_sessions(study, participant):
+        return seed, exposure_s
+    manifest = read_manifest(session_folder(study, participant, session))
+    return manifest["seed"], exposure_s or manifest["exposure_s"]
 
 
 def _load_scene(source: str) -> Scene:

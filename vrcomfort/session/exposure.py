@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,7 +11,7 @@ from vrcomfort.records import RatingRow
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.diary import Diary
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.parts import Renderer
+from vrcomfort.session.parts import GpuTime, Renderer
 from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]
@@ -73,9 +73,11 @@ class FrameLoop:
         try:
             return self._run(exhibit, schedule, progress)
         finally:
-            if schedule and (rated := schedule.close()):
-                self._record(exhibit, schedule, rated)
-            self.log.finish(self.renderer.drain())
+            try:
+                self.log.finish(self.renderer.drain(), self._late_times())
+            finally:  # a disk that refuses a frame may yet take a rating
+                if schedule and (rated := schedule.close()):
+                    self._record(exhibit, schedule, rated)
 
     def _run(
         self,
@@ -107,9 +109,12 @@ class FrameLoop:
                 return "completed"
         return "headset_ended"
 
+    def _late_times(self) -> Sequence[GpuTime]:
+        return self.renderer.drain_times() if self.log.times_gpu else ()
+
     def _note_events(self) -> None:
         for event in self.headset.take_events():
-            self.diary.event(event.name, detail=event.detail)
+            self.diary.event_soon(event.name, detail=event.detail)
 
     def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
         if self._scene_start_ns is None:
@@ -130,7 +135,7 @@ class FrameLoop:
     def _record(self, exhibit: Exhibit, schedule: RatingSchedule, rated: Rated) -> None:
         """Write a rating; its times are those that were shown."""
         latency_s = None if rated.latency_s is None else rated.latency_s / exhibit.stretch
-        self.diary.recorder.write(
+        self.diary.recorder.write_soon(
             RatingRow(
                 self.diary.participant,
                 self.diary.session,
