@@ -9,7 +9,7 @@ import moderngl
 import xr
 
 from vrcomfort.headset.base import HeadsetEvent
-from vrcomfort.headset.openxr import display
+from vrcomfort.headset.openxr import depth, display
 from vrcomfort.headset.openxr.actions import Actions
 from vrcomfort.headset.openxr.binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.faults import starting
@@ -18,7 +18,14 @@ from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.spaces import Stage
-from vrcomfort.headset.openxr.swapchain import FORMATS, Swapchain, choose_format
+from vrcomfort.headset.openxr.swapchain import (
+    DEPTH_FORMAT,
+    DEPTH_FORMAT_NAME,
+    FORMATS,
+    Canvas,
+    Swapchain,
+    choose_format,
+)
 
 
 class Connection:
@@ -64,16 +71,18 @@ class Connection:
         self, binding: Binding, mirror: Mirror | None, notify: Callable[[HeadsetEvent], None]
     ) -> None:
         self._platform = binding.platform
-        self.runtime = connect(self._settings, binding.extensions)
+        self.runtime = connect(self._settings, binding.extensions, notify)
         self._owned.callback(self.runtime.release)
         create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
         self.session = xr.create_session(self.runtime.instance, create)
         self._owned.callback(xr.destroy_session, self.session)
         self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
         self.stage = Stage(self.session, self._settings.eye_height_m)
-        self._format = choose_format(xr.enumerate_swapchain_formats(self.session))
+        formats = xr.enumerate_swapchain_formats(self.session)
+        self._format = choose_format(formats)
         self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
-        self.eyes = EyeLayer(self._ctx, self.swapchain, self.size_px, mirror)
+        self._no_depth = depth.why_not(self.runtime.extensions, formats)
+        self.eyes = EyeLayer(self._ctx, self.canvas, self.size_px, mirror, self._depth_images())
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
@@ -94,16 +103,27 @@ class Connection:
             "binding": self._platform,
             "space": self.stage.kind,
             "image_format": FORMATS[self._format],
+            "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "eye_tracker": "yes" if self.runtime.has_gaze else "no",
             "extensions": " ".join(sorted(self.runtime.extensions)),
             "left_controller": self.actions.profile(0),
             "right_controller": self.actions.profile(1),
         }
 
-    def swapchain(self, size_px: tuple[int, int]) -> Swapchain:
-        """Make a swapchain in the session's format."""
-        timeout_s = self._settings.image_timeout_s
-        return Swapchain(self._ctx, self.session, size_px, self._format, timeout_s)
+    def canvas(self, size_px: tuple[int, int]) -> Canvas:
+        """Make a ring of images in the session's format."""
+        return Canvas(self._ctx, self._swapchain(size_px, self._format))
+
+    def _depth_images(self) -> depth.DepthImages | None:
+        if not self._settings.depth:
+            self._no_depth = "switched off"
+        if self._no_depth:
+            return None
+        left, right = (self._swapchain(self.size_px, DEPTH_FORMAT) for _ in range(2))
+        return depth.DepthImages(self._ctx, (left, right))
+
+    def _swapchain(self, size_px: tuple[int, int], image_format: int) -> Swapchain:
+        return Swapchain(self.session, size_px, image_format, self._settings.image_timeout_s)
 
     def release(self) -> None:
         """Release everything, newest first; a runtime that is gone keeps nothing."""

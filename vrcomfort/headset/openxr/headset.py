@@ -115,6 +115,21 @@ class OpenXrHeadset:
         with faults.running():
             self._submit(frame, eyes)
 
+    def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
+        """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
+
+        Does nothing where the runtime takes none.
+
+        Parameters
+        ----------
+        depth
+            D32F, reverse-Z: ``near_m / distance``.
+        """
+        images = self._xr.eyes.depth
+        if images is not None and self._open is not None and self._open.should_render:
+            with faults.running():
+                images.draw(eye, depth, near_m)
+
     @property
     def head_pose(self) -> Pose:
         """Return stage-from-head of the last frame."""
@@ -132,7 +147,7 @@ class OpenXrHeadset:
 
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
-        panel = layers.PanelLayer(self._xr.swapchain, size_px, quad, self._panels.remove)
+        panel = layers.PanelLayer(self._xr.canvas, size_px, quad, self._panels.remove)
         self._panels.append(panel)
         return panel
 

@@ -10,6 +10,7 @@ from typing import Any
 import xr
 
 from vrcomfort.errors import InputError
+from vrcomfort.headset.openxr.messages import DEBUG_UTILS, Messenger, Notify
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 
 WANTED_EXTENSIONS = (
@@ -17,6 +18,7 @@ WANTED_EXTENSIONS = (
     xr.EXT_USER_PRESENCE_EXTENSION_NAME,
     xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
     xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
+    xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
     xr.KHR_VISIBILITY_MASK_EXTENSION_NAME,
     xr.EXT_HP_MIXED_REALITY_CONTROLLER_EXTENSION_NAME,
     xr.HTC_VIVE_FOCUS3_CONTROLLER_INTERACTION_EXTENSION_NAME,
@@ -38,11 +40,14 @@ class Runtime:
         OpenXR's handle and number.
     extensions
         Those that are switched on.
+    messenger
+        Brings what API layers say.
     """
 
     instance: xr.Instance
     system: int
     extensions: frozenset[str]
+    messenger: Messenger | None = None
 
     @property
     def name(self) -> str:
@@ -110,7 +115,7 @@ def offered_extensions() -> frozenset[str]:
     return frozenset(each.extension_name.decode() for each in properties)
 
 
-def connect(settings: OpenXrSettings, needed: tuple[str, ...]) -> Runtime:
+def connect(settings: OpenXrSettings, needed: tuple[str, ...], notify: Notify) -> Runtime:
     """Connect to the active runtime and find its headset.
 
     Raises
@@ -125,7 +130,8 @@ def connect(settings: OpenXrSettings, needed: tuple[str, ...]) -> Runtime:
             f"the OpenXR runtime does not offer {', '.join(missing)}, which OpenGL applications "
             "need here; update it, or run in a window with a GLX context"
         )
-    taken = [*needed, *(name for name in WANTED_EXTENSIONS if name in offered)]
+    wanted = (*WANTED_EXTENSIONS, DEBUG_UTILS) if settings.api_layers else WANTED_EXTENSIONS
+    taken = [*needed, *(name for name in wanted if name in offered)]
     instance = xr.create_instance(
         xr.InstanceCreateInfo(
             application_info=xr.ApplicationInfo(
@@ -135,8 +141,9 @@ def connect(settings: OpenXrSettings, needed: tuple[str, ...]) -> Runtime:
             enabled_extension_names=taken,
         )
     )
+    messenger = Messenger(instance, notify) if DEBUG_UTILS in taken else None
     system = _find_headset(instance)
-    return Runtime(instance, system, frozenset(taken))
+    return Runtime(instance, system, frozenset(taken), messenger)
 
 
 def _find_headset(instance: xr.Instance) -> int:

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Quad
 from vrcomfort.headset.openxr.convert import pose_to_xr
-from vrcomfort.headset.openxr.swapchain import Swapchain
+from vrcomfort.headset.openxr.depth import DepthImages
+from vrcomfort.headset.openxr.swapchain import Canvas
 
 Eyes = tuple[moderngl.Texture, moderngl.Texture]
 Layer = Any
-MakeSwapchain = Callable[[tuple[int, int]], Swapchain]
+MakeCanvas = Callable[[tuple[int, int]], Canvas]
 Mirror = Callable[[int, moderngl.Framebuffer], None]
 
 PANEL_FLAGS = (
@@ -33,24 +34,35 @@ class EyeLayer:
     ----------
     ctx
         The context that the session was made with.
-    make_swapchain
-        Makes a swapchain of a size in pixels.
+    make_canvas
+        Makes a canvas of a size in pixels.
     size_px
         (width, height) of one eye's image.
     mirror
         Called with (0 left or 1 right, the image that the runtime is about to get).
+    depth
+        Goes with the images where the frame has it; None where the runtime takes none.
     """
 
     def __init__(
         self,
         ctx: moderngl.Context,
-        make_swapchain: MakeSwapchain,
+        make_canvas: MakeCanvas,
         size_px: tuple[int, int],
         mirror: Mirror | None,
+        depth: DepthImages | None,
     ) -> None:
         self._ctx = ctx
         self._mirror = mirror
-        self._swapchains = make_swapchain(size_px), make_swapchain(size_px)
+        self.depth = depth
+        self._canvases = make_canvas(size_px), make_canvas(size_px)
+        self._views = (xr.CompositionLayerProjectionView * 2)(
+            *(
+                xr.CompositionLayerProjectionView(sub_image=each.sub_image)
+                for each in self._canvases
+            )
+        )
+        self._layer = xr.CompositionLayerProjection(views=self._views)  # made once: hot
         self._sources: dict[int, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
 
     def draw(self, eyes: Eyes) -> None:
@@ -61,30 +73,30 @@ class EyeLayer:
         ValueError
             If an image has not the size that was asked for.
         """
-        for eye, (texture, swapchain) in enumerate(zip(eyes, self._swapchains, strict=True)):
-            if texture.size != swapchain.size_px:
-                raise ValueError(f"image of {texture.size} pixels, wanted {swapchain.size_px}")
+        for eye, (texture, canvas) in enumerate(zip(eyes, self._canvases, strict=True)):
+            if texture.size != canvas.size_px:
+                raise ValueError(f"image of {texture.size} pixels, wanted {canvas.size_px}")
             source = self._source(eye, texture)
-            with swapchain.image() as target:
+            with canvas.image() as target:
                 self._ctx.copy_framebuffer(target, source)
                 if self._mirror is not None:
                     self._mirror(eye, target)
 
     def structure(self, space: xr.Space, views: Any) -> xr.CompositionLayerProjection:
-        """Return the layer, seen from the runtime's own `views`."""
-        projections = [
-            xr.CompositionLayerProjectionView(
-                pose=view.pose, fov=view.fov, sub_image=swapchain.sub_image
-            )
-            for view, swapchain in zip(views, self._swapchains, strict=True)
-        ]
-        return xr.CompositionLayerProjection(space=space, views=projections)
+        """Return the layer, seen from the runtime's own `views`; good until the next call."""
+        depths = (None, None) if self.depth is None else self.depth.take()
+        for projection, view, depth in zip(self._views, views, depths, strict=True):
+            projection.pose, projection.fov, projection._next = view.pose, view.fov, depth
+        self._layer.space = space
+        return self._layer
 
     def release(self) -> None:
         """Release the images."""
         self._sources.clear()
-        for swapchain in self._swapchains:
-            swapchain.release()
+        for canvas in self._canvases:
+            canvas.release()
+        if self.depth is not None:
+            self.depth.release()
 
     def _source(self, eye: int, texture: moderngl.Texture) -> moderngl.Framebuffer:
         """Return a framebuffer to copy from; renderers draw into the same textures each frame."""
@@ -100,8 +112,8 @@ class PanelLayer:
 
     Parameters
     ----------
-    make_swapchain
-        Makes a swapchain of a size in pixels.
+    make_canvas
+        Makes a canvas of a size in pixels.
     size_px
         (width, height) of the picture.
     quad
@@ -112,14 +124,14 @@ class PanelLayer:
 
     def __init__(
         self,
-        make_swapchain: MakeSwapchain,
+        make_canvas: MakeCanvas,
         size_px: tuple[int, int],
         quad: Quad,
         on_hide: Callable[[PanelLayer], None],
     ) -> None:
         self._on_hide = on_hide
         self.quad = quad
-        self._swapchain = make_swapchain(size_px)
+        self._canvas = make_canvas(size_px)
         self._shown: NDArray[np.uint8] | None = None
 
     def draw(self, picture: NDArray[np.uint8]) -> None:
@@ -129,7 +141,7 @@ class PanelLayer:
         """
         if picture is self._shown:
             return
-        with self._swapchain.image() as target:
+        with self._canvas.image() as target:
             cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
         self._shown = picture
 
@@ -140,7 +152,7 @@ class PanelLayer:
         return xr.CompositionLayerQuad(
             layer_flags=PANEL_FLAGS,
             space=space,
-            sub_image=self._swapchain.sub_image,
+            sub_image=self._canvas.sub_image,
             pose=pose_to_xr(self.quad.pose),
             size=xr.Extent2Df(*self.quad.size_m),
         )
@@ -148,7 +160,7 @@ class PanelLayer:
     def hide(self) -> None:
         """Take the panel away, and release its images."""
         self._on_hide(self)
-        self._swapchain.release()
+        self._canvas.release()
 
 
 def end_frame(session: xr.Session, display_time_ns: int, layers: list[Layer]) -> None:

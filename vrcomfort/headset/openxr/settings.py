@@ -19,8 +19,10 @@ class OpenXrSettings:
         Asked of runtimes that can switch; None leaves it as it is.
     eye_height_m
         How far the floor is below the origin where the runtime does not know the floor.
+    depth
+        Give depth to a runtime that can use it (see `openxr.depth`).
     api_layers
-        API layers to switch on, as validation does.
+        API layers to switch on, as validation does; what they say becomes events.
     image_timeout_s
         How long the runtime may take to give back an image before it counts as lost.
     """
@@ -29,5 +31,6 @@ class OpenXrSettings:
     image_size_px: tuple[int, int] | None = None
     refresh_hz: float | None = None
     eye_height_m: float = 1.6
+    depth: bool = True
     api_layers: tuple[str, ...] = ()
     image_timeout_s: float = 5.0
