@@ -2,11 +2,13 @@
 BIN := .venv/bin
 OUT ?= out
 
-.PHONY: help setup demo test check bench scenes clean
+.PHONY: help setup demo test test-openxr runtime check bench scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
 	@echo "make test    the tests"
+	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
+	@echo "make test-openxr the tests that need one, in it"
 	@echo "make check   ruff, mypy --strict, import-linter"
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
 	@echo "make scenes  rebuild the shipped scenes and traces"
@@ -19,6 +21,12 @@ demo: setup
 
 test: setup
 	@$(BIN)/pytest -q -n 2 --dist loadfile
+
+runtime:
+	@scripts/runtime.sh
+
+test-openxr:
+	@scripts/in_runtime.sh pytest -q -m monado
 
 check: setup
 	@$(BIN)/ruff check .

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, View
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent import Exposure, Form, Heard, Withdrew
@@ -82,6 +82,12 @@ class AheadHeadset:
     name: str = "ahead"
     refresh_hz: float = 10.0
     image_size_px: tuple[int, int] = (4, 4)
+    details: dict[str, str] = field(default_factory=dict)
+    events: list[HeadsetEvent] = field(default_factory=list)
+
+    def take_events(self) -> list[HeadsetEvent]:
+        taken, self.events = self.events, []
+        return taken
 
     def frames(self) -> Iterator[Frame]:
         for index in range(self.frames_left):
@@ -107,6 +113,7 @@ class Picture:
     focus_samples: tuple[Sample, ...]
     eyes: tuple[None, None] = (None, None)
     max_blur_px: float | None = 1.5
+    gpu_times: tuple[Any, ...] | None = None
     cpu_ms: float | None = None
 
 

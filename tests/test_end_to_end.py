@@ -14,7 +14,7 @@ from vrcomfort.cli.app import app
 
 pytestmark = pytest.mark.slow
 
-TIMINGS = {"cpu_ms", "gpu_ms"}
+TIMINGS = {"cpu_ms", "gpu_ms", "cpu_median_ms", "cpu_p95_ms", "cpu_p99_ms"}
 TIME_STAMPS = {"started_at", "finished_at", "enrolled_at"}
 
 

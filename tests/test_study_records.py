@@ -56,12 +56,12 @@ def test_the_columns_are_those_of_the_design():
     )
     assert ",".join(QuestionnaireRow.columns()) == (
         "participant,session,period,block,trial,condition,timepoint,instrument,item,"
-        "response,asked_s,answered_s,order"
+        "response,asked_s,answered_s,order,resumed"
     )
     assert ",".join(RatingRow.columns()) == (
-        "participant,session,trial,condition,onset_s,latency_s,instrument,response,missed"
+        "participant,session,trial,condition,onset_s,latency_s,instrument,response,missed,resumed"
     )
-    assert EventRow.columns() == ("onset_s", "duration_s", "name", "detail")
+    assert EventRow.columns() == ("onset_s", "duration_s", "name", "detail", "resumed")
     assert ParticipantRow.columns() == ("participant", "sequence", "status", "enrolled_at", "note")
     columns = FrameRow.columns()
     assert columns[:6] == (
@@ -72,7 +72,7 @@ def test_the_columns_are_those_of_the_design():
     assert columns[26:28] == ("left_fov_left_rad", "left_fov_right_rad")
     assert columns[34] == "avatar_x_m"
     assert columns[40:43] == ("avatar_qw", "focus_m", "focus_raw_m")
-    assert columns[-4:] == ("cpu_ms", "gpu_ms", "dropped", "discontinuity")
+    assert columns[-5:] == ("cpu_ms", "gpu_ms", "dropped", "discontinuity", "resumed")
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 
@@ -100,6 +100,7 @@ def test_rows_are_in_the_file_before_it_is_closed(tmp_path):
         recorder.write(EventRow(0.0, 0.0, "start", 'two\nlines, "quoted"'))
         found = read_rows(recorder.folder / "events.csv")
         recorder.write(frame_row(rays_m=tuple(range(1, 10)), rays_used="011111111"))
+        recorder.flush()
         frames = read_rows(recorder.folder / "frames.csv").rows
     assert found.rows[0]["detail"] == 'two lines, "quoted"'
     assert frames[0]["session_s"] == repr(0.1 + 0.2)

@@ -1,4 +1,4 @@
-"""The one exception that tells a user what is wrong with what they gave us."""
+"""The exceptions that tell a user what is wrong with what they gave us, or what went away."""
 
 from __future__ import annotations
 
@@ -34,3 +34,7 @@ class InputError(ValueError):
         if column is not None:
             place.append(f"column {column}")
         super().__init__(f"{', '.join(place)}: {message}" if place else message)
+
+
+class RuntimeLostError(InputError):
+    """The headset's runtime went away in the middle of a session; what was recorded stays."""

@@ -10,27 +10,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
     ProtocolArgument,
     Quiet,
     RefreshRate,
     Seed,
     Size,
+    complain,
     console,
     parse_size,
     progress_bar,
     warn,
 )
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, open_trace
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
+    from vrcomfort.cli.live import LiveLab
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.scene_data import Scene
     from vrcomfort.respondent import Respondent
     from vrcomfort.session import Outcome, Progress
 
+EXIT_RUNTIME_LOST = 3
 EXIT_ABORTED = 130
 
 Study = Annotated[Path, typer.Option("--out", help="The study folder; made if it is not there.")]
@@ -46,6 +51,7 @@ class HeadsetKind(StrEnum):
     """Headsets that a session can run on."""
 
     PLAYBACK = "playback"
+    OPENXR = "openxr"
 
 
 class RespondentKind(StrEnum):
@@ -53,6 +59,7 @@ class RespondentKind(StrEnum):
 
     SIMULATED = "simulated"
     TERMINAL = "terminal"
+    PANEL = "panel"
 
 
 def register(app: typer.Typer) -> None:
@@ -67,34 +74,73 @@ def run(
     out: Study,
     headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK,
     trace: TraceOption = None,
+    monado_trace: Annotated[
+        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+    ] = None,
+    monado_answers: Annotated[
+        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
+    ] = None,
     respondent: Annotated[
-        RespondentKind, typer.Option(help="Who answers.")
-    ] = RespondentKind.TERMINAL,
+        RespondentKind | None,
+        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
+    ] = None,
     session: Annotated[
         int | None, typer.Option(help="Session number; without it, the next one.", min=1)
     ] = None,
     seed: Seed = 0,
-    size: Size = "640x800",
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
+    ] = None,
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Take one participant through one session.
 
-    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept.
+    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept, and --resume
+    continues. The exit code is 130 after Ctrl-C, 3 where the headset's runtime went away.
 
     - `vrcomfort run smoke --participant P01 --out my_study`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr`
     """
-    del headset  # one kind so far
     study = load_protocol(protocol)
     playback = PlaybackIn(
-        parse_size(size), study.headset.ipd_m, open_trace(trace) if trace else None, refresh_hz
+        parse_size(size or "640x800"),
+        study.headset.ipd_m,
+        open_trace(trace) if trace else None,
+        refresh_hz,
     )
-    lab = _Lab(study, out, playback, seed, exposure_s)
-    numbers = [session] if session else lab.next_session(participant)
-    with _SessionBars(quiet) as bars:
-        outcome = lab.run(participant, respondent, numbers, bars.tell)
+    live = None
+    number = session or next_session(out, participant)
+    if resume:
+        seed, exposure_s = _as_before(out, participant, number, seed, exposure_s)
+    with ExitStack() as owned:
+        if headset is HeadsetKind.OPENXR:
+            live = owned.enter_context(
+                live_lab(
+                    study,
+                    size_px=parse_size(size) if size else None,
+                    refresh_hz=refresh_hz,
+                    monado_trace=monado_trace,
+                    answers=monado_answers,
+                )
+            )
+        lab = _Lab(study, out, playback, seed, exposure_s, live)
+        bars = owned.enter_context(_SessionBars(quiet))
+        kind = respondent or lab.usual_respondent
+        try:
+            outcome = lab.run(participant, kind, [number], bars.tell, resume=resume)
+        except RuntimeLostError as error:
+            complain(str(error))
+            raise typer.Exit(EXIT_RUNTIME_LOST) from error
+    for warning in outcome.warnings:
+        warn(warning)
     console(quiet).print(_sentence(outcome, out))
     if outcome.status == "aborted":
         raise typer.Exit(EXIT_ABORTED)
@@ -172,24 +218,32 @@ class _Lab:
         playback: PlaybackIn,
         seed: int,
         exposure_s: float | None,
+        live: LiveLab | None = None,
     ) -> None:
         self._protocol = protocol
         self._study = study
         self._playback = playback
         self._seed = seed
         self._exposure_s = exposure_s
+        self._live = live
         self._rendering: tuple[StereoRenderer, Machine] | None = None
+        if live is not None:
+            self._rendering = live.renderer, live.machine
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
-    def next_session(self, participant: str) -> list[int]:
-        """Return the number of the first session that is not recorded."""
-        from vrcomfort.records import recorded_sessions
-
-        done = recorded_sessions(self._study, participant)
-        return [next(number for number in range(1, len(done) + 2) if number not in done)]
+    @property
+    def usual_respondent(self) -> RespondentKind:
+        """Return who answers where nothing else is said."""
+        return RespondentKind.TERMINAL if self._live is None else RespondentKind.PANEL
 
     def run(
-        self, participant: str, kind: RespondentKind, sessions: list[int] | None, tell: Any
+        self,
+        participant: str,
+        kind: RespondentKind,
+        sessions: list[int] | None,
+        tell: Any,
+        *,
+        resume: bool = False,
     ) -> Outcome:
         """Run sessions of one participant."""
         from vrcomfort import session
@@ -204,13 +258,14 @@ class _Lab:
             participant,
             study=self._study,
             load_scene=self._load_scene,
-            headset_for=self._playback,
+            headset_for=self._live.headset_for if self._live else self._playback,
             renderer=renderer,
             respondent=self._respondent(kind, participant),
             clock=session.VirtualClock() if simulated else session.WallClock(),
             seed=self._seed,
             sessions=sessions,
             exposure_s=self._exposure_s,
+            resume=resume,
             machine=machine,
             progress=tell,
         )
@@ -221,7 +276,34 @@ class _Lab:
         if kind is RespondentKind.SIMULATED:
             settings = self._protocol.simulation
             return SimulatedRespondent(settings, participant=participant, seed=self._seed)
+        if kind is RespondentKind.PANEL:
+            if self._live is None:
+                raise InputError(
+                    "--respondent panel needs a headset to answer in: --headset openxr"
+                )
+            return self._live.panel
         return TerminalRespondent(console())
+
+
+def next_session(study: Path, participant: str) -> int:
+    """Return the number of the first session that is not recorded to its end."""
+    from vrcomfort.records import recorded_sessions, unfinished_sessions
+
+    done = set(recorded_sessions(study, participant))
+    done -= set(unfinished_sessions(study, participant))
+    return next(number for number in range(1, len(done) + 2) if number not in done)
+
+
+def _as_before(
+    study: Path, participant: str, session: int, seed: int, exposure_s: float | None
+) -> tuple[int, float | None]:
+    """Return the seed and the exposure of an interrupted session; those given if there is none."""
+    from vrcomfort.records import read_manifest, session_folder, unfinished_sessions
+
+    if session not in unfinished_sessions(study, participant):
+        return seed, exposure_s
+    manifest = read_manifest(session_folder(study, participant, session))
+    return manifest["seed"], exposure_s or manifest["exposure_s"]
 
 
 def _load_scene(source: str) -> Scene:

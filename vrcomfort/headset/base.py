@@ -32,6 +32,9 @@ class Frame:
         False where nobody sees the frame.
     discontinuity
         True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    paused
+        True where the participant sees nothing of it (headset taken off or asleep): time that
+        does not count as exposure.
     """
 
     index: int
@@ -42,6 +45,23 @@ class Frame:
     avatar_pose: Pose
     should_render: bool = True
     discontinuity: bool = False
+    paused: bool = False
+
+
+@dataclass(frozen=True)
+class HeadsetEvent:
+    """Something that happened to the headset, for the record.
+
+    Parameters
+    ----------
+    name
+        In ``snake_case``: ``session_state``, ``tracking_lost``, ``recentered`` ...
+    detail
+        What it changed to, in words.
+    """
+
+    name: str
+    detail: str = ""
 
 
 class Headset(Protocol):
@@ -59,8 +79,15 @@ class Headset(Protocol):
     def image_size_px(self) -> tuple[int, int]:
         """Return (width, height) of one eye's image."""
 
+    @property
+    def details(self) -> dict[str, str]:
+        """Return what else the manifest should know: runtime, tracked space, image format ..."""
+
     def frames(self) -> Iterator[Frame]:
         """Yield frames until the headset (or its trace) ends; each must be submitted."""
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
         """Show the two images (linear sRGB already tone-mapped, RGBA8), or nothing for `None`."""
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call: taken off, tracking lost, recentered ..."""

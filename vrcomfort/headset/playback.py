@@ -15,7 +15,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.pose_track import PoseTrack, Times
 from vrcomfort.headset.trace import Trace
 
@@ -104,6 +104,11 @@ class PlaybackHeadset:
         return self._size_px
 
     @property
+    def details(self) -> dict[str, str]:
+        """Return nothing more: the trace and the settings say it all."""
+        return {}
+
+    @property
     def ipd_m(self) -> float:
         """Return the distance between the eyes (of the first sample, where they are recorded)."""
         if self._trace.eyes is None:
@@ -132,6 +137,10 @@ class PlaybackHeadset:
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
         """Take the images and show them to nobody."""
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return nothing: to a trace nothing happens."""
+        return []
 
     def _schedule(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
         if self._rate is None:

@@ -127,6 +127,8 @@ class Protocol(Settings):
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     break_s: NotNegative = 0.0
     """Rest between two exposures of a session."""
+    max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
+    """Share of dropped frames above which a trial is flagged; its data stay as they are."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
     conditions: Annotated[tuple[Condition, ...], Field(min_length=1)]

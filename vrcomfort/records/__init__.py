@@ -1,6 +1,7 @@
 """What a study leaves on disk: row types (their fields are the CSV columns), recorder, reader."""
 
-from vrcomfort.records.manifest import Machine, Manifest
+from vrcomfort.records.interrupted import Interrupted, take_up
+from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.reader import Rows, read_rows
 from vrcomfort.records.recorder import Recorder, session_folder
 from vrcomfort.records.rows import (
@@ -10,20 +11,24 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TimingRow,
     TrialRow,
 )
 from vrcomfort.records.study import (
     completed_sessions,
     enrol,
+    only_run,
     open_study,
     read_participants,
     recorded_sessions,
     set_status,
+    unfinished_sessions,
 )
 
 __all__ = [
     "EventRow",
     "FrameRow",
+    "Interrupted",
     "Machine",
     "Manifest",
     "ParticipantRow",
@@ -32,13 +37,19 @@ __all__ = [
     "Recorder",
     "Row",
     "Rows",
+    "TimingRow",
     "TrialRow",
     "completed_sessions",
     "enrol",
+    "facts_of_run",
+    "only_run",
     "open_study",
+    "read_manifest",
     "read_participants",
     "read_rows",
     "recorded_sessions",
     "session_folder",
     "set_status",
+    "take_up",
+    "unfinished_sessions",
 ]

@@ -10,6 +10,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.recorder import replace_text
 
@@ -49,6 +50,16 @@ class Manifest:
         What was shown: the protocol's, or the override.
     clamps
         Every clamp that touched the stimulus, one sentence each.
+    earlier_runs
+        The same facts about each run of the session that was interrupted, in order.
+    timing_flags
+        Trials that dropped more frames than the protocol allows, one sentence each.
+    frames_not_recorded
+        Frames of this run without a row in ``frames.csv``: the disk was too slow.
+    under_way
+        Trial, attempt and start of the exposure that has begun and not ended.
+    memory
+        What the respondent was like at the last boundary between exposures; None when done.
     """
 
     participant: str
@@ -64,6 +75,11 @@ class Manifest:
     status: str = "running"
     finished_at: str | None = None
     clamps: list[str] = field(default_factory=list)
+    earlier_runs: list[dict[str, Any]] = field(default_factory=list)
+    timing_flags: list[str] = field(default_factory=list)
+    frames_not_recorded: int = 0
+    under_way: dict[str, Any] | None = None
+    memory: dict[str, Any] | None = None
 
     def write(self, folder: Path) -> None:
         """Write ``manifest.json`` as a whole.
@@ -92,6 +108,8 @@ class Manifest:
             "exposure_s": self.exposure_s,
             "exposure_override_s": self.exposure_s if overridden else None,
             "clamps": self.clamps,
+            "timing_flags": self.timing_flags,
+            "frames_not_recorded": self.frames_not_recorded,
             **asdict(self.machine),
             "versions": versions(),
             "protocol": {
@@ -101,7 +119,45 @@ class Manifest:
                 "text": protocol.text,
             },
             "settings": protocol.model_dump(mode="json"),
+            "earlier_runs": self.earlier_runs,
+            "under_way": self.under_way,
+            "memory": self.memory,
         }
+
+
+_OF_THE_SESSION = (
+    "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
+    "settings", "timing_flags", "earlier_runs", "under_way", "memory",
+)  # fmt: skip
+
+
+def facts_of_run(content: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what belongs to one run alone of a manifest that another run takes over.
+
+    A run that had no time to write how it ended was killed.
+    """
+    facts = {key: value for key, value in content.items() if key not in _OF_THE_SESSION}
+    return facts | {"status": "killed"} if facts.get("status") == "running" else facts
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """Return the content of a session's ``manifest.json``.
+
+    Raises
+    ------
+    InputError
+        If it is not there, or damaged.
+    """
+    file = folder / "manifest.json"
+    try:
+        content = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"cannot read: {error.strerror}", file=file) from error
+    except ValueError as error:
+        raise InputError("this manifest is damaged; restore it", file=file) from error
+    if not isinstance(content, dict):
+        raise InputError("this manifest is damaged; restore it", file=file)
+    return content
 
 
 def versions() -> dict[str, str]:

@@ -6,22 +6,29 @@ import csv
 import io
 import os
 from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
     QuestionnaireRow,
     RatingRow,
     Row,
+    TimingRow,
     TrialRow,
     cell_text,
 )
 
-_SESSION_ROWS: tuple[type[Row], ...] = (TrialRow, QuestionnaireRow, RatingRow, FrameRow, EventRow)
+SESSION_ROWS: tuple[type[Row], ...] = (
+    TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
+)  # fmt: skip
+_SYNCED = (QuestionnaireRow, TrialRow)
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -29,22 +36,55 @@ def session_folder(study: Path, participant: str, session: int) -> Path:
     return study / f"sub-{participant}" / f"ses-{session}"
 
 
+@dataclass
+class _Gap:
+    """Frames that came faster than they could be written."""
+
+    start_s: float
+    end_s: float
+    rows: int = 0
+
+
 class Recorder:
     """The open CSV files of one session; a context manager.
 
-    Every row is flushed when it is written; rows of questionnaires are on the disk (fsync) when
-    `write` returns.
+    A thread writes, and flushes every row. `write` returns when its rows are in their files, and
+    rows of questionnaires and trials on the disk (fsync); but it never waits for a row of a frame,
+    nor does `write_soon` for any row. Where the disk is so slow that `capacity` rows wait, rows of
+    frames (and only these) are left out, counted, and told in ``events.csv``.
+
+    Parameters
+    ----------
+    resumed
+        Append to the files of a session that was interrupted (see `take_up`), and mark the rows.
+
+    Attributes
+    ----------
+    frames_not_recorded
+        Frames that were left out.
 
     Raises
     ------
     InputError
-        If the session has been recorded before, or the disk refuses a file or a row.
+        If the session has been recorded before, or the disk refuses a file or a row; a row that
+        nobody waited for is told by the next call.
     """
 
-    def __init__(self, study: Path, participant: str, session: int) -> None:
+    def __init__(
+        self,
+        study: Path,
+        participant: str,
+        session: int,
+        *,
+        resumed: bool = False,
+        capacity: int = CAPACITY,
+    ) -> None:
         self.folder = session_folder(study, participant, session)
+        self.frames_not_recorded = 0
+        self._resumed = resumed
         self._files: dict[str, io.TextIOWrapper] = {}
-        if self.folder.exists() and any(self.folder.iterdir()):
+        self._gap: _Gap | None = None
+        if not resumed and self.folder.exists() and any(self.folder.iterdir()):
             message = f"session {session} of {participant} has been recorded and is never"
             raise InputError(
                 f"{message} overwritten; choose another participant, session or study folder",
@@ -52,49 +92,112 @@ class Recorder:
             )
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            for row_type in _SESSION_ROWS:
+            for row_type in SESSION_ROWS:
                 self._open(row_type)
         except OSError as error:
-            self.close()
-            raise _refused(self.folder, error) from error
+            self._close_files()
+            raise refused(self.folder, error) from error
+        self._background = BackgroundWriter(self._append, capacity=capacity)
 
     def _open(self, row_type: type[Row]) -> None:
-        stream = (self.folder / row_type.FILE).open("x", encoding="utf-8", newline="")
+        file = self.folder / row_type.FILE
+        old = self._resumed and file.exists()
+        stream = file.open("a" if old else "x", encoding="utf-8", newline="")
         self._files[row_type.FILE] = stream
-        stream.write(csv_line(row_type.columns()))
-        stream.flush()
+        if not old:
+            stream.write(csv_line(row_type.columns()))
+            stream.flush()
 
     def write(self, *rows: Row) -> None:
-        """Append rows and flush them; rows of one call may belong to different files.
+        """Append rows; rows of one call may belong to different files.
 
         Raises
         ------
         InputError
             If the disk is full or refuses; rows written before are kept.
         """
+        self.write_soon(*rows)
+        if not all(isinstance(row, FrameRow) for row in rows):
+            self.flush()
+        for kind in _SYNCED:
+            if any(isinstance(row, kind) for row in rows):
+                self._sync(kind.FILE)
+
+    def write_soon(self, *rows: Row) -> None:
+        """Append rows without waiting: what happens between two frames."""
         for row in rows:
-            try:
-                stream = self._files[row.FILE]
-                stream.write(csv_line(map(cell_text, row.cells())))
-                stream.flush()
-            except OSError as error:
-                raise _refused(self.folder / row.FILE, error) from error
-        if any(isinstance(row, QuestionnaireRow) for row in rows):
-            self._sync(QuestionnaireRow.FILE)
+            if isinstance(row, FrameRow):
+                self._offer(row)
+            else:
+                self._background.put(row)
+        self._background.check()  # not before: no row may be lost to the fault of another
+
+    def flush(self) -> None:
+        """Wait until everything is in its file.
+
+        Raises
+        ------
+        InputError
+            If the disk refused a row since the last call.
+        """
+        self._tell_gap()
+        self._background.finish()
+
+    def _offer(self, row: FrameRow) -> None:
+        if self._background.offer(row):
+            self._tell_gap()
+            return
+        self._gap = self._gap or _Gap(row.session_s, row.session_s)
+        self._gap.end_s = row.session_s
+        self._gap.rows += 1
+        self.frames_not_recorded += 1
+
+    def _tell_gap(self) -> None:
+        gap, self._gap = self._gap, None
+        if gap is not None:
+            detail = f"{gap.rows} frames: the disk is too slow; they are shown, but have no row"
+            length_s = round(gap.end_s - gap.start_s, 9)
+            self._background.put(EventRow(gap.start_s, length_s, "frames_not_recorded", detail))
+
+    def _append(self, row: Row) -> None:
+        try:
+            stream = self._files[row.FILE]
+            cells = list(row.cells())
+            if self._resumed:
+                cells[row.columns().index("resumed")] = 1
+            stream.write(csv_line(map(cell_text, cells)))
+            stream.flush()
+        except OSError as error:
+            raise refused(self.folder / row.FILE, error) from error
 
     def _sync(self, name: str) -> None:
         try:
             os.fsync(self._files[name].fileno())
         except OSError as error:
-            raise _refused(self.folder / name, error) from error
+            raise refused(self.folder / name, error) from error
 
     def close(self) -> None:
-        """Close all files. Rows are flushed one by one, so a full disk has been told before."""
-        for stream in self._files.values():
+        """Write what waits and close all files.
+
+        Raises
+        ------
+        InputError
+            If the disk refused a row since the last call.
+        """
+        if not self._files:
+            return
+        try:
+            self._tell_gap()
+        finally:
             try:
+                self._background.close()
+            finally:
+                self._close_files()
+
+    def _close_files(self) -> None:
+        for stream in self._files.values():
+            with suppress(OSError):  # rows are flushed one by one: a full disk has been told
                 stream.close()
-            except OSError:
-                continue
         self._files.clear()
 
     def __enter__(self) -> Self:
@@ -106,7 +209,11 @@ class Recorder:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.close()
+        if error is None:
+            self.close()
+            return
+        with suppress(InputError):  # the first error is the one to tell
+            self.close()
 
 
 def csv_line(cells: Iterable[str]) -> str:
@@ -132,9 +239,10 @@ def replace_text(file: Path, text: str) -> None:
             os.fsync(stream.fileno())
         draft.replace(file)
     except OSError as error:
-        raise _refused(file, error) from error
+        raise refused(file, error) from error
 
 
-def _refused(file: Path, error: OSError) -> InputError:
+def refused(file: Path, error: OSError) -> InputError:
+    """Return the error for a disk that does not take what is written."""
     reason = error.strerror or type(error).__name__
     return InputError(f"cannot write: {reason}; what was written before is kept", file=file)

@@ -64,7 +64,12 @@ class TrialRow(_FlatRow):
     status
         completed, withdrawn (by the participant), stopped (by the stop rule), or aborted.
     abort_code
-        Blank, or participant, rating, operator, headset_ended, error.
+        Blank, or participant, rating, operator, headset_ended, runtime_lost, error, or killed (the
+        program ended without a word; the row was written when the session was resumed).
+    attempt
+        1, and one more each time that the exposure was begun again.
+    resumed
+        1 in every row, of every file, written after the session was resumed.
     dropped
         Frames whose interval exceeded 1.2 × the frame period.
     """
@@ -113,6 +118,7 @@ class QuestionnaireRow(_FlatRow):
     asked_s: float
     answered_s: float
     order: int
+    resumed: int = 0
 
 
 @dataclass(frozen=True)
@@ -129,6 +135,7 @@ class RatingRow(_FlatRow):
     instrument: str
     response: int | None
     missed: int
+    resumed: int = 0
 
 
 @dataclass(frozen=True)
@@ -140,6 +147,50 @@ class EventRow(_FlatRow):
     duration_s: float
     name: str
     detail: str = ""
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
+class TimingRow(_FlatRow):
+    """How regularly the frames of one attempt at a trial came, and what they cost.
+
+    Parameters
+    ----------
+    frames, dropped, dropped_percent
+        As in ``trials.csv``, and their ratio.
+    interval_*
+        Times between two frames that followed each other, by their predicted display times.
+    cpu_*, gpu_*
+        Of the frames that were rendered; blank where the GPU is not timed.
+    flagged
+        1 where more was dropped than the protocol's `max_dropped_percent`.
+
+    Notes
+    -----
+    Percentiles are nearest ranks (the smallest value that so many percent do not exceed) of
+    values rounded to 0.01 ms.
+    """
+
+    FILE: ClassVar[str] = "timing.csv"
+    participant: str
+    session: int
+    trial: int
+    condition: str
+    attempt: int
+    frames: int
+    dropped: int
+    dropped_percent: float | None
+    interval_median_ms: float | None
+    interval_p95_ms: float | None
+    interval_p99_ms: float | None
+    cpu_median_ms: float | None
+    cpu_p95_ms: float | None
+    cpu_p99_ms: float | None
+    gpu_median_ms: float | None
+    gpu_p95_ms: float | None
+    gpu_p99_ms: float | None
+    flagged: int
+    resumed: int = 0
 
 
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
@@ -186,6 +237,7 @@ class FrameRow:
     gpu_ms: float | None = None
     dropped: int = 0
     discontinuity: bool = False
+    resumed: int = 0
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
@@ -193,7 +245,7 @@ class FrameRow:
         when = ("session_s", "xr_time_ns", "period_ns", "trial", "should_render")
         focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
         costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped")
-        return (*when, *POSE_COLUMNS, *focus, *costs, "discontinuity")
+        return (*when, *POSE_COLUMNS, *focus, *costs, "discontinuity", "resumed")
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -219,6 +271,7 @@ class FrameRow:
             self.gpu_ms,
             self.dropped,
             int(self.discontinuity),
+            self.resumed,
         ]
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,6 +13,8 @@ from pathlib import Path
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
+from vrcomfort.records.lock import in_turn, only_program
+from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.reader import read_rows
 from vrcomfort.records.recorder import csv_line, replace_text, session_folder
 from vrcomfort.records.rows import ParticipantRow, cell_text
@@ -100,30 +104,42 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     InputError
         If the name cannot be part of a file name, or they have withdrawn or been excluded.
     """
+    check_name(participant)
+    with _changing_participants(study):
+        rows = read_participants(study)
+        for row in rows:
+            if row.participant == participant:
+                if row.status in {"withdrawn", "excluded"}:
+                    raise InputError(f"participant {participant} is {row.status} from this study")
+                return row
+        sequence = design.assign(Enrolment(row.sequence, row.status) for row in rows)
+        row = ParticipantRow(participant, sequence.name, "enrolled", now())
+        _write_participants(study, [*rows, row])
+    return row
+
+
+def check_name(participant: str) -> None:
+    """Raise `InputError` if a name cannot be part of a file name."""
     if not re.fullmatch(r"[A-Za-z0-9]+", participant):
         raise InputError(f"participant `{participant}`: use letters and digits only")
-    rows = read_participants(study)
-    for row in rows:
-        if row.participant == participant:
-            if row.status in {"withdrawn", "excluded"}:
-                raise InputError(f"participant {participant} is {row.status} from this study")
-            return row
-    sequence = design.assign(Enrolment(row.sequence, row.status) for row in rows)
-    row = ParticipantRow(participant, sequence.name, "enrolled", now())
-    _write_participants(study, [*rows, row])
-    return row
+
+
+def _changing_participants(study: Path) -> AbstractContextManager[None]:
+    """Two participants may be run at once; their rows are written one after the other."""
+    return in_turn(study / ".participants.lock")
 
 
 def set_status(study: Path, participant: str, status: str, note: str = "") -> None:
     """Change a participant's status; notes are added to those before."""
-    rows = []
-    for row in read_participants(study):
-        if row.participant == participant:
-            notes = "; ".join(filter(None, [row.note, note]))
-            rows.append(replace(row, status=status, note=notes))
-        else:
-            rows.append(row)
-    _write_participants(study, rows)
+    with _changing_participants(study):
+        rows = read_participants(study)
+        changed = [
+            replace(row, status=status, note="; ".join(filter(None, [row.note, note])))
+            if row.participant == participant
+            else row
+            for row in rows
+        ]
+        _write_participants(study, changed)
 
 
 def recorded_sessions(study: Path, participant: str) -> list[int]:
@@ -135,19 +151,43 @@ def recorded_sessions(study: Path, participant: str) -> list[int]:
 
 def completed_sessions(study: Path, participant: str) -> list[int]:
     """Return the numbers of a participant's sessions whose manifest says completed."""
+    return _sessions(study, participant, lambda status: status == "completed")
+
+
+def unfinished_sessions(study: Path, participant: str) -> list[int]:
+    """Return the numbers of a participant's sessions that were interrupted, whatever did it."""
+    return _sessions(study, participant, lambda status: status not in _FINISHED)
+
+
+_FINISHED = {"completed", "withdrawn"}
+
+
+def _sessions(study: Path, participant: str, wanted: Callable[[str | None], bool]) -> list[int]:
     return [
         number
         for number in recorded_sessions(study, participant)
-        if _manifest_status(session_folder(study, participant, number)) == "completed"
+        if wanted(_manifest_status(session_folder(study, participant, number)))
     ]
 
 
 def _manifest_status(folder: Path) -> str | None:
     try:
-        content = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        return read_manifest(folder).get("status")
+    except InputError:
         return None
-    return content.get("status") if isinstance(content, dict) else None
+
+
+def only_run(study: Path, participant: str) -> AbstractContextManager[None]:
+    """Return a lock that lets one program at a time run a participant.
+
+    Raises
+    ------
+    InputError
+        On entering, if another program runs this participant; or for a name that no folder has.
+    """
+    check_name(participant)
+    file = session_folder(study, participant, 1).with_name("lock")
+    return only_program(file, doing=f"participant {participant} is being run")
 
 
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:

@@ -10,6 +10,7 @@ import moderngl
 from vrcomfort.geometry import Pose, View
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.focus import FocusSample
+from vrcomfort.render.gpu_timer import GpuTime
 
 
 class FrameToRender(Protocol):
@@ -75,6 +76,8 @@ class RenderedFrame:
         Names of the passes that ran.
     cpu_ms
         Wall time of this call.
+    gpu_times
+        Those of earlier frames that have arrived; None where the GPU is not timed.
     """
 
     eyes: tuple[moderngl.Texture, moderngl.Texture]
@@ -84,3 +87,4 @@ class RenderedFrame:
     triangles: int
     passes: tuple[str, ...]
     cpu_ms: float
+    gpu_times: tuple[GpuTime, ...] | None = None

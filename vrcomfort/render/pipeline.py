@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import moderngl
@@ -24,9 +25,11 @@ from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
 from vrcomfort.render.focus import FocusSample
 from vrcomfort.render.frames import EyeImages, FrameToRender, RenderedFrame
+from vrcomfort.render.gpu_timer import GpuTime, GpuTimer, make_gpu_timer
 from vrcomfort.render.plan import PlannedPass, plan_passes
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.render.warm_up import looks_around
 
 __all__ = [
     "EyeImages",
@@ -75,15 +78,25 @@ class StereoRenderer:
         self._near_m = near_m
         self._passes: ConditionPasses | None = None
         self._before: _Before | None = None
+        self._timer: GpuTimer | None = None
 
     def begin(self, scene: Scene, condition: Condition) -> None:
-        """Build the passes that `condition` needs in `scene`; those of before are released."""
+        """Build the passes that `condition` needs in `scene`; those of before are released.
+
+        Drivers compile when something is first drawn, so two frames are drawn that nobody sees.
+        """
         self.release()
         self._scene = scene
         self._condition = condition
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
         )
+        for frame in looks_around(scene.spawn):
+            self._draw(frame, 0.0, None)
+        self.drain()
+        self._before = None
+        self.ctx.finish()
+        self._timer = make_gpu_timer(self.ctx)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""
@@ -109,6 +122,18 @@ class StereoRenderer:
         on_eye
             Called after each eye (0 left, 1 right) with its textures, for files and measurements.
         """
+        if self._timer is None:
+            return self._draw(frame, scene_time_s, on_eye)
+        with self._timer.frame(frame.index):
+            rendered = self._draw(frame, scene_time_s, on_eye)
+        return replace(rendered, gpu_times=self._timer.arrived())
+
+    def _draw(
+        self,
+        frame: FrameToRender,
+        scene_time_s: float,
+        on_eye: Callable[[int, EyeImages], None] | None,
+    ) -> RenderedFrame:
         start_s = time.perf_counter()
         passes = self._built()
         passes.scene.gpu.draws = 0
@@ -144,10 +169,15 @@ class StereoRenderer:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""
         return self._built().clamps()
 
+    def drain_times(self) -> tuple[GpuTime, ...]:
+        """Return the GPU times that are still on their way (this waits for the GPU)."""
+        return () if self._timer is None else self._timer.drain()
+
     def release(self) -> None:
         """Let go of everything on the GPU; `begin` may follow."""
         self._passes = None
         self._before = None
+        self._timer = None
 
     def _built(self) -> ConditionPasses:
         if self._passes is None:

@@ -49,12 +49,21 @@ Moment = tuple[str, str, str, str]
 
 @dataclass(frozen=True)
 class _Baselines:
-    """Answers before exposure, by the moment they belong to."""
+    """Answers before exposure, by the moment they belong to, and the run of the session.
 
-    by_moment: dict[Moment, dict[str, int]]
+    Each run of a session that was interrupted began with a baseline of its own; None where that
+    is incomplete.
+    """
+
+    by_moment: dict[Moment, dict[int, dict[str, int] | None]]
 
     def of(self, sheet: Sheet) -> dict[str, int] | None:
         """Return the baseline nearest to a questionnaire: of its exposure, session, or study."""
+        runs = self._nearest(sheet)
+        before = [run for run in runs if run <= sheet.run]
+        return runs[max(before)] if before else None
+
+    def _nearest(self, sheet: Sheet) -> dict[int, dict[str, int] | None]:
         person, number, condition = sheet.participant, _number(sheet), sheet.condition
         keys = (
             (person, session, exposure, name)
@@ -62,7 +71,7 @@ class _Baselines:
             for exposure in dict.fromkeys((number, ""))
             for name in dict.fromkeys((condition, ""))
         )
-        return next((self.by_moment[key] for key in keys if key in self.by_moment), None)
+        return next((self.by_moment[key] for key in keys if key in self.by_moment), {})
 
 
 def score_exposures(study: StudyData, plan: Plan) -> Exposures:
@@ -72,9 +81,10 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     """
     excluded: list[dict[str, str]] = []
     kept = _kept_by_the_experimenter(study)
-    sheets = [s for s in kept if s.timepoint in _timepoints(plan)]
+    asked = [s for s in kept if s.timepoint in _timepoints(plan)]
+    sheets = _last_runs(asked, plan, excluded)
     whole = [s for s in sheets if _is_whole(s, excluded)]
-    baselines = _baselines(whole, plan)
+    baselines = _baselines([s for s in sheets if s.run or _answers_all(s)], plan)
     has_baseline = any(s.timepoint == plan.baseline_timepoint for s in kept)
     after = [s for s in whole if s.timepoint != plan.baseline_timepoint]
     facts = _facts(study, plan)
@@ -102,17 +112,38 @@ def _timepoints(plan: Plan) -> set[str]:
     return {plan.baseline_timepoint, plan.exposure_timepoint, plan.recovery_timepoint}
 
 
+def _last_runs(sheets: list[Sheet], plan: Plan, excluded: list[dict[str, str]]) -> list[Sheet]:
+    """Leave out what was asked again later; but each run of a session needs its baseline."""
+    last: dict[tuple[str, ...], int] = {}
+    for sheet in sheets:
+        moment = (*_moment(sheet), sheet.timepoint)
+        last[moment] = max(sheet.run, last.get(moment, 0))
+
+    def counts(sheet: Sheet) -> bool:
+        is_last = sheet.run == last[*_moment(sheet), sheet.timepoint]
+        return is_last or sheet.timepoint == plan.baseline_timepoint
+
+    reason = "asked again after the session was resumed"
+    excluded += [_left_out(sheet, reason) for sheet in sheets if not counts(sheet)]
+    return [sheet for sheet in sheets if counts(sheet)]
+
+
 def _number(sheet: Sheet) -> str:
     return sheet.trial or sheet.period
 
 
 def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
-    absent = [item for item in ITEMS if sheet.answers.get(item) is None]
-    if absent:
+    if not _answers_all(sheet):
+        absent = [item for item in ITEMS if sheet.answers.get(item) is None]
         names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
         reason = f"incomplete: no answer to {names}"
         excluded.append(_left_out(sheet, reason))
-    return not absent
+        return False
+    return True
+
+
+def _answers_all(sheet: Sheet) -> bool:
+    return all(sheet.answers.get(item) is not None for item in ITEMS)
 
 
 def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
@@ -124,12 +155,13 @@ def _baselines(sheets: list[Sheet], plan: Plan) -> _Baselines:
     """Index the baselines; one with a number that no exposure has is of the whole session."""
     exposures = {_moment(s) for s in sheets if s.timepoint == plan.exposure_timepoint}
     numbered = {(person, session, number) for person, session, number, _ in exposures}
-    found: dict[Moment, dict[str, int]] = {}
+    found: dict[Moment, dict[int, dict[str, int] | None]] = {}
     for sheet in sheets:
         if sheet.timepoint == plan.baseline_timepoint:
             person, session, number, condition = _moment(sheet)
             number = number if (person, session, number) in numbered else ""
-            found[person, session, number, condition] = _whole_answers(sheet)
+            runs = found.setdefault((person, session, number, condition), {})
+            runs[sheet.run] = _whole_answers(sheet) if _answers_all(sheet) else None
     return _Baselines(found)
 
 

@@ -7,6 +7,7 @@ import math
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort import __version__
 from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.contrasts import (
     conditions_of,
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("vrcomfort", "numpy", "scipy", "statsmodels")
+SOFTWARE = ("numpy", "scipy", "statsmodels")
 SCHEMA = 1
 """Version of the layout of results.json."""
 
@@ -58,7 +59,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     analysed = _analysed(tests, scored.table)
     results = {
         "schema": SCHEMA,
-        "software": {name: version(name) for name in SOFTWARE},
+        "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
         "plan": plan.model_dump(mode="json"),
         "score_basis": scored.basis,

@@ -39,6 +39,8 @@ class Sheet:
     place: str
     """File and line where it starts."""
     answers: dict[str, int | None]
+    run: int = 0
+    """How often the session had been resumed when this was asked."""
 
     @property
     def name(self) -> str:
@@ -88,7 +90,7 @@ def read_study(source: Path) -> StudyData:
         labels=dict(description.get("conditions") or {}),
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
-        trials=_table(source, "trials.csv", warnings),
+        trials=_last_attempts(_table(source, "trials.csv", warnings)),
         ratings=_table(source, "ratings.csv", warnings),
         manifests=tuple(_json(file) for file in _files(source, "manifest.json")),
         files=len(files),
@@ -125,6 +127,14 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
     return tuple(rows)
 
 
+def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
+    """Leave out what was begun again later; a table without attempts stays as it is."""
+    if not all("attempt" in trial for trial in trials):
+        return trials
+    last = {(trial["participant"], trial["session"], trial["trial"]): trial for trial in trials}
+    return tuple(last.values())
+
+
 def _json(file: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
@@ -141,35 +151,55 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     if missing and found.columns:
         raise InputError(f"the column {missing[0]} is missing", file=file, line=1)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets: dict[tuple[str, ...], Sheet] = {}
+    sheets = _SheetsOfFile(file, name)
     for row, line in zip(found.rows, found.lines, strict=True):
         if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
-            _add(sheets, row, file, name, line)
-    return list(sheets.values())
+            sheets.add(row, line)
+    return list(sheets.found.values())
 
 
-def _add(
-    sheets: dict[tuple[str, ...], Sheet], row: dict[str, str], file: Path, name: str, line: int
-) -> None:
-    """Put one answer where it belongs."""
-    key = tuple(row.get(column, "").strip() for column in _KEYS)
-    if not key[0]:
-        raise InputError("a participant is missing", file=file, line=line, column="participant")
-    sheet = sheets.setdefault(key, _sheet(key, f"{name}, line {line}"))
-    item = SSQ.item(row["item"])
-    if item is None:
-        message = f"`{row['item']}` is not an item of the SSQ"
-        raise InputError(message, file=file, line=line, column="item")
-    if item.name in sheet.answers:
-        message = f"`{item.name}` is answered twice in one questionnaire"
-        raise InputError(message, file=file, line=line, column="item")
-    sheet.answers[item.name] = _answer(row["response"].strip(), file, line)
+class _SheetsOfFile:
+    """The questionnaires of one file, whose rows are in the order in which they were answered."""
+
+    def __init__(self, file: Path, name: str) -> None:
+        self._file = file
+        self._name = name
+        self._runs: dict[tuple[str, ...], int] = {}
+        self.found: dict[tuple[str | int, ...], Sheet] = {}
+
+    def add(self, row: dict[str, str], line: int) -> None:
+        """Put one answer where it belongs."""
+        file = self._file
+        key = tuple(row.get(column, "").strip() for column in _KEYS)
+        if not key[0]:
+            raise InputError("a participant is missing", file=file, line=line, column="participant")
+        item = SSQ.item(row["item"])
+        if item is None:
+            message = f"`{row['item']}` is not an item of the SSQ"
+            raise InputError(message, file=file, line=line, column="item")
+        run = self._run(row, key, item.name)
+        sheet = self.found.setdefault((*key, run), _sheet(key, f"{self._name}, line {line}", run))
+        if item.name in sheet.answers:
+            message = f"`{item.name}` is answered twice in one questionnaire"
+            raise InputError(message, file=file, line=line, column="item")
+        sheet.answers[item.name] = _answer(row["response"].strip(), file, line)
+
+    def _run(self, row: dict[str, str], key: tuple[str, ...], item: str) -> int:
+        """Return how often the session had been resumed: each run asks something once."""
+        person = key[:2]
+        run = self._runs.get(person, 0)
+        if row.get("resumed", "").strip() not in {"", "0"}:
+            sheet = self.found.get((*key, run))
+            repeated = sheet is not None and item in sheet.answers
+            run = max(run, 1) + (repeated and run > 0)
+            self._runs[person] = run
+        return run
 
 
-def _sheet(key: tuple[str, ...], place: str) -> Sheet:
+def _sheet(key: tuple[str, ...], place: str, run: int) -> Sheet:
     moment = dict(zip(_KEYS, key, strict=True))
     moment["timepoint"] = moment["timepoint"] or "post"
-    return Sheet(place=place, answers={}, **moment)
+    return Sheet(place=place, answers={}, run=run, **moment)
 
 
 def _answer(text: str, file: Path, line: int) -> int | None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -75,6 +76,15 @@ class SimulatedRespondent:
     def start_session(self, session: int) -> None:
         """Come back recovered, with the random stream of this session."""
         self._start_again(session)
+
+    def memory(self) -> dict[str, Any]:
+        """Return how this person feels between two exposures, and the random stream's place."""
+        return {"sickness": self.sickness, "random": self._rng.bit_generator.state}
+
+    def recall(self, memory: Mapping[str, Any]) -> None:
+        """Be as one was when `memory` was taken, in the session that was started."""
+        self.sickness = memory["sickness"]
+        self._rng.bit_generator.state = memory["random"]
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""

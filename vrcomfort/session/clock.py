@@ -9,8 +9,8 @@ from typing import Protocol
 class Clock(Protocol):
     """Seconds since the session began."""
 
-    def start(self) -> None:
-        """Set the time to 0."""
+    def start(self, at_s: float = 0.0) -> None:
+        """Set the time: 0, or where an interrupted session goes on."""
 
     def now_s(self) -> float:
         """Return the time."""
@@ -28,9 +28,9 @@ class VirtualClock:
     def __init__(self) -> None:
         self._now_ns = 0
 
-    def start(self) -> None:
-        """Set the time to 0."""
-        self._now_ns = 0
+    def start(self, at_s: float = 0.0) -> None:
+        """Set the time."""
+        self._now_ns = round(at_s * 1e9)
 
     def now_s(self) -> float:
         """Return the time."""
@@ -51,9 +51,9 @@ class WallClock:
     def __init__(self) -> None:
         self.start()
 
-    def start(self) -> None:
-        """Set the time to 0."""
-        self._start_s = time.monotonic()
+    def start(self, at_s: float = 0.0) -> None:
+        """Set the time."""
+        self._start_s = time.monotonic() - at_s
 
     def now_s(self) -> float:
         """Return the time, to the microsecond."""

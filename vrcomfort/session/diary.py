@@ -32,9 +32,16 @@ class Diary:
 
     def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now; without a start it is a moment."""
+        self.recorder.write(self._event(name, start_s, detail))
+
+    def event_soon(self, name: str, *, detail: str = "") -> None:
+        """Write a moment between two frames: nothing waits for the disk."""
+        self.recorder.write_soon(self._event(name, None, detail))
+
+    def _event(self, name: str, start_s: float | None, detail: str) -> EventRow:
         now_s = self.clock.now_s()
         onset_s = now_s if start_s is None else start_s
-        self.recorder.write(EventRow(onset_s, round(now_s - onset_s, 9), name, detail))
+        return EventRow(onset_s, round(now_s - onset_s, 9), name, detail)
 
     def tell(self, step: Step, place: Place, done: float, total: float, text: str = "") -> None:
         """Tell how far a step has come."""

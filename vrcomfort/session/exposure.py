@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,7 +11,7 @@ from vrcomfort.records import RatingRow
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.diary import Diary
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.parts import Renderer
+from vrcomfort.session.parts import GpuTime, Renderer
 from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]
@@ -73,9 +73,11 @@ class FrameLoop:
         try:
             return self._run(exhibit, schedule, progress)
         finally:
-            if schedule and (rated := schedule.close()):
-                self._record(exhibit, schedule, rated)
-            self.log.finish(self.renderer.drain())
+            try:
+                self.log.finish(self.renderer.drain(), self._late_times())
+            finally:  # a disk that refuses a frame may yet take a rating
+                if schedule and (rated := schedule.close()):
+                    self._record(exhibit, schedule, rated)
 
     def _run(
         self,
@@ -83,12 +85,19 @@ class FrameLoop:
         schedule: RatingSchedule | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        start_ns: int | None = None
+        shown_ns, before_ns = 0, None
         self._start_s = self.diary.clock.now_s()
         for frame in self._frames:
-            start_ns = frame.predicted_display_time_ns if start_ns is None else start_ns
-            before_s = self.elapsed_s
-            self.elapsed_s = (frame.predicted_display_time_ns - start_ns) / 1e9
+            self._note_events()
+            if frame.paused:  # nobody sees it: time that is no exposure
+                self.headset.submit(frame, None)
+                shown_ns += 0 if before_ns is None else frame.period_ns  # the last one seen
+                before_ns = None
+                continue
+            now_ns = frame.predicted_display_time_ns
+            shown_ns += 0 if before_ns is None else now_ns - before_ns
+            before_s, before_ns = self.elapsed_s, now_ns
+            self.elapsed_s = shown_ns / 1e9
             self.diary.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, exhibit)
             self._listen(exhibit, schedule)
@@ -99,6 +108,13 @@ class FrameLoop:
                 self.elapsed_s = exhibit.duration_s
                 return "completed"
         return "headset_ended"
+
+    def _late_times(self) -> Sequence[GpuTime]:
+        return self.renderer.drain_times() if self.log.times_gpu else ()
+
+    def _note_events(self) -> None:
+        for event in self.headset.take_events():
+            self.diary.event_soon(event.name, detail=event.detail)
 
     def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
         if self._scene_start_ns is None:
@@ -119,7 +135,7 @@ class FrameLoop:
     def _record(self, exhibit: Exhibit, schedule: RatingSchedule, rated: Rated) -> None:
         """Write a rating; its times are those that were shown."""
         latency_s = None if rated.latency_s is None else rated.latency_s / exhibit.stretch
-        self.diary.recorder.write(
+        self.diary.recorder.write_soon(
             RatingRow(
                 self.diary.participant,
                 self.diary.session,

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
+from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, Sequence
-from vrcomfort.records import TrialRow
+from vrcomfort.records import Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Respondent, Withdrew
 from vrcomfort.session.clock import Clock
 from vrcomfort.session.diary import Diary, Place
 from vrcomfort.session.exposure import Exhibit, FrameLoop
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interview import Interview
+from vrcomfort.session.ledger import Ledger
 from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer, Step
 from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.timing import timing_row
 
 SessionStatus = Literal["completed", "withdrawn", "aborted"]
 
@@ -48,16 +51,32 @@ class _Ending:
 
 
 class SessionFlow:
-    """Runs one session: questionnaires, exposures and rests in the protocol's order."""
+    """Runs one session: questionnaires, exposures and rests in the protocol's order.
+
+    Parameters
+    ----------
+    interrupted
+        How far an interrupted session came: goes on at the exposure after it.
+    """
 
     def __init__(
-        self, lab: Lab, *, diary: Diary, sequence: Sequence, respondent: Respondent
+        self,
+        lab: Lab,
+        *,
+        diary: Diary,
+        ledger: Ledger,
+        sequence: Sequence,
+        respondent: Respondent,
+        interrupted: Interrupted | None = None,
     ) -> None:
         self._lab = lab
         self._diary = diary
+        self._ledger = ledger
         self._places = _places(sequence, diary.session)
         self._respondent = respondent
-        self._log = FrameLog(diary.recorder)
+        self._interrupted = interrupted
+        last_ns = interrupted.xr_time_ns if interrupted else None
+        self._log = FrameLog(diary.recorder, last_ns=last_ns)
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -67,9 +86,7 @@ class SessionFlow:
         KeyboardInterrupt
             If the operator stopped it: all rows have been written.
         """
-        self._lab.clock.start()
-        self._diary.event("session_start")
-        self._respondent.start_session(self._diary.session)
+        self._begin()
         try:
             self._everything()
         except (Withdrew, StopRule) as reason:
@@ -78,9 +95,24 @@ class SessionFlow:
         self._diary.event("session_end")
         return "completed", ""
 
+    def _begin(self) -> None:
+        before = self._interrupted
+        self._lab.clock.start(before.session_s if before else 0.0)
+        if before:
+            self._diary.event("session_resumed", detail=f"after exposure {before.done}")
+            for warning in before.warnings:
+                self._diary.event("row_cut_off", detail=warning)
+        else:
+            self._diary.event("session_start")
+        self._respondent.start_session(self._diary.session)
+        self._ledger.open()
+
     def _everything(self) -> None:
-        self._ask("session_start", Place())
-        for index, place in enumerate(self._places):
+        places = self._places[self._interrupted.done if self._interrupted else 0 :]
+        if places:  # else only the end is left, and nothing to be a baseline of
+            self._ask("session_start", Place())
+        for index, place in enumerate(places):
+            self._ledger.boundary()
             if index and self._lab.protocol.break_s:
                 self._rest(self._lab.protocol.break_s)
             self._ask("before_trial", place)
@@ -113,8 +145,12 @@ class SessionFlow:
         except KeyboardInterrupt:
             ending.abort_code = "operator"
             raise
+        except RuntimeLostError:
+            ending.abort_code = "runtime_lost"
+            raise
         finally:
-            self._diary.recorder.write(self._trial_row(place, ending))
+            self._write_trial(place, ending)
+        self._ledger.boundary()
         if reason is None:
             self._ask("after_trial", place)
             return
@@ -131,6 +167,7 @@ class SessionFlow:
         if place.trial == 1:
             self._train(loop, place)
         ending.start_s = self._lab.clock.now_s()
+        self._ledger.begin_exposure(**self._identity(place, ending.start_s))
         try:
             result = self._show(loop, place)
         except Withdrew as reason:
@@ -190,24 +227,39 @@ class SessionFlow:
     def _watch(self, step: Step, place: Place, total_s: float) -> partial[None]:
         return partial(self._diary.tell, step, place, total=total_s)
 
-    def _trial_row(self, place: Place, ending: _Ending) -> TrialRow:
-        return TrialRow(
-            participant=self._diary.participant,
-            session=self._diary.session,
-            period=place.period or 0,
-            block=place.block or 0,
-            trial=place.trial or 0,
-            condition=place.condition or "",
-            scene=place.scene,
-            start_s=ending.start_s,
+    def _identity(self, place: Place, start_s: float) -> dict[str, Any]:
+        """Return what is known of a trial's row when the exposure begins."""
+        before = self._interrupted.attempts if self._interrupted else {}
+        return {
+            "participant": self._diary.participant,
+            "session": self._diary.session,
+            "period": place.period or 0,
+            "block": place.block or 0,
+            "trial": place.trial or 0,
+            "condition": place.condition or "",
+            "scene": place.scene,
+            "start_s": start_s,
+            "attempt": before.get(place.trial or 0, 0) + 1,
+            "resumed": int(self._interrupted is not None),
+        }
+
+    def _write_trial(self, place: Place, ending: _Ending) -> None:
+        limit_percent = self._lab.protocol.max_dropped_percent
+        trial = TrialRow(
+            **self._identity(place, ending.start_s),
             end_s=self._lab.clock.now_s(),
             status=ending.status,
             abort_code=ending.abort_code,
-            attempt=1,
-            resumed=0,
             frames=self._log.frames,
             dropped=self._log.dropped,
         )
+        timing = timing_row(trial, self._log.timing, limit_percent)
+        self._diary.recorder.write(timing, trial)
+        if timing.flagged:
+            share = f"{timing.dropped_percent:g} % of {trial.frames} frames dropped"
+            text = f"trial {trial.trial}, attempt {trial.attempt}: {share}"
+            self._diary.event("timing_flag", detail=f"{text}; the limit is {limit_percent:g} %")
+            self._ledger.flag(text)
 
 
 def _places(sequence: Sequence, session: int) -> list[Place]:

@@ -1,4 +1,4 @@
-"""Rows of ``frames.csv``: each waits for its focus, which arrives some frames late."""
+"""Rows of ``frames.csv``: each waits for its focus and GPU time, which arrive some frames late."""
 
 from __future__ import annotations
 
@@ -9,10 +9,11 @@ from typing import Protocol
 
 from vrcomfort.headset.base import Frame
 from vrcomfort.records import FrameRow, Row
-from vrcomfort.session.parts import FocusSample, RenderedFrame
+from vrcomfort.session.parts import FocusSample, GpuTime, RenderedFrame
+from vrcomfort.session.timing import TrialTiming
 
 _LATEST_FRAMES = 16
-"""A focus that has not come after so many frames does not come: its row is written without."""
+"""What has not come after so many frames does not come: the row is written without."""
 
 DROPPED_INTERVAL = 1.2
 """A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
@@ -28,26 +29,48 @@ class RowWriter(Protocol):
 class FrameLog:
     """The frame rows of one session, in order.
 
-    Counts frames and dropped frames of the trial since `start_trial`.
+    Parameters
+    ----------
+    last_ns
+        Time of the last frame on record, where an interrupted session goes on.
+
+    Attributes
+    ----------
+    timing
+        Of the trial since `start_trial`.
+    times_gpu
+        Whether the renderer times the GPU.
     """
 
-    def __init__(self, recorder: RowWriter) -> None:
+    def __init__(self, recorder: RowWriter, *, last_ns: int | None = None) -> None:
         self._recorder = recorder
         self._waiting: OrderedDict[int, FrameRow] = OrderedDict()
         self._focus: dict[int, FocusSample] = {}
+        self._gpu_ms: dict[int, float] = {}
         self._offset_ns = 0
-        self._last_ns: int | None = None
+        self._last_ns = last_ns
+        self.times_gpu = False
         self.start_trial()
+
+    @property
+    def frames(self) -> int:
+        """Return the frames of the trial."""
+        return self.timing.frames
+
+    @property
+    def dropped(self) -> int:
+        """Return the dropped frames of the trial."""
+        return self.timing.dropped
 
     def start_trial(self) -> None:
         """Count from zero; the first interval is none."""
-        self.frames = self.dropped = 0
+        self.timing = TrialTiming()
         self._shown_ns: int | None = None
 
     def add(
         self, frame: Frame, rendered: RenderedFrame | None, *, trial: int, session_s: float
     ) -> None:
-        """Take a frame, and whatever focus arrived with it."""
+        """Take a frame, and whatever focus and GPU times arrived with it."""
         dropped = self._count(frame)
         self._waiting[frame.index] = FrameRow(
             session_s=session_s,
@@ -64,14 +87,23 @@ class FrameLog:
             dropped=int(dropped),
             discontinuity=frame.discontinuity,
         )
-        self.take(rendered.focus_samples if rendered else ())
+        if rendered is None:
+            self.take(())
+            return
+        if rendered.cpu_ms is not None:
+            self.timing.cpu.add(rendered.cpu_ms)
+        self.times_gpu = rendered.gpu_times is not None
+        self.take(rendered.focus_samples, rendered.gpu_times or ())
 
     def _count(self, frame: Frame) -> bool:
         now_ns, before_ns = frame.predicted_display_time_ns, self._shown_ns
-        late = before_ns is not None and now_ns - before_ns > DROPPED_INTERVAL * frame.period_ns
+        late = False
+        if before_ns is not None and not frame.discontinuity:
+            late = now_ns - before_ns > DROPPED_INTERVAL * frame.period_ns
+            self.timing.intervals.add((now_ns - before_ns) / 1e6)
         self._shown_ns = now_ns
-        self.frames += 1
-        self.dropped += late
+        self.timing.frames += 1
+        self.timing.dropped += late
         return late
 
     def _continuous_ns(self, frame: Frame) -> int:
@@ -83,24 +115,32 @@ class FrameLog:
         self._last_ns = time_ns
         return time_ns
 
-    def take(self, samples: Iterable[FocusSample]) -> None:
-        """Give focus samples to their rows and write every row that need not wait longer."""
+    def take(self, samples: Iterable[FocusSample], times: Iterable[GpuTime] = ()) -> None:
+        """Give what arrived to its rows and write every row that need not wait longer."""
         self._focus.update((sample.frame_index, sample) for sample in samples)
+        for time in times:
+            self._gpu_ms[time.frame_index] = time.gpu_ms
+            self.timing.gpu.add(time.gpu_ms)
         while self._waiting:
             index = next(iter(self._waiting))
-            if index not in self._focus and len(self._waiting) <= _LATEST_FRAMES:
+            if not self._is_whole(index) and len(self._waiting) <= _LATEST_FRAMES:
                 return
             self._write(index)
 
-    def finish(self, samples: Iterable[FocusSample] = ()) -> None:
-        """Write all rows that wait; those of which no focus came have blanks."""
-        self.take(samples)
+    def _is_whole(self, index: int) -> bool:
+        return index in self._focus and (not self.times_gpu or index in self._gpu_ms)
+
+    def finish(self, samples: Iterable[FocusSample] = (), times: Iterable[GpuTime] = ()) -> None:
+        """Write all rows that wait; what has not come for them is blank."""
+        self.take(samples, times)
         while self._waiting:
             self._write(next(iter(self._waiting)))
         self._focus.clear()
+        self._gpu_ms.clear()
 
     def _write(self, index: int) -> None:
-        row, sample = self._waiting.pop(index), self._focus.pop(index, None)
+        row = replace(self._waiting.pop(index), gpu_ms=self._gpu_ms.pop(index, None))
+        sample = self._focus.pop(index, None)
         self._recorder.write(_with_focus(row, sample) if sample else row)
 
 

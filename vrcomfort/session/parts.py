@@ -37,6 +37,18 @@ class FocusSample(Protocol):
         """Return which of the nine were averaged."""
 
 
+class GpuTime(Protocol):
+    """What a frame cost the GPU, read back some frames later."""
+
+    @property
+    def frame_index(self) -> int:
+        """Return the index of the frame that it belongs to."""
+
+    @property
+    def gpu_ms(self) -> float:
+        """Return the time."""
+
+
 class RenderedFrame(Protocol):
     """Both eyes' images of one frame, and what is known of it by now."""
 
@@ -56,6 +68,10 @@ class RenderedFrame(Protocol):
     def cpu_ms(self) -> float | None:
         """Return the CPU time of this frame."""
 
+    @property
+    def gpu_times(self) -> Sequence[GpuTime] | None:
+        """Return times of earlier frames that have arrived; None where the GPU is not timed."""
+
 
 class Renderer(Protocol):
     """Draws frames of one scene under one condition at a time."""
@@ -68,6 +84,9 @@ class Renderer(Protocol):
 
     def drain(self) -> Sequence[FocusSample]:
         """Return the focus samples that have not arrived yet."""
+
+    def drain_times(self) -> Sequence[GpuTime]:
+        """Return the GPU times that have not arrived yet."""
 
 
 LoadScene: TypeAlias = Callable[[str], Any]

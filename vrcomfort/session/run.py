@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
-from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import (
+    Interrupted,
     Machine,
     Manifest,
     Recorder,
     completed_sessions,
     enrol,
+    facts_of_run,
+    only_run,
     open_study,
-    recorded_sessions,
     set_status,
 )
 from vrcomfort.records.study import now
@@ -27,8 +27,10 @@ from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.diary import Diary
 from vrcomfort.session.flow import Lab, SessionFlow, SessionStatus
+from vrcomfort.session.ledger import Ledger, limits
 from vrcomfort.session.parts import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
 from vrcomfort.session.parts import silent as no_progress
+from vrcomfort.session.resume import Earlier, choose_sessions
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Outcome:
         Numbers of the sessions that this run recorded, also in part.
     note
         Why it ended early.
+    warnings
+        What somebody should look at: rows that a crash cut, trials with too many dropped frames.
     """
 
     participant: str
@@ -50,6 +54,7 @@ class Outcome:
     status: str
     sessions: tuple[int, ...]
     note: str = ""
+    warnings: tuple[str, ...] = ()
 
 
 def run(
@@ -65,6 +70,7 @@ def run(
     seed: int = 0,
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
+    resume: bool = False,
     machine: Machine | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
@@ -79,6 +85,9 @@ def run(
     exposure_s
         Overrides the protocol's exposure (training is shortened alike), for demonstrations; the
         respondent's time is stretched back to the protocol's. Recorded.
+    resume
+        Continue a session that was interrupted: at the first exposure after the last completed
+        one, after a new baseline, with the settings and the random state of before.
 
     Returns
     -------
@@ -88,39 +97,28 @@ def run(
     Raises
     ------
     InputError
-        If the participant or session cannot be run, or the disk refuses; what is there stays.
+        If the participant or session cannot be run (another program runs them, a session is
+        unfinished), or the disk refuses; what is there stays.
     """
     if exposure_s is not None and exposure_s <= 0:
         raise InputError(f"an exposure of {exposure_s} s shows nothing; give a positive number")
     open_study(study, protocol)
-    design = build_design(protocol, seed=seed)
-    row = enrol(study, design, participant)
-    sequence = design.sequence(row.sequence)
-    lab = Lab(
-        protocol, load_scene, headset_for, renderer, clock or VirtualClock(), progress,
-        exposure_s or protocol.exposure_s,
-    )  # fmt: skip
-    work = _Work(study, lab, participant, sequence, respondent, seed, machine or Machine())
-    return work.run(_to_run(study, participant, sequence, sessions))
-
-
-def _to_run(
-    study: Path, participant: str, sequence: Sequence, wanted: Iterable[int] | None
-) -> list[int]:
-    total = len(sequence.sessions)
-    if wanted is None:
-        done = recorded_sessions(study, participant)
-        left = [number for number in range(1, total + 1) if number not in done]
-        if not left:
-            raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
-        return left
-    numbers = sorted(set(wanted))
-    if not numbers:
-        raise InputError("no session is asked for; leave the choice out to run all that are left")
-    for number in numbers:
-        if not 1 <= number <= total:
-            raise InputError(f"there is no session {number}; this protocol has {total}")
-    return numbers
+    with only_run(study, participant):
+        design = build_design(protocol, seed=seed)
+        row = enrol(study, design, participant)
+        sequence = design.sequence(row.sequence)
+        chosen = choose_sessions(study, participant, len(sequence.sessions), sessions, resume)
+        earlier = Earlier(study, participant, chosen.unfinished)
+        earlier.check(protocol, seed=seed, sequence=sequence.name)
+        lab = Lab(
+            protocol, load_scene, headset_for, renderer, clock or VirtualClock(), progress,
+            earlier.exposure_s(exposure_s) or protocol.exposure_s,
+        )  # fmt: skip
+        work = _Work(
+            study, lab, participant, sequence, respondent, seed, machine or Machine(),
+            earlier.take_up(),
+        )  # fmt: skip
+        return work.run(chosen.numbers)
 
 
 @dataclass(frozen=True)
@@ -132,8 +130,10 @@ class _Work:
     respondent: Respondent
     seed: int
     machine: Machine
+    interrupted: Mapping[int, Interrupted]
+    notices: list[str] = field(default_factory=list)
 
-    def run(self, numbers: list[int]) -> Outcome:
+    def run(self, numbers: Iterable[int]) -> Outcome:
         """Run sessions until one is not completed."""
         ran: list[int] = []
         for number in numbers:
@@ -154,21 +154,34 @@ class _Work:
         return self._outcome(status_now, ran)
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
-        return Outcome(self.participant, self.sequence.name, status, tuple(ran), note)
+        name, warnings = self.sequence.name, tuple(self.notices)
+        return Outcome(self.participant, name, status, tuple(ran), note, warnings)
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
         self.lab.progress(Progress("session", self.participant, number))
-        with Recorder(self.study, self.participant, number) as recorder:
-            manifest = self._manifest(number)
-            lab = _noting_headset(self.lab, manifest, recorder.folder)
+        before = self.interrupted.get(number)
+        with Recorder(self.study, self.participant, number, resumed=before is not None) as recorder:
+            manifest = self._manifest(number, before)
+            ledger = Ledger(manifest, recorder, self.respondent)
+            headset_for = ledger.noting(self.lab.headset_for, self.lab.protocol.headset.ipd_m)
+            flow = SessionFlow(
+                replace(self.lab, headset_for=headset_for),
+                diary=Diary(self.participant, number, recorder, self.lab.clock, self.lab.progress),
+                ledger=ledger,
+                sequence=self.sequence,
+                respondent=self.respondent,
+                interrupted=before,
+            )
             manifest.write(recorder.folder)
-            diary = Diary(self.participant, number, recorder, lab.clock, lab.progress)
-            flow = SessionFlow(lab, diary=diary, sequence=self.sequence, respondent=self.respondent)
-            status, note = _kept(flow, manifest, recorder.folder)
+            try:
+                status, note = _kept(flow, ledger, recorder)
+            finally:
+                self._look_at(number, manifest, before)
         self.lab.progress(Progress("end", self.participant, number, text=status))
         return status, note
 
-    def _manifest(self, number: int) -> Manifest:
+    def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
+        then = before.manifest if before else {}
         return Manifest(
             participant=self.participant,
             session=number,
@@ -180,57 +193,34 @@ class _Work:
             seed=self.seed,
             exposure_s=self.lab.exposure_s,
             started_at=now(),
-            clamps=_limits(self.lab.protocol),
+            clamps=limits(self.lab.protocol),
+            earlier_runs=[*then.get("earlier_runs", []), *([facts_of_run(then)] if then else [])],
+            timing_flags=list(then.get("timing_flags", [])),
+            memory=then.get("memory"),
         )
 
-
-def _noting_headset(lab: Lab, manifest: Manifest, folder: Path) -> Lab:
-    """Return the lab with headsets that enter themselves into the manifest when first used."""
-
-    def headset_for(name: str, scene: Any) -> Headset:
-        headset = lab.headset_for(name, scene)
-        if not manifest.headset:
-            manifest.headset = {
-                "name": headset.name,
-                "refresh_hz": headset.refresh_hz,
-                "image_size_px": list(headset.image_size_px),
-                "ipd_m": lab.protocol.headset.ipd_m,
-            }
-            manifest.write(folder)
-        return headset
-
-    return replace(lab, headset_for=headset_for)
+    def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
+        """Tell what was cut off, and write into the participant's note what was flagged."""
+        flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
+        self.notices.extend([*(before.warnings if before else ()), *flags])
+        if flags:
+            note = "; ".join(f"session {number}, {flag}" for flag in flags)
+            with suppress(InputError):  # it stands in the manifest and in the events, too
+                set_status(self.study, self.participant, "enrolled", note)
 
 
-def _limits(protocol: Protocol) -> list[str]:
-    """Return the clamps that the conditions put on the stimulus."""
-    limits = []
-    for condition in protocol.conditions:
-        if blur := condition.depth_of_field:
-            radius = f"{blur.max_radius_percent:g} % of one eye's image width"
-            limits.append(f"{condition.name}: circle of confusion at most {radius} (radius)")
-        if motion := condition.motion_blur:
-            streak = f"{motion.max_radius_percent:g} % of one eye's image width"
-            limits.append(f"{condition.name}: half a motion streak at most {streak}")
-    return limits
-
-
-def _kept(flow: SessionFlow, manifest: Manifest, folder: Path) -> tuple[SessionStatus, str]:
+def _kept(flow: SessionFlow, ledger: Ledger, recorder: Recorder) -> tuple[SessionStatus, str]:
     """Run a session and write into its manifest how it ended, whatever ended it."""
     status: SessionStatus = "aborted"
     note = ""
     try:
         status, note = flow.run()
+        recorder.flush()
     except KeyboardInterrupt:
-        note = "stopped by the operator"
+        status, note = "aborted", "stopped by the operator"
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
-            _close(manifest, folder, "aborted")
+            ledger.close("aborted")
         raise
-    _close(manifest, folder, status)
+    ledger.close(status)
     return status, note
-
-
-def _close(manifest: Manifest, folder: Path, status: str) -> None:
-    manifest.status, manifest.finished_at = status, now()
-    manifest.write(folder)

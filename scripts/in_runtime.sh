@@ -1,0 +1,69 @@
+#!/usr/bin/env bash
+# scripts/in_runtime.sh COMMAND...: runs COMMAND where Monado 25 is (see scripts/runtime.sh).
+# Monado's client library must come from the same system as its service, so the command itself
+# runs in the folder too: same checkout, same working directory, same /tmp, and a venv made there.
+# Mounts and stray processes end with the command: both live in namespaces of their own.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+checkout=$(dirname "$here")
+root=$("$here/runtime.sh")
+
+if [ "$root" = / ]; then
+    "$here/setup.sh"
+    PATH=$checkout/.venv/bin:$PATH exec "$@"
+fi
+
+prepare_venv() { # inside: the packages of this checkout's pyproject.toml; the checkout stays outside
+    local venv=$1 checkout=$2 wanted
+    exec 9>"$venv.lock"
+    flock 9
+    wanted=$(cat "$checkout/pyproject.toml" "$checkout/requirements.lock" | sha256sum)
+    [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
+    echo "Installing the Python packages next to Monado ..." >&2
+    "$venv/bin/python" -c 'import pip' 2>/dev/null || python3 -m venv --clear "$venv"
+    "$venv/bin/python" - "$checkout/pyproject.toml" >"$venv/requirements.txt" <<'PYTHON'
+import sys, tomllib
+project = tomllib.load(open(sys.argv[1], "rb"))["project"]
+extras = project["optional-dependencies"]
+print("\n".join([*project["dependencies"], *extras["dev"], *extras["openxr"]]))
+PYTHON
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+        --constraint "$checkout/requirements.lock" --requirement "$venv/requirements.txt" >&2
+    printf '#!%s/bin/python\nfrom vrcomfort.cli import main\nmain()\n' "$venv" \
+        >"$venv/bin/vrcomfort"
+    chmod +x "$venv/bin/vrcomfort"
+    echo "$wanted" >"$venv/installed"
+}
+
+inside() { # inside VENV CHECKOUT FOLDER COMMAND...
+    local venv=$1 checkout=$2 folder=$3
+    shift 3
+    export VRCOMFORT_RUNTIME=1 HOME=/root LANG=C.UTF-8 PYTHONPATH=$checkout PATH=$venv/bin:/usr/sbin:/usr/bin
+    local bundle=/etc/ssl/certs/ca-certificates.crt
+    export SSL_CERT_FILE=$bundle PIP_CERT=$bundle REQUESTS_CA_BUNDLE=$bundle
+    unset PIP_CONFIG_FILE PIP_FIND_LINKS PIP_EXTRA_INDEX_URL PYTHONHOME VIRTUAL_ENV XDG_RUNTIME_DIR XDG_CONFIG_HOME
+    prepare_venv "$venv" "$checkout"
+    cd "$folder"
+    "$@"
+}
+
+enter() { # enter ROOT CHECKOUT FOLDER COMMAND...: as root in the new namespaces
+    local root=$1 checkout=$2 folder=$3 place
+    shift
+    mount --rbind /dev "$root/dev"
+    mount --rbind /sys "$root/sys"
+    mount -t proc proc "$root/proc"
+    mount -t tmpfs tmpfs "$root/run"
+    for place in /tmp "$checkout" "$folder"; do
+        mkdir -p "$root$place"
+        mountpoint -q "$root$place" || mount --bind "$place" "$root$place"
+    done
+    chroot "$root" /bin/bash -euo pipefail -c \
+        "$(declare -f prepare_venv inside); inside \"\$@\"" inside /opt/venv "$@"
+}
+
+as_root=()
+[ "$(id -u)" -eq 0 ] || as_root=(sudo --preserve-env)
+exec "${as_root[@]}" unshare --mount --pid --fork --kill-child --propagation private \
+    bash -euo pipefail -c "$(declare -f enter prepare_venv inside); enter \"\$@\"" \
+    enter "$root" "$checkout" "$PWD" "$@"

@@ -1,0 +1,62 @@
+"""A Monado runtime for tests that need one, and a participant who follows a script."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import pytest
+
+from vrcomfort.headset.monado import Monado, active_environment
+from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+
+Script = Callable[[int], RemoteState]
+VALIDATION = "XR_APILAYER_LUNARG_core_validation"
+BEST_PRACTICES = "XR_APILAYER_KHRONOS_best_practices_validation"
+
+needs_monado = [
+    pytest.mark.monado,
+    pytest.mark.skipif(
+        shutil.which("monado-service") is None and "VRCOMFORT_RUNTIME" not in os.environ,
+        reason="no Monado here; scripts/in_runtime.sh brings one",
+    ),
+]
+
+
+@dataclass
+class Participant:
+    """Sends the next state of a script whenever the headset is about to wait for a frame."""
+
+    feed: RemoteFeed
+    script: Script
+    sent: list[RemoteState] = field(default_factory=list)
+
+    def __call__(self) -> None:
+        self.sent.append(self.script(len(self.sent)))
+        self.feed.send(self.sent[-1])
+
+
+@contextmanager
+def fresh_monado(folder: Path) -> Iterator[Monado]:
+    """Yield a runtime of one's own, to be killed."""
+    with Monado(log=folder / "monado.txt") as monado:
+        yield monado
+
+
+@contextmanager
+def validation(report: Path) -> Iterator[tuple[str, ...]]:
+    """Yield the validation layers that pyopenxr ships; they write to `report`."""
+    import xr
+
+    layers = Path(xr.__file__).parent / "api_layer" / "linux_x86_64"
+    variables = {
+        "XR_API_LAYER_PATH": str(layers),
+        "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
+        "XR_CORE_VALIDATION_FILE_NAME": str(report),
+    }
+    with active_environment(variables):
+        yield VALIDATION, BEST_PRACTICES

@@ -1,0 +1,154 @@
+"""A whole session through the runtime: questions by controller, exposures along a trace."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import moderngl
+import numpy as np
+import pandas as pd
+import pytest
+from openxr_support import fresh_monado, needs_monado
+
+from vrcomfort import session
+from vrcomfort.errors import RuntimeLostError
+from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.headset.base import Frame
+from vrcomfort.protocol import load_protocol
+from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.session.panel_screen import PanelScreen
+from vrcomfort.session.rehearsal import Rehearsal
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+
+pytestmark = needs_monado
+
+SIZE_PX = (16, 16)
+PROTOCOL = """
+name = "rehearsal"
+title = "Two short exposures"
+participants = 2
+exposure_s = 2.0
+scenes = ["temple"]
+conditions = [{ name = "a" }, { name = "b" }]
+order = { rule = "williams" }
+questionnaires = [
+  { timepoint = "baseline", when = "session_start" },
+  { timepoint = "post", when = "after_trial" },
+]
+ratings = { instrument = "fms", every_s = 1.2, timeout_s = 0.7 }
+"""
+
+
+class FlatRenderer:
+    """Draws one colour: these tests are about what surrounds the pictures."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self.eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
+        self.focus_samples: tuple[Any, ...] = ()
+        self.max_blur_px = self.cpu_ms = self.gpu_times = None
+
+    def begin(self, scene: object, condition: object) -> None:
+        """Draw the same whatever is asked for."""
+
+    def render(self, frame: Frame, scene_time_s: float) -> FlatRenderer:  # noqa: ARG002
+        return self
+
+    def drain(self) -> tuple[Any, ...]:
+        return ()
+
+
+def walk() -> Iterator[Pose]:
+    for frame in count():
+        turn = axis_angle([0.0, 1.0, 0.0], 0.02 * frame)
+        yield Pose(np.array([0.01 * frame, 1.6, -0.03 * frame]), turn)
+
+
+def run(
+    ctx: moderngl.Context, rehearsal: Rehearsal, folder: Path, **kwargs: Any
+) -> session.Outcome:
+    protocol = folder / "rehearsal.toml"
+    protocol.write_text(PROTOCOL)
+    settings = OpenXrSettings(image_size_px=SIZE_PX)
+    with OpenXrHeadset(ctx, settings, before_wait=rehearsal.before_frame) as headset:
+        rehearsal.screen = PanelScreen(headset)
+        return session.run(
+            load_protocol(str(protocol)),
+            "P01",
+            study=folder / "study",
+            load_scene=lambda _: None,
+            headset_for=lambda _, __: headset,
+            renderer=FlatRenderer(ctx),
+            respondent=PanelRespondent(rehearsal.screen, watch=rehearsal.watch),
+            clock=session.WallClock(),
+            **kwargs,
+        )
+
+
+def read(folder: Path, file: str) -> pd.DataFrame:
+    return pd.read_csv(folder / "study" / "sub-P01" / "ses-1" / file, keep_default_na=False)
+
+
+def test_a_session_records_the_fed_poses_and_the_scripted_answers(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    answers = np.random.default_rng(7).integers(0, 4, 200).tolist()
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        rehearsal = Rehearsal(feed, walk(), iter(answers))
+        outcome = run(ctx, rehearsal, tmp_path)
+    assert outcome.status == "completed"
+
+    frames = read(tmp_path, "frames.csv")
+    seen = frames[["head_x_m", "head_y_m", "head_z_m"]].to_numpy()
+    fed = np.array([pose.position for pose in rehearsal.fed])
+    nearest = [int(np.argmin(np.abs(fed - position).max(axis=1))) for position in seen]
+    assert np.abs(fed[nearest] - seen).max() <= 1e-6
+    assert nearest == sorted(nearest)
+    assert len(frames) >= 2 * 30
+
+    asked = read(tmp_path, "questionnaires.csv")
+    assert asked["timepoint"].value_counts().to_dict() == {"baseline": 16, "post": 32}
+    ratings = read(tmp_path, "ratings.csv")
+    given = [*asked["response"], *ratings["response"]]
+    said = rehearsal.said
+    assert sorted(map(int, given)) == sorted(said)
+    assert asked["response"].astype(int).tolist()[:16] == answers[:16]
+    assert set(read(tmp_path, "trials.csv")["status"]) == {"completed"}
+    assert "session_state" in set(read(tmp_path, "events.csv")["name"])
+
+
+def test_a_runtime_that_dies_leaves_every_row_up_to_then(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        rehearsal = Rehearsal(feed, walk(), iter([0] * 200))
+
+        def watch(progress: session.Progress) -> None:
+            if progress.step == "exposure" and progress.done > 1.0:
+                monado.kill()
+
+        with pytest.raises(RuntimeLostError, match="kept"):
+            run(ctx, rehearsal, tmp_path, progress=watch)
+    assert len(read(tmp_path, "questionnaires.csv")) == 16
+    shown = len(read(tmp_path, "frames.csv"))
+    assert shown >= 15
+    assert read(tmp_path, "trials.csv")["abort_code"].tolist() == ["runtime_lost"]
+
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        outcome = run(ctx, Rehearsal(feed, walk(), iter([1] * 200)), tmp_path, resume=True)
+    assert outcome.status == "completed"
+    trials = read(tmp_path, "trials.csv")
+    assert trials["trial"].tolist() == [1, 1, 2]
+    assert trials["attempt"].tolist() == [1, 2, 1]
+    assert trials["resumed"].tolist() == [0, 1, 1]
+    asked = read(tmp_path, "questionnaires.csv")
+    assert asked["timepoint"].tolist()[::16] == ["baseline", "baseline", "post", "post"]
+    assert asked["response"].astype(int).tolist() == [0] * 16 + [1] * 48
+    frames = read(tmp_path, "frames.csv")
+    assert frames["resumed"].tolist() == [0] * shown + [1] * (len(frames) - shown)
+    assert (np.diff(frames["xr_time_ns"]) > 0).all()

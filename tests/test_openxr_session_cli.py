@@ -1,0 +1,134 @@
+"""Whole sessions from the command line, with a Monado runtime that follows a trace and a script."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import time
+from itertools import cycle, islice
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from openxr_support import needs_monado
+
+from vrcomfort.resources import data_folder
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+pytestmark = needs_monado
+
+TRACE = data_folder("scenes") / "temple_walk.csv"
+SCRIPT = (0, 1, 2, 3)
+
+
+def command(folder: Path, *more: str) -> list[str]:
+    """Return a rehearsal of the smoke study, whose exposures are long enough to rate in."""
+    answers = folder / "answers.txt"
+    answers.write_text(" ".join(map(str, SCRIPT * 60)) + "  # in the order of the questions\n")
+    return [
+        *("vrcomfort", "run", "smoke", "--participant", "P01", "--out", str(folder / "study")),
+        *("--headset", "openxr", "--size", "64x80", "--exposure-s", "3", "--quiet"),
+        *("--monado-trace", str(TRACE), "--monado-answers", str(answers), *more),
+    ]
+
+
+def read(folder: Path, file: str) -> pd.DataFrame:
+    return pd.read_csv(folder / "study" / "sub-P01" / "ses-1" / file, keep_default_na=False)
+
+
+def run(*words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(words, capture_output=True, text=True, timeout=250, check=False)
+
+
+def said(folder: Path) -> list[int]:
+    """Return all answers on record, in the order in which they were given."""
+    asked, rated = read(folder, "questionnaires.csv"), read(folder, "ratings.csv")
+    rated = rated[rated["missed"] == 0]
+    times = [*asked["answered_s"], *(rated["onset_s"] + rated["latency_s"].astype(float))]
+    given = [*asked["response"], *rated["response"]]
+    return [int(answer) for _, answer in sorted(zip(times, given, strict=True))]
+
+
+def test_a_whole_session_records_the_trace_and_the_script_and_is_reported(tmp_path: Path) -> None:
+    done = run(*command(tmp_path))
+    assert done.returncode == 0, done.stderr
+    study = tmp_path / "study"
+    manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
+    assert "Monado" in manifest["runtime"]
+    assert manifest["headset"]["image_format"] == "SRGB8_ALPHA8"
+    assert manifest["respondent"] == "panel"
+
+    timepoints = read(tmp_path, "questionnaires.csv")["timepoint"].value_counts().to_dict()
+    assert timepoints == {"baseline": 16, "post": 64}
+    ratings = read(tmp_path, "ratings.csv")
+    assert set(ratings["trial"]) == {1, 2, 3, 4}
+    assert (ratings["missed"] == 0).sum() >= 2
+    answers = said(tmp_path)
+    assert answers == list(islice(cycle(SCRIPT), len(answers)))
+
+    trace = pd.read_csv(TRACE)
+    columns = ["head_x_m", "head_y_m", "head_z_m"]
+    fed, seen = (table[columns].to_numpy() for table in (trace, read(tmp_path, "frames.csv")))
+    assert max(np.abs(fed - position).max(axis=1).min() for position in seen) <= 1e-6
+    timing = read(tmp_path, "timing.csv")
+    assert timing["frames"].tolist() == read(tmp_path, "trials.csv")["frames"].tolist()
+    assert (timing["interval_median_ms"].astype(float) >= 40).all()
+    assert set(timing["gpu_median_ms"]) == {""}  # a software rasteriser
+
+    reported = run("vrcomfort", "report", str(study), "--out", str(tmp_path / "report"))
+    assert reported.returncode == 0, reported.stderr
+    results = json.loads((tmp_path / "report" / "results.json").read_text())
+    assert results["participants"]["n"] == 1
+    assert results["quality"]["questionnaires"] == 5
+
+
+def services_of(pid: int) -> list[int]:
+    """Return the Monado services that a process has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, rest = stat.read_text().rpartition(") ")
+        except OSError:
+            continue
+        if "monado" in name and int(rest.split()[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found
+
+
+def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        command(tmp_path), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+    )
+    frames = tmp_path / "study" / "sub-P01" / "ses-1" / "frames.csv"
+    while not frames.exists() or frames.read_bytes().count(b"\n") < 25:
+        assert process.poll() is None
+        time.sleep(0.05)
+    (service,) = services_of(process.pid)
+    os.kill(service, signal.SIGKILL)
+    said_last = process.communicate(timeout=60)[1]
+    assert process.returncode == 3
+    (sentence,) = [line for line in said_last.splitlines() if line.startswith("error:")]
+    assert "the OpenXR runtime stopped in the middle of the session" in sentence
+    assert sentence.endswith("run with --resume")
+    assert "Traceback" not in said_last
+    assert len(read(tmp_path, "questionnaires.csv")) == 16
+    assert read(tmp_path, "trials.csv")["abort_code"].tolist() == ["runtime_lost"]
+    shown = len(read(tmp_path, "frames.csv"))
+    assert shown == read(tmp_path, "trials.csv")["frames"].sum() >= 24
+
+    refused = run(*command(tmp_path))
+    assert refused.returncode == 2
+    assert "--resume" in refused.stderr
+    resumed = run(*command(tmp_path, "--resume"))
+    assert resumed.returncode == 0, resumed.stderr
+    trials = read(tmp_path, "trials.csv")
+    assert trials["trial"].tolist() == [1, 1, 2, 3, 4]
+    assert trials["resumed"].tolist() == [0, 1, 1, 1, 1]
+    timepoints = read(tmp_path, "questionnaires.csv")["timepoint"].tolist()[::16]
+    assert timepoints == ["baseline", "baseline", *["post"] * 4]
+    reported = run("vrcomfort", "report", str(tmp_path / "study"), "--out", str(tmp_path / "r"))
+    assert reported.returncode == 0, reported.stderr

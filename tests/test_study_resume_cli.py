@@ -1,0 +1,84 @@
+"""`vrcomfort run --resume` as an experimenter meets it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from study_parts import AheadHeadset, LateFocus, Scripted
+
+from vrcomfort.cli import main
+from vrcomfort.protocol import load_protocol
+from vrcomfort.records import only_run, read_rows
+from vrcomfort.session import run
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    """Return a study whose only session stopped in its second exposure."""
+    begun: list[int] = []
+
+    def headset_for(*_: object) -> AheadHeadset:
+        begun.append(1)
+        return AheadHeadset(interrupt_at=0 if len(begun) == 2 else None)
+
+    outcome = run(
+        load_protocol("smoke"),
+        "P01",
+        study=tmp_path / "study",
+        load_scene=lambda source: source,
+        headset_for=headset_for,
+        renderer=LateFocus(),
+        respondent=Scripted(),
+        seed=7,
+        exposure_s=0.2,
+    )
+    assert outcome.status == "aborted"
+    return tmp_path / "study"
+
+
+def command(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: Any
+) -> tuple[int, str]:
+    shared = ("--respondent", "simulated", "--size", "16x16", "--refresh-hz", "20")
+    arguments = ["vrcomfort", "run", "smoke", "--participant", "P01", *shared, *map(str, words)]
+    monkeypatch.setattr("sys.argv", arguments)
+    code = 0
+    try:
+        main()
+    except SystemExit as end:
+        code = int(end.code or 0)
+    return code, capsys.readouterr().err
+
+
+def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, monkeypatch, capsys):
+    code, said = command(monkeypatch, capsys, "--out", study)
+    assert (code, said.count("\n")) == (2, 1)
+    assert "--resume" in said
+    code, said = command(monkeypatch, capsys, "--out", study, "--resume")
+    assert code == 0, said
+    folder = study / "sub-P01" / "ses-1"
+    trials = read_rows(folder / "trials.csv").rows
+    assert [(row["trial"], row["attempt"], row["resumed"]) for row in trials] == [
+        ("1", "1", "0"),
+        ("2", "1", "0"),
+        ("2", "2", "1"),
+        ("3", "1", "1"),
+        ("4", "1", "1"),
+    ]
+    assert {row["frames"] for row in trials[2:]} == {"4"}
+    manifest = json.loads((folder / "manifest.json").read_text())
+    assert (manifest["seed"], manifest["exposure_s"]) == (7, 0.2)
+    assert [each["respondent"] for each in manifest["earlier_runs"]] == ["scripted"]
+    code, said = command(monkeypatch, capsys, "--out", study, "--resume", "--session", 1)
+    assert code == 2
+    assert "leave --resume out" in said
+
+
+def test_a_participant_who_is_being_run_is_refused(study, monkeypatch, capsys):
+    with only_run(study, "P01"):
+        code, said = command(monkeypatch, capsys, "--out", study, "--resume")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "P01 is being run by process" in said

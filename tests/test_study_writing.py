@@ -1,0 +1,124 @@
+"""Rows are written beside the frames: never late, never lost in silence."""
+
+from __future__ import annotations
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+from study_parts import frame
+
+from vrcomfort.errors import InputError
+from vrcomfort.records import EventRow, FrameRow, RatingRow, Recorder, TrialRow, read_rows
+
+TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
+
+
+def frame_row(index: int) -> FrameRow:
+    shown = frame(index)
+    left, right = shown.views
+    return FrameRow(
+        index / 10, index, 100, 1, True, shown.head_pose, left, right, shown.avatar_pose
+    )
+
+
+def seconds(folder: Path) -> list[float]:
+    return [float(row["session_s"]) for row in read_rows(folder / "frames.csv").rows]
+
+
+class StuckDisk:
+    """Takes what fits into a pipe, and the rest once somebody reads it."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._pipe = recorder.folder / "pipe"
+        self._file = recorder.folder / "frames.csv"
+        os.mkfifo(self._pipe)
+        self._reader = os.open(self._pipe, os.O_RDONLY | os.O_NONBLOCK)
+        recorder._files["frames.csv"].close()
+        recorder._files["frames.csv"] = self._pipe.open("w", encoding="utf-8", newline="")
+
+    def heal(self) -> threading.Thread:
+        os.set_blocking(self._reader, True)
+
+        def copy() -> None:
+            with self._file.open("ab") as whole:
+                while content := os.read(self._reader, 1 << 16):
+                    whole.write(content)
+            os.close(self._reader)
+
+        thread = threading.Thread(target=copy)
+        thread.start()
+        return thread
+
+
+def test_a_stuck_disk_stops_no_frame_and_what_is_left_out_is_told(tmp_path):
+    recorder = Recorder(tmp_path, "P1", 1, capacity=20)
+    disk = StuckDisk(recorder)
+    for index in range(400):
+        recorder.write(frame_row(index))  # would wait forever, were it to wait
+    recorder.write_soon(RatingRow("P1", 1, 1, "a", 1.0, 0.5, "fms", 3, 0))
+    lost = recorder.frames_not_recorded
+    assert 0 < lost < 400
+    thread = disk.heal()
+    recorder.write(TRIAL)
+    recorder.write(frame_row(400))
+    recorder.close()
+    thread.join()
+    kept = seconds(recorder.folder)
+    assert len(kept) == 401 - lost
+    assert kept == sorted(kept)
+    gaps = read_rows(recorder.folder / "events.csv").rows
+    assert {gap["name"] for gap in gaps} == {"frames_not_recorded"}
+    assert sum(int(gap["detail"].split()[0]) for gap in gaps) == lost
+    last_s = float(gaps[-1]["onset_s"]) + float(gaps[-1]["duration_s"])
+    assert last_s == pytest.approx(39.9)
+    for name in ("ratings", "trials"):
+        assert len(read_rows(recorder.folder / f"{name}.csv").rows) == 1
+
+
+def full(recorder: Recorder, name: str) -> None:
+    recorder._files[name].close()
+    recorder._files[name] = Path("/dev/full").open("w")  # noqa: SIM115
+
+
+def test_a_disk_that_refused_a_frame_is_told_by_the_next_call_and_takes_other_rows(tmp_path):
+    recorder = Recorder(tmp_path, "P1", 1)
+    full(recorder, "frames.csv")
+    recorder.write(frame_row(0))
+    with pytest.raises(InputError, match=r"frames\.csv: cannot write: No space left"):
+        recorder.write(TRIAL, EventRow(0.0, 0.0, "end"))
+    recorder.close()
+    for name in ("trials", "events"):
+        assert len(read_rows(recorder.folder / f"{name}.csv").rows) == 1
+
+
+def test_the_last_row_is_not_refused_in_silence(tmp_path):
+    recorder = Recorder(tmp_path, "P1", 1)
+    full(recorder, "frames.csv")
+    recorder.write(frame_row(0))
+    with pytest.raises(InputError, match="No space left"):
+        recorder.close()
+
+
+def test_an_error_elsewhere_is_told_before_that_of_the_disk(tmp_path):
+    def run() -> None:
+        with Recorder(tmp_path, "P1", 1) as recorder:
+            full(recorder, "frames.csv")
+            recorder.write(frame_row(0))
+            raise ArithmeticError
+
+    with pytest.raises(ArithmeticError):
+        run()
+
+
+def test_leaving_by_an_error_writes_what_waits(tmp_path):
+    def run() -> None:
+        with Recorder(tmp_path, "P1", 1) as recorder:
+            for index in range(500):
+                recorder.write(frame_row(index))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run()
+    assert seconds(tmp_path / "sub-P1" / "ses-1") == [index / 10 for index in range(500)]

@@ -1,0 +1,66 @@
+"""What a participant does with their hands and eyes, whatever the headset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vrcomfort.geometry import Pose
+
+
+@dataclass(frozen=True)
+class HandInput:
+    """One controller at one frame.
+
+    Parameters
+    ----------
+    aim
+        stage-from-aim: it points along −Z. None where the controller is off or not tracked.
+    select, back, stop
+        True in the one frame in which the button goes down.
+    thumbstick
+        (right, forward), each −1 to 1.
+    """
+
+    aim: Pose | None = None
+    select: bool = False
+    back: bool = False
+    stop: bool = False
+    thumbstick: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Gaze:
+    """Where both eyes look.
+
+    Parameters
+    ----------
+    pose
+        stage-from-gaze: it looks along −Z.
+    time_ns
+        When the eyes were seen, on the clock of the frames' predicted display times.
+    valid
+        False where the pose is a guess (eyes closed, lost, not calibrated): do not use it then.
+    """
+
+    pose: Pose
+    time_ns: int
+    valid: bool
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Both hands and the eyes at one frame; `gaze` is None where the headset has no eye tracker."""
+
+    left: HandInput = HandInput()
+    right: HandInput = HandInput()
+    gaze: Gaze | None = None
+
+    @property
+    def hands(self) -> tuple[HandInput, HandInput]:
+        """Return (left, right)."""
+        return self.left, self.right
+
+    @property
+    def stop(self) -> bool:
+        """Return whether the participant asks to stop, with either hand."""
+        return self.left.stop or self.right.stop

@@ -1,0 +1,196 @@
+"""Starts and stops a Monado runtime with a null compositor: OpenXR without a headset.
+
+Use it for tests and rehearsals. Its timing means nothing: the null compositor runs at its own pace.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Self
+
+from vrcomfort.errors import InputError
+from vrcomfort.headset.remote_feed import RemoteFeed
+
+SERVICE = "monado-service"
+READY_SOCKET = "monado_comp_ipc"
+START_TIMEOUT_S = 30.0
+STOP_TIMEOUT_S = 10.0
+
+
+class Monado:
+    """A Monado service of our own: own settings, own sockets, one process; a context manager.
+
+    Inside the context the process's environment points OpenXR applications to it.
+
+    Parameters
+    ----------
+    log
+        Where the service's output goes; default: its own folder, which goes with it.
+
+    Raises
+    ------
+    InputError
+        If Monado is not installed, or does not start.
+    """
+
+    def __init__(self, log: Path | None = None) -> None:
+        self._service = find_service()
+        self._folder = Path(tempfile.mkdtemp(prefix="monado-"))
+        self._log = log or self._folder / "log.txt"
+        self._port = _free_port()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._environment = client_environment(self._folder)
+
+    @property
+    def pid(self) -> int:
+        """Return the process id of the running service."""
+        if self._process is None:
+            raise InputError("the Monado service is not running; start it first")
+        return self._process.pid
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """Return the variables that lead an OpenXR application to this service."""
+        return dict(self._environment)
+
+    def start(self) -> None:
+        """Start the service and wait until it takes applications and feeds."""
+        self._write_settings()
+        environment = {
+            **os.environ,
+            **self._environment,
+            "XDG_CONFIG_HOME": str(self._folder),
+            "P_OVERRIDE_ACTIVE_CONFIG": "remote",
+            "XRT_COMPOSITOR_NULL": "1",
+            "XRT_NO_STDIN": "1",
+        }
+        with self._log.open("wb") as log:
+            self._process = subprocess.Popen(  # noqa: S603 - found on PATH
+                [self._service],
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )
+        self._wait_until_ready()
+
+    def feed(self) -> RemoteFeed:
+        """Connect to the driver that plays the headset and the controllers."""
+        return RemoteFeed(self._port)
+
+    def kill(self) -> None:
+        """End the service as a crash would: at once, without a word to its applications."""
+        self._end(signal.SIGKILL)
+
+    def stop(self) -> None:
+        """End the service and remove its folder."""
+        self._end(signal.SIGTERM)
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def __enter__(self) -> Self:
+        try:
+            self.start()
+        except BaseException:
+            self.stop()
+            raise
+        self._outer = active_environment(self._environment)
+        self._outer.__enter__()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._outer.__exit__(None, None, None)
+        self.stop()
+
+    def _write_settings(self) -> None:
+        settings = self._folder / "monado" / "config_v0.json"
+        settings.parent.mkdir(exist_ok=True)
+        remote = {"version": 0, "port": self._port, "view_count": 2}
+        settings.write_text(json.dumps({"active": "remote", "remote": remote}))
+
+    def _wait_until_ready(self) -> None:
+        deadline = time.monotonic() + START_TIMEOUT_S
+        while not _listens(self._folder / READY_SOCKET):
+            if self._process is None or self._process.poll() is not None:
+                raise InputError(f"the Monado service ended while starting: {self._last_words()}")
+            if time.monotonic() > deadline:
+                raise InputError(f"the Monado service did not get ready: {self._last_words()}")
+            time.sleep(0.05)
+
+    def _last_words(self) -> str:
+        lines = self._log.read_text(errors="replace").strip().splitlines()
+        return lines[-1] if lines else "it said nothing"
+
+    def _end(self, number: signal.Signals) -> None:
+        if self._process is None:
+            return
+        self._process.send_signal(number)
+        try:
+            self._process.wait(STOP_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._process = None
+
+
+def find_service() -> str:
+    """Return the path of the Monado service.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+    """
+    service = shutil.which(SERVICE)
+    if service is None:
+        raise InputError(
+            f"{SERVICE} is not installed here; run the same command through scripts/in_runtime.sh, "
+            "which finds or makes a system that has it"
+        )
+    return service
+
+
+def client_environment(runtime_folder: Path) -> dict[str, str]:
+    """Return what an OpenXR application needs to find the service with this run-time folder."""
+    prefix = Path(find_service()).resolve().parent.parent
+    return {
+        "XR_RUNTIME_JSON": str(prefix / "share/openxr/1/openxr_monado.json"),
+        "XDG_RUNTIME_DIR": str(runtime_folder),
+    }
+
+
+@contextmanager
+def active_environment(variables: dict[str, str]) -> Iterator[None]:
+    """Set environment variables of this process, and put back what was there."""
+    before = {name: os.environ.get(name) for name in variables}
+    os.environ.update(variables)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def _listens(path: Path) -> bool:
+    """Return whether somebody takes connections; the file itself appears too early."""
+    with socket.socket(socket.AF_UNIX) as probe:
+        return probe.connect_ex(str(path)) == 0

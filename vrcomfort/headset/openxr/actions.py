@@ -1,0 +1,157 @@
+"""Buttons, thumb-sticks, aim, vibration and gaze."""
+
+from __future__ import annotations
+
+import ctypes
+from contextlib import suppress
+from typing import Any
+
+import xr
+
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.inputs import Gaze, HandInput, Inputs
+from vrcomfort.headset.openxr.bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
+from vrcomfort.headset.openxr.convert import pose_from_xr
+from vrcomfort.headset.openxr.instance import Runtime, check
+from vrcomfort.headset.openxr.spaces import VALID, Stage
+
+TICK_NS = 30_000_000
+TICK_AMPLITUDE = 0.4
+TRACKED = VALID | int(xr.SpaceLocationFlags.ORIENTATION_TRACKED_BIT)
+
+_KINDS = {
+    "select": xr.ActionType.BOOLEAN_INPUT,
+    "back": xr.ActionType.BOOLEAN_INPUT,
+    "stop": xr.ActionType.BOOLEAN_INPUT,
+    "move": xr.ActionType.VECTOR2F_INPUT,
+    "aim": xr.ActionType.POSE_INPUT,
+    "haptic": xr.ActionType.VIBRATION_OUTPUT,
+}
+
+
+class Actions:
+    """The one action set of a study, attached to the session.
+
+    Parameters
+    ----------
+    runtime, session
+        Whose controllers.
+    """
+
+    def __init__(self, runtime: Runtime, session: xr.Session) -> None:
+        self._runtime, self._session = runtime, session
+        self._set = xr.create_action_set(
+            runtime.instance, xr.ActionSetCreateInfo("study", "Study", 0)
+        )
+        self._hands = [self._path(f"/user/hand/{hand}") for hand in HANDS]
+        self._actions = {name: self._make(name, kind) for name, kind in _KINDS.items()}
+        self._gaze = self._make_gaze() if runtime.has_gaze else None
+        self._suggest()
+        xr.attach_session_action_sets(
+            session, xr.SessionActionSetsAttachInfo(action_sets=[self._set])
+        )
+        self._get = {  # made once: hot
+            (name, hand): xr.ActionStateGetInfo(action=action, subaction_path=path)
+            for name, action in self._actions.items()
+            for hand, path in enumerate(self._hands)
+        }
+        self._aims = [self._space(self._actions["aim"], hand) for hand in self._hands]
+        self._gaze_space = None if self._gaze is None else self._space(self._gaze)
+        self._sync_info = xr.ActionsSyncInfo(active_action_sets=[xr.ActiveActionSet(self._set, 0)])
+
+    def sync(self) -> None:
+        """Take the state of all buttons, once per frame."""
+        with suppress(xr.exception.SessionNotFocused):  # controllers read as inactive then
+            xr.sync_actions(self._session, self._sync_info)
+
+    def read(self, stage: Stage, time_ns: int) -> Inputs:
+        """Return what hands and eyes do at `time_ns`."""
+        left, right = (self._hand(hand, stage, time_ns) for hand in (0, 1))
+        return Inputs(left, right, self._read_gaze(stage, time_ns))
+
+    def tick(self, hand: int) -> None:
+        """Let controller `hand` (0 left, 1 right) tick, to confirm an answer."""
+        info = xr.HapticActionInfo(self._actions["haptic"], self._hands[hand])
+        pulse = xr.HapticVibration(
+            duration=TICK_NS, frequency=xr.FREQUENCY_UNSPECIFIED, amplitude=TICK_AMPLITUDE
+        )
+        with suppress(xr.exception.SessionNotFocused):  # the runtime's own menu has the controllers
+            xr.apply_haptic_feedback(self._session, info, pulse)
+
+    def profile(self, hand: int) -> str:
+        """Return which controller the runtime uses for `hand`, or an empty string."""
+        state = xr.get_current_interaction_profile(self._session, self._hands[hand])
+        profile = state.interaction_profile
+        return xr.path_to_string(self._runtime.instance, profile) if profile else ""
+
+    def release(self) -> None:
+        """Destroy the action set and what belongs to it."""
+        xr.destroy_action_set(self._set)
+
+    def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
+        active = xr.get_action_state_pose(self._session, self._get["aim", hand]).is_active
+        stick = xr.get_action_state_vector2f(self._session, self._get["move", hand]).current_state
+        return HandInput(
+            aim=stage.locate(self._aims[hand], time_ns) if active else None,
+            select=self._pressed("select", hand),
+            back=self._pressed("back", hand),
+            stop=self._pressed("stop", hand),
+            thumbstick=(stick.x, stick.y),
+        )
+
+    def _pressed(self, name: str, hand: int) -> bool:
+        state = xr.get_action_state_boolean(self._session, self._get[name, hand])
+        return bool(state.current_state and state.changed_since_last_sync)
+
+    def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
+        if self._gaze_space is None:
+            return None
+        seen = xr.EyeGazeSampleTimeEXT()
+        location = xr.SpaceLocation(next=seen)
+        locate = xr.raw_functions.xrLocateSpace
+        check(locate(self._gaze_space, stage.space, time_ns, ctypes.byref(location)))
+        flags = location._location_flags  # the enum costs 10 µs
+        if flags & VALID != VALID:
+            return Gaze(Pose(), int(seen.time), valid=False)
+        return Gaze(pose_from_xr(location.pose), int(seen.time), flags & TRACKED == TRACKED)
+
+    def _make(self, name: str, kind: xr.ActionType) -> xr.Action:
+        return xr.create_action(
+            self._set,
+            xr.ActionCreateInfo(
+                name,
+                kind,
+                subaction_paths=self._hands,
+                localized_action_name=name.capitalize(),
+            ),
+        )
+
+    def _make_gaze(self) -> xr.Action:
+        info = xr.ActionCreateInfo("gaze", xr.ActionType.POSE_INPUT, localized_action_name="Gaze")
+        return xr.create_action(self._set, info)
+
+    def _suggest(self) -> None:
+        for profile in PROFILES:
+            if profile.extension is None or profile.extension in self._runtime.extensions:
+                pairs = [(self._actions[name], path) for name, path in profile.pairs()]
+                self._suggest_profile(profile.path, pairs)
+        if self._gaze is not None:
+            self._suggest_profile(GAZE_PROFILE, [(self._gaze, GAZE_PATH)])
+
+    def _suggest_profile(self, profile: str, pairs: list[tuple[Any, str]]) -> None:
+        suggested = [xr.ActionSuggestedBinding(each, self._path(path)) for each, path in pairs]
+        xr.suggest_interaction_profile_bindings(
+            self._runtime.instance,
+            xr.InteractionProfileSuggestedBinding(
+                interaction_profile=self._path(f"/interaction_profiles/{profile}"),
+                suggested_bindings=suggested,
+            ),
+        )
+
+    def _space(self, action: xr.Action, hand: int = xr.NULL_PATH) -> xr.Space:
+        info = xr.ActionSpaceCreateInfo(action=action, subaction_path=hand)
+        return xr.create_action_space(self._session, info)
+
+    def _path(self, text: str) -> int:
+        path: int = xr.string_to_path(self._runtime.instance, text)
+        return path

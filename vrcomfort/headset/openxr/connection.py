@@ -1,0 +1,132 @@
+"""Everything that lives as long as the session: made in order, released in reverse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+
+import moderngl
+import xr
+
+from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.headset.openxr import depth, display
+from vrcomfort.headset.openxr.actions import Actions
+from vrcomfort.headset.openxr.binding import Binding, current_binding, make_current
+from vrcomfort.headset.openxr.faults import starting
+from vrcomfort.headset.openxr.instance import connect
+from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
+from vrcomfort.headset.openxr.lifecycle import Lifecycle
+from vrcomfort.headset.openxr.settings import OpenXrSettings
+from vrcomfort.headset.openxr.spaces import Stage
+from vrcomfort.headset.openxr.swapchain import (
+    DEPTH_FORMAT,
+    DEPTH_FORMAT_NAME,
+    FORMATS,
+    Canvas,
+    Swapchain,
+    choose_format,
+)
+
+
+class Connection:
+    """A session with a runtime.
+
+    Parameters
+    ----------
+    ctx
+        The OpenGL context that draws.
+    settings
+        What the caller may choose.
+    mirror
+        See `EyeLayer`.
+    notify
+        Called with each event worth recording.
+
+    Raises
+    ------
+    InputError
+        If it cannot be had.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        settings: OpenXrSettings,
+        mirror: Mirror | None,
+        notify: Callable[[HeadsetEvent], None],
+    ) -> None:
+        self._ctx = ctx
+        self._settings = settings
+        self._owned = ExitStack()
+        try:
+            make_current(ctx)
+            with starting():
+                self._open(current_binding(), mirror, notify)
+            make_current(ctx)
+        except BaseException:
+            self.release()
+            raise
+
+    def _open(
+        self, binding: Binding, mirror: Mirror | None, notify: Callable[[HeadsetEvent], None]
+    ) -> None:
+        self._platform = binding.platform
+        self.runtime = connect(self._settings, binding.extensions, notify)
+        self._owned.callback(self.runtime.release)
+        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
+        self.session = xr.create_session(self.runtime.instance, create)
+        self._owned.callback(xr.destroy_session, self.session)
+        self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
+        self.stage = Stage(self.session, self._settings.eye_height_m)
+        formats = xr.enumerate_swapchain_formats(self.session)
+        self._format = choose_format(formats)
+        self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
+        self._no_depth = depth.why_not(self.runtime.extensions, formats)
+        self.eyes = EyeLayer(self._ctx, self.canvas, self.size_px, mirror, self._depth_images())
+        self._owned.callback(self.eyes.release)
+        self.actions = Actions(self.runtime, self.session)
+        self._owned.callback(self.actions.release)
+        if self._settings.refresh_hz is not None and self.switches_rate:
+            display.request_refresh_rate(self.session, self._settings.refresh_hz)
+
+    @property
+    def switches_rate(self) -> bool:
+        """Return whether the runtime tells its refresh rates."""
+        return display.REFRESH_RATE in self.runtime.extensions
+
+    @property
+    def details(self) -> dict[str, str]:
+        """Return what a manifest should know about runtime and headset."""
+        return {
+            "runtime": self.runtime.name,
+            "headset": self.runtime.headset_name,
+            "binding": self._platform,
+            "space": self.stage.kind,
+            "image_format": FORMATS[self._format],
+            "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
+            "eye_tracker": "yes" if self.runtime.has_gaze else "no",
+            "extensions": " ".join(sorted(self.runtime.extensions)),
+            "left_controller": self.actions.profile(0),
+            "right_controller": self.actions.profile(1),
+        }
+
+    def canvas(self, size_px: tuple[int, int]) -> Canvas:
+        """Make a ring of images in the session's format."""
+        return Canvas(self._ctx, self._swapchain(size_px, self._format))
+
+    def _depth_images(self) -> depth.DepthImages | None:
+        if not self._settings.depth:
+            self._no_depth = "switched off"
+        if self._no_depth:
+            return None
+        left, right = (self._swapchain(self.size_px, DEPTH_FORMAT) for _ in range(2))
+        return depth.DepthImages(self._ctx, (left, right))
+
+    def _swapchain(self, size_px: tuple[int, int], image_format: int) -> Swapchain:
+        return Swapchain(self.session, size_px, image_format, self._settings.image_timeout_s)
+
+    def release(self) -> None:
+        """Release everything, newest first; a runtime that is gone keeps nothing."""
+        with suppress(xr.exception.ErrorResult):
+            self._owned.close()
+        make_current(self._ctx)

@@ -1,0 +1,88 @@
+"""Optional news about the display: its refresh rates, and the corners nobody sees."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+import xr
+from numpy.typing import NDArray
+
+from vrcomfort.errors import InputError
+from vrcomfort.headset.openxr.instance import STEREO, call_extension
+
+REFRESH_RATE = xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME
+VISIBILITY_MASK = xr.KHR_VISIBILITY_MASK_EXTENSION_NAME
+HIDDEN = xr.VisibilityMaskTypeKHR.HIDDEN_TRIANGLE_MESH
+
+
+@dataclass(frozen=True)
+class HiddenArea:
+    """The part of one eye's image that the lens never shows.
+
+    Parameters
+    ----------
+    vertices
+        (n, 2) tangents of the view: x / −z and y / −z.
+    triangles
+        (m, 3) indices into `vertices`.
+    """
+
+    vertices: NDArray[np.float32]
+    triangles: NDArray[np.uint32]
+
+
+def refresh_rates_hz(session: xr.Session) -> list[float]:
+    """Return the rates that the runtime can switch to."""
+    return [float(rate) for rate in xr.enumerate_display_refresh_rates_fb(session)]
+
+
+def current_refresh_hz(session: xr.Session) -> float:
+    """Return the rate that the display runs at now."""
+    return float(xr.get_display_refresh_rate_fb(session).value)
+
+
+def request_refresh_rate(session: xr.Session, wanted_hz: float) -> None:
+    """Switch the display.
+
+    Raises
+    ------
+    InputError
+        If it has no such rate.
+    """
+    offered = refresh_rates_hz(session)
+    nearest = min(offered, key=lambda rate: abs(rate - wanted_hz), default=0.0)
+    if abs(nearest - wanted_hz) > 0.5:
+        rates = ", ".join(f"{rate:g}" for rate in offered) or "none"
+        raise InputError(f"the headset has no {wanted_hz:g} Hz; it offers {rates} Hz")
+    xr.request_display_refresh_rate_fb(session, nearest)
+
+
+def hidden_area(session: xr.Session, eye: int) -> HiddenArea | None:
+    """Return what eye 0 (left) or 1 (right) never sees, or None where all of it is seen."""
+    mask = xr.get_visibility_mask_khr(session, STEREO, eye, HIDDEN)
+    if mask.vertex_count_output == 0 or mask.index_count_output == 0:
+        return None
+    vertices = (xr.Vector2f * mask.vertex_count_output)()
+    indices = (ctypes.c_uint32 * mask.index_count_output)()
+    _fill_mask(session, eye, vertices, indices)
+    points = np.array([(each.x, each.y) for each in vertices], dtype=np.float32)
+    return HiddenArea(points, np.array(indices, dtype=np.uint32).reshape(-1, 3))
+
+
+def _fill_mask(
+    session: xr.Session,
+    eye: int,
+    vertices: ctypes.Array[xr.Vector2f],
+    indices: ctypes.Array[ctypes.c_uint32],
+) -> None:
+    mask = xr.VisibilityMaskKHR(
+        vertex_capacity_input=len(vertices),
+        vertices=vertices,
+        index_capacity_input=len(indices),
+        indices=indices,
+    )
+    eye_and_kind = STEREO.value, eye, HIDDEN.value
+    instance, name = session.instance, "xrGetVisibilityMaskKHR"
+    call_extension(instance, name, session, *eye_and_kind, ctypes.byref(mask))

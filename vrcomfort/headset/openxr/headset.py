@@ -1,0 +1,261 @@
+"""The headset: frames with poses from the runtime, images back to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Self
+
+import moderngl
+import xr
+
+from vrcomfort.errors import RuntimeLostError
+from vrcomfort.geometry import Pose, Quad
+from vrcomfort.headset.base import Frame, HeadsetEvent
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.openxr import display, faults, layers
+from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.settings import OpenXrSettings
+from vrcomfort.headset.openxr.spaces import floor_under
+from vrcomfort.headset.openxr.tracking import Tracking
+
+SECOND_NS = 1_000_000_000
+EXIT_FRAMES = 100
+"""So many empty frames at most, until the runtime lets a session go."""
+
+
+class OpenXrHeadset:
+    """A headset behind the active OpenXR runtime; a context manager.
+
+    Parameters
+    ----------
+    ctx
+        The OpenGL context that draws.
+    settings
+        What the caller may choose.
+    before_wait
+        Called before each wait for a frame: where a simulated runtime's feed moves on.
+    mirror
+        Called with (0 left or 1 right, the image that the runtime is about to get).
+
+    Raises
+    ------
+    InputError
+        If no runtime, no headset or no OpenGL can be had; says what to do.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        settings: OpenXrSettings | None = None,
+        *,
+        before_wait: Callable[[], None] | None = None,
+        mirror: layers.Mirror | None = None,
+    ) -> None:
+        self._before_wait = before_wait
+        self._events: list[HeadsetEvent] = []
+        self._panels: list[layers.PanelLayer] = []
+        self._xr = Connection(ctx, settings or OpenXrSettings(), mirror, self._events.append)
+        self._tracking = Tracking(self._xr.session, self._xr.stage, self._events.append)
+        self._open: Frame | None = None
+        self._next_index = 0
+        self._time_ns = self._period_ns = 0
+        self._cut = True
+        self._paused = False
+        self._spawn: Pose | None = None
+        self.avatar_pose = Pose()
+
+    @property
+    def name(self) -> str:
+        """Return what the manifest calls this headset."""
+        runtime = self._xr.runtime
+        return f"openxr: {runtime.headset_name} ({runtime.name})"
+
+    @property
+    def details(self) -> dict[str, str]:
+        """Return what a manifest should know about runtime and headset."""
+        return self._xr.details
+
+    @property
+    def refresh_hz(self) -> float:
+        """Return the display's refresh rate: as the runtime says, or as its frames come; or 0."""
+        if self._xr.switches_rate:
+            return display.current_refresh_hz(self._xr.session)
+        return SECOND_NS / self._period_ns if self._period_ns else 0.0
+
+    @property
+    def refresh_rates_hz(self) -> list[float]:
+        """Return the rates that can be asked for in the settings."""
+        return display.refresh_rates_hz(self._xr.session) if self._xr.switches_rate else []
+
+    @property
+    def image_size_px(self) -> tuple[int, int]:
+        """Return (width, height) of one eye's image."""
+        return self._xr.size_px
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield a frame whenever the runtime wants one, until it ends the session.
+
+        While the headset is asleep this waits. A frame that was not submitted goes back empty.
+
+        Raises
+        ------
+        RuntimeLostError
+            If the runtime goes away.
+        """
+        self._cut = True
+        while True:
+            with faults.running():
+                frame = self._next_frame()
+            if frame is None:
+                return
+            yield frame
+
+    def submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
+        """Show the images (RGBA8, sRGB-encoded) and the panels; with `None` only the panels."""
+        with faults.running():
+            self._submit(frame, eyes)
+
+    def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
+        """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
+
+        Does nothing where the runtime takes none.
+
+        Parameters
+        ----------
+        depth
+            D32F, reverse-Z: ``near_m / distance``.
+        """
+        images = self._xr.eyes.depth
+        if images is not None and self._open is not None and self._open.should_render:
+            with faults.running():
+                images.draw(eye, depth, near_m)
+
+    @property
+    def head_pose(self) -> Pose:
+        """Return stage-from-head of the last frame."""
+        return self._tracking.head
+
+    def inputs(self) -> Inputs:
+        """Return what the participant's hands and eyes do in the last frame."""
+        with faults.running():
+            return self._xr.actions.read(self._xr.stage, self._time_ns)
+
+    def tick(self, hand: int) -> None:
+        """Let controller `hand` (0 left, 1 right) tick, to confirm an answer."""
+        with faults.running():
+            self._xr.actions.tick(hand)
+
+    def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
+        """Put a panel into the room; draw on it, and hide it when it is done."""
+        panel = layers.PanelLayer(self._xr.canvas, size_px, quad, self._panels.remove)
+        self._panels.append(panel)
+        return panel
+
+    def place(self, *, spawn: Pose) -> None:
+        """Put the participant's floor point and heading on `spawn` (in the world), next frame."""
+        self._spawn = spawn
+
+    def recenter(self) -> None:
+        """Make the floor under the head the stage's origin, and its heading straight ahead."""
+        self._xr.stage.recenter(self._tracking.head)
+        self._cut = True
+        self._events.append(HeadsetEvent("recentered", "by the experimenter"))
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call."""
+        events = list(self._events)
+        self._events.clear()
+        return events
+
+    def hidden_areas(self) -> tuple[display.HiddenArea | None, display.HiddenArea | None]:
+        """Return what the left and the right eye never see; None where that is nothing."""
+        if display.VISIBILITY_MASK not in self._xr.runtime.extensions:
+            return None, None
+        left, right = (display.hidden_area(self._xr.session, eye) for eye in (0, 1))
+        return left, right
+
+    def close(self) -> None:
+        """End the session as the runtime likes it, and release everything."""
+        try:
+            self._leave()
+        except (xr.exception.ResultException, RuntimeLostError):
+            pass  # the runtime is gone already
+        finally:
+            for panel in list(self._panels):
+                panel.hide()
+            self._xr.release()
+
+    def request_exit(self) -> None:
+        """Ask the runtime to end the session: `frames` ends soon after."""
+        with faults.running():
+            xr.request_exit_session(self._xr.session)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def _next_frame(self) -> Frame | None:
+        if self._open is not None:
+            self._submit(self._open, None)
+        lifecycle = self._xr.lifecycle
+        self._cut = self._cut or not lifecycle.running
+        if not lifecycle.wait_until_running():
+            return None
+        if self._before_wait is not None:
+            self._before_wait()
+        timing = xr.wait_frame(self._xr.session)
+        xr.begin_frame(self._xr.session)
+        self._xr.actions.sync()
+        self._open = self._frame(timing)
+        return self._open
+
+    def _frame(self, timing: xr.FrameState) -> Frame:
+        time_ns = self._time_ns = int(timing.predicted_display_time)
+        self._period_ns = int(timing.predicted_display_period)
+        self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
+        head = self._tracking.head
+        if self._spawn is not None:
+            self.avatar_pose = self._spawn @ floor_under(head).inverse()
+            self._spawn, self._cut = None, True
+        paused = not self._xr.lifecycle.seen
+        self._cut |= self._paused and not paused
+        frame = Frame(
+            index=self._next_index,
+            predicted_display_time_ns=time_ns,
+            period_ns=self._period_ns,
+            head_pose=head,
+            views=self._tracking.views,
+            avatar_pose=self.avatar_pose,
+            should_render=bool(timing.should_render),
+            discontinuity=self._cut,
+            paused=paused,
+        )
+        self._paused = paused
+        self._next_index, self._cut = self._next_index + 1, False
+        return frame
+
+    def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
+        composed: list[layers.Layer] = []
+        space = self._xr.stage.space
+        if frame.should_render:
+            if eyes is not None:
+                self._xr.eyes.draw(eyes)
+                composed.append(self._xr.eyes.structure(space, self._tracking.xr_views))
+            composed += [layer for each in self._panels if (layer := each.structure(space))]
+        self._open = None
+        layers.end_frame(self._xr.session, frame.predicted_display_time_ns, composed)
+
+    def _leave(self) -> None:
+        """Give empty frames until the runtime has ended the session."""
+        if self._open is not None:
+            self._submit(self._open, None)
+        if not self._xr.lifecycle.running:
+            return
+        xr.request_exit_session(self._xr.session)
+        for _ in range(EXIT_FRAMES):
+            frame = self._next_frame()
+            if frame is None:
+                return
+            self._submit(frame, None)

@@ -1,0 +1,159 @@
+"""The connection to the runtime: what it offers, what we take, which headset it drives."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import xr
+
+from vrcomfort.errors import InputError
+from vrcomfort.headset.openxr.messages import DEBUG_UTILS, Messenger, Notify
+from vrcomfort.headset.openxr.settings import OpenXrSettings
+
+WANTED_EXTENSIONS = (
+    xr.EXT_LOCAL_FLOOR_EXTENSION_NAME,
+    xr.EXT_USER_PRESENCE_EXTENSION_NAME,
+    xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
+    xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
+    xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
+    xr.KHR_VISIBILITY_MASK_EXTENSION_NAME,
+    xr.EXT_HP_MIXED_REALITY_CONTROLLER_EXTENSION_NAME,
+    xr.HTC_VIVE_FOCUS3_CONTROLLER_INTERACTION_EXTENSION_NAME,
+    xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
+)
+"""Taken where the runtime offers them; everything works without."""
+
+STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
+EYES = 2
+
+
+@dataclass(frozen=True)
+class Runtime:
+    """An OpenXR instance and the head-mounted display it drives.
+
+    Parameters
+    ----------
+    instance, system
+        OpenXR's handle and number.
+    extensions
+        Those that are switched on.
+    messenger
+        Brings what API layers say.
+    """
+
+    instance: xr.Instance
+    system: int
+    extensions: frozenset[str]
+    messenger: Messenger | None = None
+
+    @property
+    def name(self) -> str:
+        """Return the runtime's name and version."""
+        properties = xr.get_instance_properties(self.instance)
+        return f"{properties.runtime_name.decode()} {properties.runtime_version}"
+
+    @cached_property
+    def headset_name(self) -> str:
+        """Return what the runtime calls the headset."""
+        return str(self._system_properties().system_name.decode())
+
+    @cached_property
+    def has_gaze(self) -> bool:
+        """Return whether the headset tracks the eyes."""
+        if xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME not in self.extensions:
+            return False
+        gaze = xr.SystemEyeGazeInteractionPropertiesEXT()
+        self._system_properties(gaze)
+        return bool(gaze.supports_eye_gaze_interaction)
+
+    @cached_property
+    def recommended_size_px(self) -> tuple[int, int]:
+        """Return (width, height) of one eye's image as the runtime would have it.
+
+        Raises
+        ------
+        InputError
+            If the headset has not two views.
+        """
+        views = xr.enumerate_view_configuration_views(self.instance, self.system, STEREO)
+        if len(views) != EYES:
+            raise InputError(f"the headset shows {len(views)} views; vrcomfort needs two")
+        view = views[0]
+        return view.recommended_image_rect_width, view.recommended_image_rect_height
+
+    def _system_properties(self, chained: ctypes.Structure | None = None) -> xr.SystemProperties:
+        properties = xr.SystemProperties(next=chained)
+        get = xr.raw_functions.xrGetSystemProperties
+        check(get(self.instance, self.system, ctypes.byref(properties)))
+        return properties
+
+    def release(self) -> None:
+        """Disconnect from the runtime."""
+        xr.destroy_instance(self.instance)
+
+
+def check(result: int) -> None:
+    """Raise what pyopenxr raises for a result code of a raw function."""
+    checked = xr.check_result(xr.Result(result))
+    if checked.is_exception():
+        raise checked
+
+
+def call_extension(instance: xr.Instance, name: str, handle: Any, *arguments: Any) -> None:
+    """Call an extension's function that pyopenxr has no usable wrapper for."""
+    address = xr.get_instance_proc_addr(instance, name)
+    call = ctypes.cast(address, getattr(xr, f"PFN_{name}"))
+    check(call(handle, *arguments))
+
+
+def offered_extensions() -> frozenset[str]:
+    """Return the names of the extensions that the active runtime offers."""
+    properties = xr.enumerate_instance_extension_properties()
+    return frozenset(each.extension_name.decode() for each in properties)
+
+
+def connect(settings: OpenXrSettings, needed: tuple[str, ...], notify: Notify) -> Runtime:
+    """Connect to the active runtime and find its headset.
+
+    Raises
+    ------
+    InputError
+        If the runtime lacks an extension that is needed.
+    """
+    offered = offered_extensions()
+    missing = [name for name in needed if name not in offered]
+    if missing:
+        raise InputError(
+            f"the OpenXR runtime does not offer {', '.join(missing)}, which OpenGL applications "
+            "need here; update it, or run in a window with a GLX context"
+        )
+    wanted = (*WANTED_EXTENSIONS, DEBUG_UTILS) if settings.api_layers else WANTED_EXTENSIONS
+    taken = [*needed, *(name for name in wanted if name in offered)]
+    instance = xr.create_instance(
+        xr.InstanceCreateInfo(
+            application_info=xr.ApplicationInfo(
+                settings.application, 1, "vrcomfort", 1, xr.Version(1, 0, 0)
+            ),
+            enabled_api_layer_names=list(settings.api_layers),
+            enabled_extension_names=taken,
+        )
+    )
+    messenger = Messenger(instance, notify) if DEBUG_UTILS in taken else None
+    system = _find_headset(instance)
+    return Runtime(instance, system, frozenset(taken), messenger)
+
+
+def _find_headset(instance: xr.Instance) -> int:
+    try:
+        wanted = xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY)
+        system: int = xr.get_system(instance, wanted)
+        requirements = xr.GraphicsRequirementsOpenGLKHR()  # the runtime insists on being asked
+        name = "xrGetOpenGLGraphicsRequirementsKHR"
+        call_extension(instance, name, instance, system, ctypes.byref(requirements))
+    except xr.exception.ResultException:
+        xr.destroy_instance(instance)
+        raise
+    return system

@@ -1,0 +1,36 @@
+"""What a caller may choose about the OpenXR headset."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class OpenXrSettings:
+    """Settings of `OpenXrHeadset`.
+
+    Parameters
+    ----------
+    application
+        The name that the runtime shows to its operator.
+    image_size_px
+        (width, height) of one eye's image; None takes the size that the runtime recommends.
+    refresh_hz
+        Asked of runtimes that can switch; None leaves it as it is.
+    eye_height_m
+        How far the floor is below the origin where the runtime does not know the floor.
+    depth
+        Give depth to a runtime that can use it (see `openxr.depth`).
+    api_layers
+        API layers to switch on, as validation does; what they say becomes events.
+    image_timeout_s
+        How long the runtime may take to give back an image before it counts as lost.
+    """
+
+    application: str = "vrcomfort"
+    image_size_px: tuple[int, int] | None = None
+    refresh_hz: float | None = None
+    eye_height_m: float = 1.6
+    depth: bool = True
+    api_layers: tuple[str, ...] = ()
+    image_timeout_s: float = 5.0

@@ -1,0 +1,73 @@
+"""Where poses are measured: the tracked space, the head in it, and recentering."""
+
+from __future__ import annotations
+
+import numpy as np
+import xr
+
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
+from vrcomfort.headset.playback import heading
+
+Space = xr.ReferenceSpaceType
+PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
+"""The floor as origin where there is one; LOCAL starts at eye height."""
+
+VALID = int(xr.SpaceLocationFlags.ORIENTATION_VALID_BIT | xr.SpaceLocationFlags.POSITION_VALID_BIT)
+
+
+class Stage:
+    """The tracked space, and the head in it.
+
+    Parameters
+    ----------
+    session
+        OpenXR's handle.
+    eye_height_m
+        Used where the runtime does not know the floor.
+
+    Attributes
+    ----------
+    kind
+        Which of the runtime's spaces it is, as ``stage``, ``local_floor`` or ``local``.
+    space
+        The handle that layers and locations refer to.
+    """
+
+    def __init__(self, session: xr.Session, eye_height_m: float) -> None:
+        self._session = session
+        offered = {Space(each) for each in xr.enumerate_reference_spaces(session)}
+        self._type = next(each for each in PREFERRED if each in offered)
+        self.kind = self._type.name.lower()
+        floor_m = -eye_height_m if self._type is Space.LOCAL else 0.0
+        self._origin = Pose(np.array([0.0, floor_m, 0.0]))
+        self.space = self._reference(self._type, self._origin)
+        self._head = self._reference(Space.VIEW, Pose())
+
+    def locate(self, space: xr.Space, time_ns: int) -> Pose | None:
+        """Return stage-from-`space`, or None where it is not known."""
+        location = xr.locate_space(space, self.space, time_ns)
+        if location._location_flags & VALID != VALID:  # the enum costs 10 µs
+            return None
+        return pose_from_xr(location.pose)
+
+    def locate_head(self, time_ns: int) -> Pose | None:
+        """Return stage-from-head, or None where tracking is lost."""
+        return self.locate(self._head, time_ns)
+
+    def recenter(self, head: Pose) -> None:
+        """Move the origin to the floor under `head`, and turn −Z to where it looks."""
+        self._origin = self._origin @ floor_under(head)
+        xr.destroy_space(self.space)
+        self.space = self._reference(self._type, self._origin)
+
+    def _reference(self, kind: xr.ReferenceSpaceType, origin: Pose) -> xr.Space:
+        return xr.create_reference_space(
+            self._session, xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin))
+        )
+
+
+def floor_under(head: Pose) -> Pose:
+    """Return the floor point below `head`, turned to its heading."""
+    x, _, z = head.position
+    return Pose(np.array([x, 0.0, z]), heading(head))

@@ -1,0 +1,148 @@
+"""Takes up the files of a session that was interrupted, so that they can be continued."""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.mend import mend
+from vrcomfort.records.recorder import SESSION_ROWS, csv_line, refused
+from vrcomfort.records.rows import (
+    EventRow,
+    FrameRow,
+    QuestionnaireRow,
+    RatingRow,
+    Row,
+    TrialRow,
+    cell_text,
+)
+
+Cells = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    """An interrupted session, as far as it came.
+
+    Parameters
+    ----------
+    done
+        Exposures that need not be shown again: up to the last one that was completed.
+    attempts
+        trial → how often it was begun.
+    session_s, xr_time_ns
+        The last times on record (no frame: None).
+    manifest
+        What the manifest says.
+    warnings
+        What was half-written and has been cut off, one sentence each.
+    """
+
+    done: int
+    attempts: Mapping[int, int]
+    session_s: float
+    xr_time_ns: int | None
+    manifest: Mapping[str, Any] = field(repr=False)
+    warnings: tuple[str, ...]
+
+
+def take_up(folder: Path) -> Interrupted:
+    """Mend the files of an interrupted session and return how far it came.
+
+    A half-written last row goes to a file beside (``frames.csv.cut``). An exposure that was under
+    way when the program was killed gets its row in ``trials.csv`` (abort code "killed").
+
+    Raises
+    ------
+    InputError
+        If a file is damaged, or from a version with other columns.
+    """
+    manifest = read_manifest(folder)
+    cuts = [mend(folder / row_type.FILE, row_type.columns()) for row_type in SESSION_ROWS]
+    begun = manifest.get("under_way")
+    frames = _Frames.read(folder, begun)
+    end_s = max(_latest(folder), default=0.0)
+    trials = list(_rows(folder, TrialRow))
+    if begun and not any(_is_attempt(row, begun) for row in trials):
+        trials.append(_killed(folder, begun, frames, end_s))
+    return Interrupted(
+        done=max((int(row["trial"]) for row in trials if row["status"] == "completed"), default=0),
+        attempts=Counter(int(row["trial"]) for row in trials),
+        session_s=end_s,
+        xr_time_ns=frames.last_ns,
+        manifest=manifest,
+        warnings=tuple(cut for cut in cuts if cut),
+    )
+
+
+def _rows(folder: Path, row_type: type[Row]) -> Iterator[dict[str, str]]:
+    with (folder / row_type.FILE).open(encoding="utf-8-sig", newline="") as stream:
+        yield from csv.DictReader(stream)
+
+
+@dataclass
+class _Frames:
+    """The end of ``frames.csv``, and the frames of the exposure that was under way."""
+
+    last_ns: int | None = None
+    shown: int = 0
+    dropped: int = 0
+
+    @classmethod
+    def read(cls, folder: Path, begun: Mapping[str, Any] | None) -> _Frames:
+        found, row = cls(), None
+        for row in _rows(folder, FrameRow):
+            if begun and _is_of(row, begun):
+                found.shown += 1
+                found.dropped += int(row["dropped"])
+        found.last_ns = int(row["xr_time_ns"]) if row else None
+        return found
+
+
+def _is_of(frame: Cells, begun: Mapping[str, Any]) -> bool:
+    return bool(
+        int(frame["trial"]) == begun["trial"] and float(frame["session_s"]) >= begun["start_s"]
+    )
+
+
+def _is_attempt(row: Cells, begun: Mapping[str, Any]) -> bool:
+    return bool(int(row["trial"]) == begun["trial"] and int(row["attempt"]) == begun["attempt"])
+
+
+def _latest(folder: Path) -> Iterable[float]:
+    """Yield the last time of each file."""
+    ends: dict[type[Row], Callable[[Cells], float]] = {
+        FrameRow: lambda row: float(row["session_s"]),
+        TrialRow: lambda row: float(row["end_s"]),
+        QuestionnaireRow: lambda row: float(row["answered_s"]),
+        RatingRow: lambda row: float(row["onset_s"]) + float(row["latency_s"] or 0),
+        EventRow: lambda row: float(row["onset_s"]) + float(row["duration_s"]),
+    }
+    for row_type, end_s in ends.items():
+        yield max(map(end_s, _rows(folder, row_type)), default=0.0)
+
+
+def _killed(
+    folder: Path, begun: Mapping[str, Any], frames: _Frames, end_s: float
+) -> dict[str, str]:
+    """Write the row of an exposure that a killed program could not write."""
+    row = TrialRow(
+        **begun,
+        end_s=end_s,
+        status="aborted",
+        abort_code="killed",
+        frames=frames.shown,
+        dropped=frames.dropped,
+    )
+    cells = [cell_text(cell) for cell in row.cells()]
+    try:
+        with (folder / TrialRow.FILE).open("a", encoding="utf-8", newline="") as stream:
+            stream.write(csv_line(cells))
+    except OSError as error:
+        raise refused(folder / TrialRow.FILE, error) from error
+    return dict(zip(TrialRow.columns(), cells, strict=True))

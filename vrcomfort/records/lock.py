@@ -1,0 +1,96 @@
+"""Locks that only one program holds at a time, and that end with it, however it ends.
+
+The operating system holds the lock; what the file says is for people. So a file that a dead
+program left behind locks nobody out.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+from vrcomfort.errors import InputError
+
+if sys.platform == "win32":
+    import msvcrt
+
+    _FAR = 1 << 30  # a locked byte cannot be read, so it lies behind the text
+
+    def _lock(stream: IO[str], *, wait: bool) -> None:
+        os.lseek(stream.fileno(), _FAR, os.SEEK_SET)
+        msvcrt.locking(stream.fileno(), msvcrt.LK_LOCK if wait else msvcrt.LK_NBLCK, 1)
+        os.lseek(stream.fileno(), 0, os.SEEK_SET)
+else:
+    import fcntl
+
+    def _lock(stream: IO[str], *, wait: bool) -> None:
+        fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
+
+
+@contextmanager
+def only_program(file: Path, *, doing: str) -> Iterator[None]:
+    """Hold the lock of a file, or refuse where another program holds it.
+
+    Parameters
+    ----------
+    doing
+        What the message says is being done: "P01 is being run".
+
+    Raises
+    ------
+    InputError
+        If another program holds the lock; names its process.
+    """
+    with _open(file) as stream:
+        try:
+            _lock(stream, wait=False)
+        except OSError as error:
+            raise InputError(f"{doing} by {_holder(file)}; wait until it ends") from error
+        _sign(stream)
+        try:
+            yield
+        finally:
+            _wipe(stream)
+
+
+@contextmanager
+def in_turn(file: Path) -> Iterator[None]:
+    """Hold the lock of a file, after waiting for whoever holds it."""
+    with _open(file) as stream:
+        _lock(stream, wait=True)
+        yield
+
+
+def _open(file: Path) -> IO[str]:
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        return file.open("a+", encoding="utf-8")
+    except OSError as error:
+        raise InputError(f"cannot make this file: {error.strerror}", file=file) from error
+
+
+def _sign(stream: IO[str]) -> None:
+    _wipe(stream)
+    stream.write(json.dumps({"pid": os.getpid(), "host": socket.gethostname()}) + "\n")
+    stream.flush()
+
+
+def _wipe(stream: IO[str]) -> None:
+    """Empty the file. It stays: a file that is removed could be locked by two at once."""
+    stream.seek(0)
+    stream.truncate()
+    stream.flush()
+
+
+def _holder(file: Path) -> str:
+    try:
+        said = json.loads(file.read_text(encoding="utf-8"))
+        return f"process {said['pid']} on {said['host']}"
+    except (OSError, ValueError, KeyError, TypeError):
+        return "another program"

@@ -1,0 +1,245 @@
+"""The participant answers in the headset, on a panel: points, and presses a button or dwells."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.panel_layout import (
+    MANY,
+    Act,
+    Cell,
+    cell_at,
+    question_cells,
+    review_cells,
+    stop_cells,
+)
+from vrcomfort.respondent.panel_picture import Page, Painter, Picture
+
+DWELL_S = 1.2
+"""So long a look must rest on a cell to choose it, where there is no controller."""
+
+
+@dataclass(frozen=True)
+class Pointing:
+    """What the participant does to the panel in one frame.
+
+    Parameters
+    ----------
+    point
+        Where they point, as fractions (right, down) of the panel; None beside it.
+    select, back, stop
+        True in the one frame in which the button goes down.
+    dwelling
+        True where they point with their eyes and have no button.
+    hand
+        Which controller points (0 left, 1 right).
+    """
+
+    point: tuple[float, float] | None = None
+    select: bool = False
+    back: bool = False
+    stop: bool = False
+    dwelling: bool = False
+    hand: int = 1
+
+
+class Screen(Protocol):
+    """A panel in a headset (or a window)."""
+
+    def show(self, picture: Picture | None) -> None:
+        """Show a picture from the next frame on, or nothing."""
+
+    def pointing(self) -> Pointing:
+        """Return what the participant does in the current frame."""
+
+    def next_frame(self) -> None:
+        """Let a frame pass: for questions outside of exposures."""
+
+    def tick(self, hand: int) -> None:
+        """Confirm an answer to the hand that gave it."""
+
+
+class PanelRespondent:
+    """A person who answers in the headset.
+
+    Parameters
+    ----------
+    screen
+        Where the questions stand.
+    watch
+        Called with each page that opens: a rehearsal's scripted participant looks on here.
+    """
+
+    name = "panel"
+
+    def __init__(
+        self,
+        screen: Screen,
+        *,
+        now_s: Callable[[], float] = time.monotonic,
+        watch: Callable[[Page], None] = lambda _: None,
+    ) -> None:
+        self._screen = screen
+        self._now_s = now_s
+        self._watch = watch
+        self._dwell: tuple[Cell | None, float] = (None, 0.0)
+        self._painter = Painter()
+        self._drawn: tuple[object, ...] | None = None
+        self._scale: Page | None = None
+        self._rating: int | None = None
+
+    def start_session(self, session: int) -> None:
+        """Do nothing: the session begins with its questions."""
+
+    def start_exposure(self, exposure: Exposure) -> None:  # noqa: ARG002 - the panel is gone then
+        """Clear the view."""
+        self._hide()
+
+    def endure(self, elapsed_s: float) -> None:  # noqa: ARG002 - real people keep their own time
+        """Take the stop button, and the rating that was asked for."""
+        pointing = self._screen.pointing()
+        if pointing.stop:
+            self._hide()
+            raise Withdrew("withdrew during exposure")
+        if self._scale is not None:
+            cell = self._step(self._scale, pointing)
+            if cell is not None and cell.act is Act.ANSWER:
+                self._rating = cell.value
+                self._hide()
+
+    def end_exposure(self, elapsed_s: float) -> None:  # noqa: ARG002
+        """Clear the view."""
+        self._hide()
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
+        """Show the scale in the scene; the answer is picked up by `endure`."""
+        cells = [each for each in question_cells(instrument, first=True) if each.act is Act.ANSWER]
+        self._rating = None
+        self._scale = Page("", instrument.instruction, cells, _ends(instrument))
+        self._watch(self._scale)
+
+    def rating(self, elapsed_s: float) -> int | None:  # noqa: ARG002
+        """Return the rating that has been given since `prompt`."""
+        return self._rating
+
+    def rest(self, duration_s: float) -> None:
+        """Do nothing: a rest is spent without the headset."""
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Ask item by item, then show all answers for correction.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        instrument = form.instrument
+        answers: list[int | None] = [None] * len(instrument.items)
+        index = 0
+        while index < len(instrument.items):
+            index += self._question(instrument, index, answers, heard)
+        while (wrong := self._review(instrument, answers)) is not None:
+            self._question(instrument, wrong, answers, heard)
+        self._hide()
+
+    def _question(
+        self, instrument: Instrument, index: int, answers: list[int | None], heard: Heard
+    ) -> int:
+        """Ask one item; return how many items to move on (−1 goes back)."""
+        item = instrument.items[index]
+        count = len(instrument.items)
+        page = Page(
+            title=f"{index + 1} of {count}. {instrument.instruction}",
+            question=item.text,
+            cells=question_cells(instrument, first=index == 0),
+            ends=_ends(instrument),
+            done=index / count,
+            chosen=answers[index],
+        )
+        since = self._now_s()
+        cell = self._choose(page)
+        if cell.act is Act.BACK:
+            return -1
+        answers[index] = cell.value if cell.act is Act.ANSWER else None
+        heard(item.name, answers[index], self._now_s() - since)
+        return 1
+
+    def _review(self, instrument: Instrument, answers: list[int | None]) -> int | None:
+        """Show all answers; return the index of the one to correct, or None if all are right."""
+        if len(answers) == 1:
+            return None
+        title = "These are your answers. Choose one to change it."
+        cell = self._choose(Page(title, "", review_cells(instrument, answers)))
+        return cell.value if cell.act is Act.CORRECT else None
+
+    def _choose(self, page: Page) -> Cell:
+        """Show a page until a cell is chosen; a wish to stop is asked once more."""
+        while True:
+            cell = self._wait(page)
+            if cell.act is not Act.STOP:
+                return cell
+            sure = self._wait(Page("", "Do you want to stop the study?", stop_cells()))
+            if sure.act is Act.STOP:
+                self._hide()
+                raise Withdrew("withdrew at a question")
+
+    def _wait(self, page: Page) -> Cell:
+        self._watch(page)
+        self._dwell = None, 0.0
+        while True:
+            self._screen.next_frame()  # first: a press belongs to one frame, and to one page
+            cell = self._step(page, self._screen.pointing())
+            if cell is not None:
+                return cell
+
+    def _step(self, page: Page, pointing: Pointing) -> Cell | None:
+        """Draw the page as it is pointed at, and return the cell that is chosen, if one is."""
+        pointed = cell_at(page.cells, pointing.point)
+        self._draw(page, pointing.point, pointed)
+        wanted = _by_button(page, pointing)
+        if wanted is None and pointed is not None and self._confirms(pointed, pointing):
+            wanted = pointed
+        if wanted is not None:
+            self._screen.tick(pointing.hand)
+        return wanted
+
+    def _confirms(self, pointed: Cell, pointing: Pointing) -> bool:
+        """Return whether the pointed cell is chosen: by a button, or by a look that rests."""
+        if not pointing.dwelling:
+            return pointing.select
+        cell, since = self._dwell
+        if cell != pointed:
+            self._dwell = pointed, self._now_s()
+            return False
+        return self._now_s() - since >= DWELL_S
+
+    def _draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> None:
+        """Show a new picture only where it looks different."""
+        rounded = None if point is None else (round(point[0], 2), round(point[1], 2))
+        drawn = (page, rounded, pointed)
+        if drawn != self._drawn:
+            self._screen.show(self._painter.draw(page, rounded, pointed))
+            self._drawn = drawn
+
+    def _hide(self) -> None:
+        self._scale = self._drawn = None
+        self._screen.show(None)
+
+
+def _by_button(page: Page, pointing: Pointing) -> Cell | None:
+    """Return the cell that the back or the stop button stands for, if the page has it."""
+    for pressed, act in ((pointing.back, Act.BACK), (pointing.stop, Act.STOP)):
+        if pressed:
+            return next((cell for cell in page.cells if cell.act is act), None)
+    return None
+
+
+def _ends(instrument: Instrument) -> tuple[str, str] | None:
+    if instrument.high - instrument.low < MANY:
+        return None
+    return instrument.labels[0], instrument.labels[-1]

@@ -1,0 +1,129 @@
+"""What stands where on the panel: rectangles that mean something, in pixels of the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+from vrcomfort.questionnaire import Instrument
+
+SIZE_PX = 1024, 768
+"""On a panel 45° wide a degree has 23 pixels: no text below is smaller than 1.4°, which leaves
+21 pixels of a headset with 15 pixels per degree."""
+
+MARGIN_PX, GAP_PX = 40, 16
+ANSWER_TOP_PX, ANSWER_BOTTOM_PX = 372, 540
+FOOT_TOP_PX, FOOT_BOTTOM_PX = 648, 728
+LIST_TOP_PX, LIST_STEP_PX, LIST_ROWS = 112, 64, 8
+MANY = 5
+"""Scales with more steps than this become a slider."""
+
+
+class Act(Enum):
+    """What choosing a cell does."""
+
+    ANSWER = "answer"
+    BACK = "back"
+    DECLINE = "rather not say"
+    STOP = "stop"
+    CONFIRM = "confirm"
+    CORRECT = "correct"
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A rectangle that can be chosen.
+
+    Parameters
+    ----------
+    box
+        (left, top, right, bottom), from the top left corner.
+    text
+        What is written in it.
+    act, value
+        What it does: the answer for ANSWER, the item's index for CORRECT.
+    """
+
+    box: tuple[int, int, int, int]
+    text: str
+    act: Act
+    value: int = 0
+
+    @property
+    def center(self) -> tuple[float, float]:
+        """Return the middle as fractions (right, down) of the picture."""
+        left, top, right, bottom = self.box
+        return (left + right) / 2 / SIZE_PX[0], (top + bottom) / 2 / SIZE_PX[1]
+
+
+def cell_at(cells: Sequence[Cell], point: tuple[float, float] | None) -> Cell | None:
+    """Return the cell at the fractions (right, down) of the picture."""
+    if point is None:
+        return None
+    x, y = point[0] * SIZE_PX[0], point[1] * SIZE_PX[1]
+    return next((each for each in cells if _contains(each.box, x, y)), None)
+
+
+def question_cells(instrument: Instrument, *, first: bool) -> list[Cell]:
+    """Return the cells of a question: its answers, and what stands at the foot."""
+    foot = [] if first else [("Back", Act.BACK)]
+    foot += [("Rather not say", Act.DECLINE), ("Stop", Act.STOP)]
+    return _answers(instrument) + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
+
+
+def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[Cell]:
+    """Return the cells of the list of all answers: each opens its question again."""
+    rows = [
+        Cell(_list_box(index), f"{item.text}: {_named(instrument, answer)}", Act.CORRECT, index)
+        for index, (item, answer) in enumerate(zip(instrument.items, answers, strict=True))
+    ]
+    foot = [("All correct", Act.CONFIRM), ("Stop", Act.STOP)]
+    return rows + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
+
+
+def stop_cells() -> list[Cell]:
+    """Return the cells of the page that asks whether to stop."""
+    choices = [("Yes, stop now", Act.STOP), ("No, go on", Act.BACK)]
+    return _row(choices, ANSWER_TOP_PX, ANSWER_BOTTOM_PX)
+
+
+def _answers(instrument: Instrument) -> list[Cell]:
+    steps = range(instrument.low, instrument.high + 1)
+    many = len(steps) > MANY
+    texts = [str(step) for step in steps] if many else list(instrument.labels)
+    boxes = _columns(len(steps), ANSWER_TOP_PX, ANSWER_BOTTOM_PX, gap_px=0 if many else GAP_PX)
+    return [
+        Cell(box, text, Act.ANSWER, step)
+        for box, text, step in zip(boxes, texts, steps, strict=True)
+    ]
+
+
+def _row(entries: Sequence[tuple[str, Act]], top: int, bottom: int) -> list[Cell]:
+    boxes = _columns(len(entries), top, bottom, gap_px=GAP_PX)
+    return [Cell(box, text, act) for box, (text, act) in zip(boxes, entries, strict=True)]
+
+
+def _columns(count: int, top: int, bottom: int, *, gap_px: int) -> list[tuple[int, int, int, int]]:
+    width = (SIZE_PX[0] - 2 * MARGIN_PX - (count - 1) * gap_px) / count
+    lefts = [MARGIN_PX + index * (width + gap_px) for index in range(count)]
+    return [(round(left), top, round(left + width), bottom) for left in lefts]
+
+
+def _list_box(index: int) -> tuple[int, int, int, int]:
+    column, row = divmod(index, LIST_ROWS)
+    left, _, right, _ = _columns(2, 0, 0, gap_px=GAP_PX)[column]
+    top = LIST_TOP_PX + row * LIST_STEP_PX
+    return left, top, right, top + LIST_STEP_PX - 6
+
+
+def _named(instrument: Instrument, answer: int | None) -> str:
+    if answer is None:
+        return "–"
+    named = len(instrument.labels) > 2
+    return instrument.labels[answer - instrument.low] if named else str(answer)
+
+
+def _contains(box: tuple[int, int, int, int], x: float, y: float) -> bool:
+    left, top, right, bottom = box
+    return left <= x < right and top <= y < bottom

@@ -1,0 +1,145 @@
+"""Draws the panel's pages with Pillow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from vrcomfort.respondent.panel_layout import MARGIN_PX, SIZE_PX, Act, Cell
+
+BACKGROUND = 28, 32, 38, 255
+CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
+STOP = 112, 44, 44, 255
+TEXT, QUIET = (240, 240, 240, 255), (176, 184, 194, 255)
+POINTER = 255, 210, 80, 255
+POINTER_RADIUS_PX = 9
+
+LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
+
+Picture = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class Page:
+    """What a panel shows.
+
+    Parameters
+    ----------
+    title
+        The small line at the top.
+    question
+        The large lines below it, empty on the list of all answers.
+    cells
+        What can be chosen.
+    ends
+        Names of both ends of a slider.
+    done
+        Fraction of the questionnaire that is answered.
+    chosen
+        The answer given before, if this question is open again.
+    """
+
+    title: str
+    question: str
+    cells: Sequence[Cell]
+    ends: tuple[str, str] | None = None
+    done: float | None = None
+    chosen: int | None = None
+
+
+class Painter:
+    """Draws pages; keeps the last one, because text takes long and pointers move every frame."""
+
+    def __init__(self) -> None:
+        self._page: Page | None = None
+        self._pointed: Cell | None = None
+        self._image = Image.new("RGBA", SIZE_PX, BACKGROUND)
+
+    def draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> Picture:
+        """Return the page as (height, width, 4) pixels, with the pointer at `point`."""
+        if page is not self._page or pointed != self._pointed:
+            self._page, self._pointed = page, pointed
+            self._image = _draw_page(page, pointed)
+        image = self._image.copy()
+        if point is not None:
+            _draw_pointer(ImageDraw.Draw(image), point)
+        return np.asarray(image)
+
+
+def _draw_page(page: Page, pointed: Cell | None) -> Image.Image:
+    image = Image.new("RGBA", SIZE_PX, BACKGROUND)
+    canvas = ImageDraw.Draw(image)
+    _draw_head(canvas, page)
+    for cell in page.cells:
+        _draw_cell(canvas, cell, _colour(cell, page, pointed))
+    if page.ends is not None:
+        _draw_ends(canvas, page)
+    return image
+
+
+def _draw_head(canvas: ImageDraw.ImageDraw, page: Page) -> None:
+    width = SIZE_PX[0] - 2 * MARGIN_PX
+    title = _wrapped(canvas, page.title, SMALL_PX, width)
+    canvas.multiline_text((MARGIN_PX, 36), title, fill=QUIET, font=_font(SMALL_PX), spacing=10)
+    question = _wrapped(canvas, page.question, LARGE_PX, width)
+    canvas.multiline_text((MARGIN_PX, 190), question, fill=TEXT, font=_font(LARGE_PX), spacing=12)
+    if page.done is not None:
+        canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width, 144), fill=CELL)
+        canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width * page.done, 144), fill=POINTED)
+
+
+def _draw_cell(canvas: ImageDraw.ImageDraw, cell: Cell, colour: tuple[int, ...]) -> None:
+    left, top, right, bottom = cell.box
+    canvas.rounded_rectangle(cell.box, radius=min(12, (right - left) // 3), fill=colour)
+    size = MIDDLE_PX if bottom - top > LARGE_PX else SMALL_PX
+    size = _fitting(canvas, cell.text, size, right - left - 8)
+    middle = (left + right) / 2, (top + bottom) / 2
+    canvas.text(middle, cell.text, fill=TEXT, font=_font(size), anchor="mm")
+
+
+def _draw_ends(canvas: ImageDraw.ImageDraw, page: Page) -> None:
+    low, high = page.ends or ("", "")
+    y = max(cell.box[3] for cell in page.cells if cell.act is Act.ANSWER) + 30
+    font = _font(SMALL_PX)
+    canvas.text((MARGIN_PX, y), low, fill=QUIET, font=font, anchor="lm")
+    canvas.text((SIZE_PX[0] - MARGIN_PX, y), high, fill=QUIET, font=font, anchor="rm")
+
+
+def _draw_pointer(canvas: ImageDraw.ImageDraw, point: tuple[float, float]) -> None:
+    x, y, r = point[0] * SIZE_PX[0], point[1] * SIZE_PX[1], POINTER_RADIUS_PX
+    canvas.ellipse((x - r, y - r, x + r, y + r), fill=POINTER, outline=(0, 0, 0, 255), width=3)
+
+
+def _colour(cell: Cell, page: Page, pointed: Cell | None) -> tuple[int, ...]:
+    if cell == pointed:
+        return POINTED
+    if cell.act is Act.ANSWER and cell.value == page.chosen:
+        return CHOSEN
+    return STOP if cell.act is Act.STOP else CELL
+
+
+@lru_cache(maxsize=32)
+def _font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+    return ImageFont.load_default(size_px)
+
+
+def _fitting(canvas: ImageDraw.ImageDraw, text: str, size_px: int, width_px: float) -> int:
+    """Return the largest size up to `size_px` at which the text is not wider than its cell."""
+    wide = canvas.textlength(text, font=_font(size_px))
+    return size_px if wide <= width_px else max(int(size_px * width_px / wide), 12)
+
+
+def _wrapped(canvas: ImageDraw.ImageDraw, text: str, size_px: int, width_px: float) -> str:
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if canvas.textlength(longer, font=_font(size_px)) <= width_px:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return "\n".join(lines)

@@ -1,0 +1,99 @@
+"""Keeps a session's manifest up to date: what it showed, and what its continuation would need."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+from vrcomfort.headset.base import Headset
+from vrcomfort.protocol import Protocol as StudyProtocol
+from vrcomfort.records import Manifest, Recorder
+from vrcomfort.records.study import now
+from vrcomfort.respondent import Respondent
+from vrcomfort.session.parts import HeadsetFor
+
+
+@runtime_checkable
+class Remembering(Protocol):
+    """A respondent that can be put back into the state it was in, such as a simulated one."""
+
+    def memory(self) -> dict[str, Any]:
+        """Return that state as plain JSON."""
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Be in that state again."""
+
+
+class Ledger:
+    """The manifest of one session, written whenever something changes that must survive a crash."""
+
+    def __init__(self, manifest: Manifest, recorder: Recorder, respondent: Respondent) -> None:
+        self._manifest = manifest
+        self._recorder = recorder
+        self._respondent = respondent
+
+    def open(self) -> None:
+        """Write the manifest, with the memory that a continued session begins with."""
+        memory = self._manifest.memory
+        if memory is not None and isinstance(self._respondent, Remembering):
+            self._respondent.recall(memory)
+        self.boundary()
+
+    def boundary(self) -> None:
+        """Remember the respondent: no exposure is under way, a continuation may begin here."""
+        if isinstance(self._respondent, Remembering):
+            self._manifest.memory = self._respondent.memory()
+        self._manifest.under_way = None
+        self._write()
+
+    def begin_exposure(self, **row: Any) -> None:
+        """Note what a killed program could not write into ``trials.csv``."""
+        self._manifest.under_way = row
+        self._write()
+
+    def flag(self, sentence: str) -> None:
+        """Note a trial whose timing was worse than the protocol allows."""
+        self._manifest.timing_flags.append(sentence)
+        self._write()
+
+    def close(self, status: str) -> None:
+        """Note how the run ended."""
+        manifest = self._manifest
+        manifest.status, manifest.finished_at = status, now()
+        manifest.frames_not_recorded = self._recorder.frames_not_recorded
+        if status != "aborted":
+            manifest.memory = manifest.under_way = None
+        self._write()
+
+    def noting(self, headset_for: HeadsetFor, ipd_m: float) -> HeadsetFor:
+        """Return headsets that enter themselves into the manifest when first used."""
+
+        def note(name: str, scene: Any) -> Headset:
+            headset = headset_for(name, scene)
+            if not self._manifest.headset:
+                self._manifest.headset = {
+                    "name": headset.name,
+                    "refresh_hz": headset.refresh_hz,
+                    "image_size_px": list(headset.image_size_px),
+                    **headset.details,
+                    "ipd_m": ipd_m,
+                }
+                self._write()
+            return headset
+
+        return note
+
+    def _write(self) -> None:
+        self._manifest.write(self._recorder.folder)
+
+
+def limits(protocol: StudyProtocol) -> list[str]:
+    """Return the clamps that the conditions put on the stimulus."""
+    found = []
+    for condition in protocol.conditions:
+        if blur := condition.depth_of_field:
+            radius = f"{blur.max_radius_percent:g} % of one eye's image width"
+            found.append(f"{condition.name}: circle of confusion at most {radius} (radius)")
+        if motion := condition.motion_blur:
+            streak = f"{motion.max_radius_percent:g} % of one eye's image width"
+            found.append(f"{condition.name}: half a motion streak at most {streak}")
+    return found

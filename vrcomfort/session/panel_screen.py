@@ -1,0 +1,132 @@
+"""Puts the participant's panel into a headset: where it stands, and what points at it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Protocol
+
+import numpy as np
+
+from vrcomfort.errors import RuntimeLostError
+from vrcomfort.geometry import Pose, Quad
+from vrcomfort.headset.base import Frame
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.playback import heading
+from vrcomfort.respondent.panel import Pointing
+from vrcomfort.respondent.panel_layout import SIZE_PX
+from vrcomfort.respondent.panel_picture import Picture
+
+DISTANCE_M = 1.25
+WIDTH_M = 1.04
+"""45 degrees wide at its distance."""
+DROP_M = 0.1
+"""A little below the eyes, where reading tires less."""
+
+
+class Panel(Protocol):
+    """A picture on a rectangle that stands in the room."""
+
+    quad: Quad
+
+    def draw(self, picture: Picture) -> None:
+        """Show a picture."""
+
+    def hide(self) -> None:
+        """Take the panel away."""
+
+
+class PanelHeadset(Protocol):
+    """What a headset needs so that questions can be asked in it."""
+
+    @property
+    def head_pose(self) -> Pose:
+        """Return stage-from-head of the last frame."""
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield frames."""
+
+    def submit(self, frame: Frame, eyes: None) -> None:
+        """Show the panels alone."""
+
+    def inputs(self) -> Inputs:
+        """Return what hands and eyes do in the last frame."""
+
+    def tick(self, hand: int) -> None:
+        """Let a controller tick."""
+
+    def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
+        """Put a panel into the room."""
+
+
+class PanelScreen:
+    """A panel that appears before the participant, and then stays where it is."""
+
+    def __init__(self, headset: PanelHeadset) -> None:
+        self._headset = headset
+        self._frames: Iterator[Frame] | None = None
+        self._panel: Panel | None = None
+
+    @property
+    def quad(self) -> Quad | None:
+        """Return where the panel stands, or None while there is none."""
+        return None if self._panel is None else self._panel.quad
+
+    @property
+    def asking(self) -> bool:
+        """Return whether a question is open that the session waits for."""
+        return self._frames is not None
+
+    def show(self, picture: Picture | None) -> None:
+        """Show a picture, or take the panel away."""
+        if picture is not None:
+            if self._panel is None:
+                self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
+            self._panel.draw(picture)
+        elif self._panel is not None:
+            self._panel.hide()
+            self._panel = self._frames = None
+
+    def pointing(self) -> Pointing:
+        """Return where the controller points that hits the panel; else where the eyes look."""
+        inputs = self._headset.inputs()
+        hands = inputs.hands
+        back, stop = any(hand.back for hand in hands), inputs.stop
+        for number in (1, 0):
+            point = self._hit(hands[number].aim)
+            if point is not None:
+                return Pointing(point, hands[number].select, back, stop, hand=number)
+        gaze = inputs.gaze
+        point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
+        return Pointing(point, back=back, stop=stop, dwelling=point is not None)
+
+    def next_frame(self) -> None:
+        """Let a frame pass that shows the panel alone.
+
+        Raises
+        ------
+        RuntimeLostError
+            If the headset ends the session while a question is open.
+        """
+        if self._frames is None:
+            self._frames = self._headset.frames()
+        frame = next(self._frames, None)
+        if frame is None:
+            raise RuntimeLostError(
+                "the headset ended the session while a question was open; the answers until here "
+                "are kept: run with --resume"
+            )
+        self._headset.submit(frame, None)
+
+    def tick(self, hand: int) -> None:
+        """Confirm an answer to the hand that gave it."""
+        self._headset.tick(hand)
+
+    def _hit(self, ray: Pose | None) -> tuple[float, float] | None:
+        return None if ray is None or self._panel is None else self._panel.quad.intersection(ray)
+
+
+def before(head: Pose) -> Quad:
+    """Return an upright panel before a head, at reading height."""
+    level = Pose(head.position, heading(head))
+    place = level @ Pose(np.array([0.0, -DROP_M, -DISTANCE_M]))
+    return Quad(place, (WIDTH_M, WIDTH_M * SIZE_PX[1] / SIZE_PX[0]))

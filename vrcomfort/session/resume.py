@@ -1,0 +1,105 @@
+"""Which sessions a run takes, and how an interrupted one is taken up again."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Protocol
+from vrcomfort.records import (
+    Interrupted,
+    read_manifest,
+    recorded_sessions,
+    session_folder,
+    take_up,
+    unfinished_sessions,
+)
+
+
+class Chosen(NamedTuple):
+    """Sessions to run, and those among them that were interrupted."""
+
+    numbers: list[int]
+    unfinished: list[int]
+
+
+def choose_sessions(
+    study: Path, participant: str, total: int, wanted: Iterable[int] | None, resume: bool
+) -> Chosen:
+    """Return the sessions that are asked for, or all that are left.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to run, or an interrupted session and no wish to resume, or the
+        reverse.
+    """
+    unfinished = unfinished_sessions(study, participant)
+    if wanted is None:
+        done = set(recorded_sessions(study, participant)) - set(unfinished)
+        numbers = [number for number in range(1, total + 1) if number not in done]
+        if not numbers:
+            raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
+    else:
+        numbers = _checked(wanted, total)
+    taken_up = [number for number in numbers if number in unfinished]
+    if taken_up and not resume:
+        raise InputError(
+            f"session {taken_up[0]} of {participant} was interrupted; continue it with --resume",
+            file=session_folder(study, participant, taken_up[0]),
+        )
+    if resume and not taken_up:
+        raise InputError(f"no session of {participant} was interrupted; leave --resume out")
+    return Chosen(numbers, taken_up)
+
+
+def _checked(wanted: Iterable[int], total: int) -> list[int]:
+    numbers = sorted(set(wanted))
+    if not numbers:
+        raise InputError("no session is asked for; leave the choice out to run all that are left")
+    for number in numbers:
+        if not 1 <= number <= total:
+            raise InputError(f"there is no session {number}; this protocol has {total}")
+    return numbers
+
+
+class Earlier:
+    """What was recorded of the interrupted sessions of a participant."""
+
+    def __init__(self, study: Path, participant: str, numbers: Iterable[int]) -> None:
+        self._folders = {n: session_folder(study, participant, n) for n in numbers}
+        self._manifests = {n: read_manifest(folder) for n, folder in self._folders.items()}
+
+    def check(self, protocol: Protocol, *, seed: int, sequence: str) -> None:
+        """Raise `InputError` where a continuation would not be of the same session."""
+        for number, manifest in self._manifests.items():
+            if manifest["protocol"]["sha256"] != protocol.sha256:
+                what = "with another text of this protocol; resume it with the same"
+            elif manifest["seed"] != seed:
+                what = f"with seed {manifest['seed']}; resume it with --seed {manifest['seed']}"
+            elif manifest["sequence"] != sequence:
+                what = f"in sequence {manifest['sequence']}, not {sequence}"
+            else:
+                continue
+            raise InputError(f"session {number} was begun {what}", file=self._folders[number])
+
+    def exposure_s(self, wanted_s: float | None) -> float | None:
+        """Return the exposure that was overridden before; another may not be asked for now.
+
+        Raises
+        ------
+        InputError
+            If one is.
+        """
+        for manifest in self._manifests.values():
+            shown_s: Any = manifest["exposure_s"]
+            if wanted_s not in {None, shown_s}:
+                raise InputError(f"this session was begun with exposures of {shown_s:g} s; keep it")
+            wanted_s = shown_s
+        return wanted_s
+
+    def take_up(self) -> dict[int, Interrupted]:
+        """Mend the files; return session → how far it came."""
+        return {number: take_up(folder) for number, folder in self._folders.items()}
