@@ -9,7 +9,6 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.cli.terminal import warn
 from vrcomfort.cli.wiring import describe_machine, open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
