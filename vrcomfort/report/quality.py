@@ -10,14 +10,14 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 
-def quality(study: StudyData, scored: Exposures) -> dict[str, Any]:
+def quality(study: StudyData, scored: Exposures, unused: list[str]) -> dict[str, Any]:
     """Collect counts and sentences for the section on data quality."""
     return {
         "questionnaire_files": study.files,
         "questionnaires": len(study.sheets),
         "excluded_questionnaires": list(scored.excluded),
         "scored_after_early_end": int(scored.table["early"].sum()),
-        "reading": list(study.warnings),
+        "reading": [*study.warnings, *unused],
         "frames": _frames(study),
         "ratings": _ratings(study),
         "sessions": _sessions(study),
