@@ -232,6 +232,14 @@ def test_sessions_are_not_repeated(tmp_path):
         go(tmp_path, Scripted(), exposure_s=0.0)
 
 
+def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1], seed=3)
+    with pytest.raises(InputError, match="begun with seed 3, not 4"):
+        go(tmp_path, Scripted(), sessions=[2], seed=4)
+    go(tmp_path, Scripted(), sessions=[2])
+    assert [manifest(tmp_path, session)["seed"] for session in (1, 2)] == [3, 3]
+
+
 def test_the_same_seed_gives_the_same_bytes(tmp_path):
     protocol = tiny_protocol(tmp_path)
     for study in ("A", "B"):

@@ -14,14 +14,15 @@ from vrcomfort.cli.terminal import (
     ProtocolArgument,
     Quiet,
     RefreshRate,
-    Seed,
     Size,
+    StudySeed,
     console,
     parse_size,
     progress_bar,
     warn,
 )
 from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer, open_trace
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -73,7 +74,7 @@ def run(
     session: Annotated[
         int | None, typer.Option(help="Session number; without it, the next one.", min=1)
     ] = None,
-    seed: Seed = 0,
+    seed: StudySeed = None,
     size: Size = "640x800",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
@@ -104,7 +105,7 @@ def simulate(
     protocol: ProtocolArgument,
     participants: Annotated[int, typer.Option("--participants", "-n", min=1, max=10_000)],
     out: Study,
-    seed: Seed = 0,
+    seed: StudySeed = None,
     trace: TraceOption = None,
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
@@ -136,7 +137,7 @@ def simulate_study(
     *,
     participants: int,
     out: Path,
-    seed: int,
+    seed: int | None,
     playback_options: tuple[tuple[int, int], Any, float | None],
     exposure_s: float | None,
     quiet: bool,
@@ -170,7 +171,7 @@ class _Lab:
         protocol: Protocol,
         study: Path,
         playback: PlaybackIn,
-        seed: int,
+        seed: int | None,
         exposure_s: float | None,
     ) -> None:
         self._protocol = protocol
@@ -182,18 +183,32 @@ class _Lab:
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
     def next_session(self, participant: str) -> list[int]:
-        """Return the number of the first session that is not recorded."""
+        """Return the number of the first session that is not recorded.
+
+        Raises
+        ------
+        InputError
+            If all are, whole or aborted.
+        """
+        from vrcomfort.design import build_design
         from vrcomfort.records import recorded_sessions
 
         done = recorded_sessions(self._study, participant)
-        return [next(number for number in range(1, len(done) + 2) if number not in done)]
+        total = build_design(self._protocol).sessions
+        left = [number for number in range(1, total + 1) if number not in done]
+        if not left:
+            message = f"all {total} sessions of {participant} are recorded, whole or in part"
+            raise InputError(f"{message}; enrol another participant", file=self._study)
+        return left[:1]
 
     def run(
         self, participant: str, kind: RespondentKind, sessions: list[int] | None, tell: Any
     ) -> Outcome:
         """Run sessions of one participant."""
         from vrcomfort import session
+        from vrcomfort.records import open_study
 
+        seed = open_study(self._study, self._protocol, seed=self._seed)
         if self._rendering is None:
             renderer = make_renderer(self._playback.size_px)
             self._rendering = renderer, describe_machine(renderer, self._protocol)
@@ -206,21 +221,21 @@ class _Lab:
             load_scene=self._load_scene,
             headset_for=self._playback,
             renderer=renderer,
-            respondent=self._respondent(kind, participant),
+            respondent=self._respondent(kind, participant, seed),
             clock=session.VirtualClock() if simulated else session.WallClock(),
-            seed=self._seed,
+            seed=seed,
             sessions=sessions,
             exposure_s=self._exposure_s,
             machine=machine,
             progress=tell,
         )
 
-    def _respondent(self, kind: RespondentKind, participant: str) -> Respondent:
+    def _respondent(self, kind: RespondentKind, participant: str, seed: int) -> Respondent:
         from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
 
         if kind is RespondentKind.SIMULATED:
             settings = self._protocol.simulation
-            return SimulatedRespondent(settings, participant=participant, seed=self._seed)
+            return SimulatedRespondent(settings, participant=participant, seed=seed)
         return TerminalRespondent(console())
 
 

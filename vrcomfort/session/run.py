@@ -62,7 +62,7 @@ def run(
     renderer: Renderer,
     respondent: Respondent,
     clock: Clock | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
     machine: Machine | None = None,
@@ -73,7 +73,8 @@ def run(
     Parameters
     ----------
     seed
-        Of the study: decides shuffled and random orders. Recorded.
+        Of the study: decides shuffled and random orders. `None` is the study's own (0 in a new
+        one). Recorded.
     clock
         `VirtualClock` (the default) for simulated participants, `WallClock` for people.
     exposure_s
@@ -92,15 +93,15 @@ def run(
     """
     if exposure_s is not None and exposure_s <= 0:
         raise InputError(f"an exposure of {exposure_s} s shows nothing; give a positive number")
-    open_study(study, protocol)
-    design = build_design(protocol, seed=seed)
+    kept_seed = open_study(study, protocol, seed=seed)
+    design = build_design(protocol, seed=kept_seed)
     row = enrol(study, design, participant)
     sequence = design.sequence(row.sequence)
     lab = Lab(
         protocol, load_scene, headset_for, renderer, clock or VirtualClock(), progress,
         exposure_s or protocol.exposure_s,
     )  # fmt: skip
-    work = _Work(study, lab, participant, sequence, respondent, seed, machine or Machine())
+    work = _Work(study, lab, participant, sequence, respondent, kept_seed, machine or Machine())
     return work.run(_to_run(study, participant, sequence, sessions))
 
 
