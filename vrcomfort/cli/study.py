@@ -90,7 +90,11 @@ def run(
     del headset  # one kind so far
     study = load_protocol(protocol)
     playback = PlaybackIn(
-        parse_size(size), study.headset.ipd_m, open_trace(trace) if trace else None, refresh_hz
+        parse_size(size),
+        study.headset.ipd_m,
+        open_trace(trace) if trace else None,
+        refresh_hz,
+        real_time=respondent is RespondentKind.TERMINAL,
     )
     lab = _Lab(study, out, playback, seed, exposure_s)
     numbers = [session] if session else lab.next_session(participant)
