@@ -86,6 +86,25 @@ def test_questionnaires_by_timepoint(tmp_path):
     assert status(tmp_path) == ("enrolled", "")
 
 
+def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypatch):
+    synced: list[int] = []
+    monkeypatch.setattr("os.fsync", synced.append)
+    seen: list[int] = []
+
+    class Watcher(Scripted):
+        def ask(self, form, heard):
+            def then_look(*answer):
+                before = len(synced)
+                heard(*answer)
+                seen.append(len(synced) - before)
+
+            super().ask(form, then_look)
+
+    go(tmp_path, Watcher(), sessions=[1])
+    assert seen == [1] * 64  # four questionnaires
+    assert rows(tmp_path, "events.csv")[1]["detail"] == "baseline ssq general_discomfort: 1"
+
+
 def test_frames_have_their_own_focus_and_time_runs_forwards(tmp_path):
     go(tmp_path, Scripted(), sessions=[1])
     frames = rows(tmp_path, "frames.csv")

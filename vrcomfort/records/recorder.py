@@ -32,8 +32,8 @@ def session_folder(study: Path, participant: str, session: int) -> Path:
 class Recorder:
     """The open CSV files of one session; a context manager.
 
-    Every row is flushed when it is written; rows of questionnaires are on the disk (fsync) when
-    `write` returns.
+    Every row is flushed when it is written; answers to questionnaires, and the events that tell
+    of them, are on the disk (fsync) when `write` returns.
 
     Raises
     ------
@@ -64,8 +64,10 @@ class Recorder:
         stream.write(csv_line(row_type.columns()))
         stream.flush()
 
-    def write(self, *rows: Row) -> None:
+    def write(self, *rows: Row, sync: bool = False) -> None:
         """Append rows and flush them; rows of one call may belong to different files.
+
+        With `sync`, and always for questionnaires, they are on the disk before this returns.
 
         Raises
         ------
@@ -79,8 +81,8 @@ class Recorder:
                 stream.flush()
             except OSError as error:
                 raise _refused(self.folder / row.FILE, error) from error
-        if any(isinstance(row, QuestionnaireRow) for row in rows):
-            self._sync(QuestionnaireRow.FILE)
+        for name in {row.FILE for row in rows if sync or isinstance(row, QuestionnaireRow)}:
+            self._sync(name)
 
     def _sync(self, name: str) -> None:
         try:

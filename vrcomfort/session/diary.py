@@ -30,11 +30,13 @@ class Diary:
     clock: Clock
     progress: ProgressCallback
 
-    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
-        """Write an event that ends now; without a start it is a moment."""
+    def event(
+        self, name: str, start_s: float | None = None, *, detail: str = "", sync: bool = False
+    ) -> None:
+        """Write an event that ends now; without a start it is a moment. `sync`: on the disk."""
         now_s = self.clock.now_s()
         onset_s = now_s if start_s is None else start_s
-        self.recorder.write(EventRow(onset_s, round(now_s - onset_s, 9), name, detail))
+        self.recorder.write(EventRow(onset_s, round(now_s - onset_s, 9), name, detail), sync=sync)
 
     def tell(self, step: Step, place: Place, done: float, total: float, text: str = "") -> None:
         """Tell how far a step has come."""
