@@ -6,6 +6,7 @@ import pytest
 from report_parts import Study, foreign
 
 from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import score_ssq
 from vrcomfort.report import build_report
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
@@ -94,6 +95,15 @@ def test_missing_column_is_named(tmp_path):
     file.write_text("participant,item,response\nP1,nausea,1\n")
     with pytest.raises(InputError, match="column condition is missing"):
         build_report(file, out=tmp_path / "o")
+
+
+def test_semicolons_are_named(tmp_path):
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("participant;condition;item;response\nP1;a;nausea;1\n")
+    with pytest.raises(InputError, match="separated by `;`"):
+        build_report(file, out=tmp_path / "o")
+    with pytest.raises(InputError, match="separated by `;`"):
+        score_ssq(file)
 
 
 @pytest.mark.parametrize("source", ["nothing", "empty"])

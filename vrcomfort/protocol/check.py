@@ -20,7 +20,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _missing_scenes(protocol)
     yield from _order(protocol)
     yield from _simulation(protocol)
-    yield from _stop_rule(protocol)
+    yield from _ratings(protocol)
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
@@ -95,7 +95,10 @@ def _named_key(path: Path, kind: str, known: Iterable[str]) -> Iterator[Problem]
         yield Problem(path, problem.message)
 
 
-def _stop_rule(protocol: Protocol) -> Iterator[Problem]:
+def _ratings(protocol: Protocol) -> Iterator[Problem]:
     ratings = protocol.ratings
+    if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
+        message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
+        yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
     if ratings and ratings.instrument == "misc" and (ratings.stop_at or 0) > 10:
         yield Problem(("ratings", "stop_at"), "MISC ends at 10; choose a stop rule within 1 to 10")

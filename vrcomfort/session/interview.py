@@ -12,8 +12,8 @@ from vrcomfort.session.diary import Diary, Place
 class Interview:
     """One questionnaire in the asking.
 
-    Each answer is an event at once, on the disk; the rows are written when the last correction has been made,
-    or when something cuts the questionnaire short.
+    Each answer is an event at once, on the disk; the rows are written when the last correction has
+    been made, or when something cuts the questionnaire short.
     """
 
     def __init__(self, diary: Diary, ask: Ask, place: Place) -> None:
