@@ -143,6 +143,16 @@ def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path)
     assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "study folder")
 
 
+def test_results_never_replace_a_recording(run: Run, tmp_path: Path) -> None:
+    for name in ("manifest.json", "frames.csv"):
+        (tmp_path / name).write_text("recorded", encoding="utf-8")
+    log = tmp_path / "log.txt"
+    log.write_text("Time x y z alpha beta gamma \n0.0,0,1.6,0,0,0,0\n0.1,0,1.6,0,0,0,0\n")
+    assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "a session")
+    assert_refused(run("import-trace", log, "--out", tmp_path / "frames.csv"), "a session")
+    assert (tmp_path / "frames.csv").read_text("utf-8") == "recorded"
+
+
 def test_trace_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "trace.csv"
     file.write_text("time,x\n0,1\n", encoding="utf-8")

@@ -1,5 +1,6 @@
 """Playback: the same frames every time, at exact times, with cuts where poses jump."""
 
+import time
 from itertools import islice
 
 import numpy as np
@@ -210,3 +211,10 @@ def test_a_recorded_session_plays_back_bit_for_bit(tmp_path, replay_hz):
 def test_an_impossible_rate_is_refused(hz):
     with pytest.raises(InputError, match="greater than 0 Hz"):
         play(TEN_MS, 1, refresh_hz=hz)
+
+
+def test_in_real_time_no_frame_comes_early():
+    trace = turning_trace(range(0, 100_000_000, 10_000_000))
+    begun_s = time.monotonic()
+    assert len(play(trace, 9, real_time=True)) == 9
+    assert time.monotonic() - begun_s >= 0.075  # eight periods of 10 ms

@@ -6,6 +6,7 @@ import pytest
 from report_parts import Study, foreign
 
 from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import score_ssq
 from vrcomfort.report import build_report
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
@@ -96,6 +97,15 @@ def test_missing_column_is_named(tmp_path):
         build_report(file, out=tmp_path / "o")
 
 
+def test_semicolons_are_named(tmp_path):
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("participant;condition;item;response\nP1;a;nausea;1\n")
+    with pytest.raises(InputError, match="separated by `;`"):
+        build_report(file, out=tmp_path / "o")
+    with pytest.raises(InputError, match="separated by `;`"):
+        score_ssq(file)
+
+
 @pytest.mark.parametrize("source", ["nothing", "empty"])
 def test_no_data_is_an_error(tmp_path, source):
     (tmp_path / "empty").mkdir()
@@ -134,8 +144,16 @@ def test_own_plan_changes_the_tests(tmp_path):
     [
         ("zero = 1\n", "unknown key `zero`", 3),
         ('zeros = "drop"\n', "zeros", 3),
-        ('[[anova]]\nname = "x"\n', "missing key `anova.0.column`", 3),
-        ("zeros = \n", "not valid TOML", None),
+        ('[[anova]]\nname = "x"\n', r"`column` is missing in \[anova\]", 3),
+        ("zeros = \n", "not valid TOML", 3),
+        ('outcomes = ["X"]\n', "should be 'T', 'N', 'O' or 'D', got 'X'", 3),
+        ('outcomes = "T"\n', "should be a list", 3),
+        ('outcomes = ["T", "T"]\n', "`T` is there twice", 3),
+        ('outcomes = ["T"]\nfamily = ["N"]\n', "not among the outcomes", 4),
+        ("family = []\n", "`family`: needs at least 1", 3),
+        ('contrasts = [{ a = "b", b = "b" }]\n', "compared with itself", 3),
+        ('[[anova]]\nname = "score"\ncolumn = "scene"\n', "cannot name a factor", 4),
+        ('[[anova]]\nname = "x"\ncolumn = "scene"\n' * 2, "`x` is there twice", 6),
     ],
 )
 def test_faults_of_a_plan_have_their_place(tmp_path, text, words, line):
@@ -143,6 +161,18 @@ def test_faults_of_a_plan_have_their_place(tmp_path, text, words, line):
     with pytest.raises(InputError, match=words) as caught:
         load_plan(plan)
     assert (caught.value.file, caught.value.line) == (plan, line)
+
+
+def test_misspelt_timepoints_of_a_plan_are_told(tmp_path):
+    study = Study(tmp_path / "study")
+    for name in ("P1", "P2"):
+        study.session(name, 1, 2, [("a", "room", 5), ("b", "room", 4)])
+    plan = write_plan(tmp_path / "p.toml", 'baseline_timepoint = "bsaeline"\n')
+    (warning,) = build_report(study.folder, plan=plan, out=tmp_path / "o").warnings
+    assert warning.startswith("2 questionnaires at `baseline` are not used")
+    plan = write_plan(tmp_path / "p.toml", 'exposure_timepoint = "after"\n')
+    with pytest.raises(InputError, match="the data have baseline, post"):
+        build_report(study.folder, plan=plan, out=tmp_path / "o")
 
 
 def test_plan_for_other_conditions_is_an_error(tmp_path):

@@ -54,6 +54,18 @@ def test_primary_analysis_has_those_with_every_exposure(carnegie):
     assert results["participants"]["exposures_per_condition"] == {"dof_off": 2, "dof_on": 2}
 
 
+def test_a_protocol_that_changed_during_the_study_is_told(tmp_path):
+    study = Study(tmp_path / "study")
+    for name, text in (("P1", "aa"), ("P2", "bb"), ("P3", "aa")):
+        folder = study.session(name, 1, 2, [("a", "room", 5), ("b", "room", 4)])
+        (folder / "manifest.json").write_text(json.dumps({"protocol": {"sha256": text}}))
+    summary = build_report(study.folder, out=tmp_path / "out")
+    assert summary.warnings == (
+        "the protocol changed during the study: its sessions hold 2 versions of it",
+    )
+    assert "hold 2 versions" in summary.index.read_text("utf-8")
+
+
 def test_whom_the_experimenter_excluded_is_in_no_analysis(tmp_path):
     study = carnegie_like(tmp_path / "study")
     study.people[1] |= {"status": "excluded", "note": "fell asleep"}

@@ -87,3 +87,9 @@ def test_friedman_is_that_of_pingouin(seed, n, k):
 
 def test_friedman_without_any_difference_is_no_test():
     assert friedman([[1, 1, 1], [2, 2, 2]]).chi_square is None
+
+
+def test_mixed_model_of_people_who_answer_alike_says_that_nothing_is_left():
+    table = pd.DataFrame({"person": list("ppqq"), "condition": list("abab"), "y": [3, 2, 3, 2]})
+    with pytest.raises(InputError, match="no variance to model"):
+        mixed_model(table, value="y", participant="person", factors=["condition"])

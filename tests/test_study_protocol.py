@@ -46,6 +46,9 @@ def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
         ('rule = "explicit"', 'rule = "williams"', (16, 1), "makes its own sequences"),
         ("stop_at = 15", "stop_at = 15\n[simulation.condition_effects]\nblurr = 1.0", (42, 1),
          "did you mean `blur`?"),
+        ('name = "ab"', 'name = "a b"', (17, 1), "only letters, digits, - and _, got 'a b'"),
+        ('name = "tiny"', 'name = "tiny"\nparticipants = 4.5', (2, 1), "a whole number"),
+        ("every_s = 3.0", "every_s = 9.0", (36, 1), "no rating fits into an exposure"),
         ('instrument = "fms"', 'instrument = "misc"', (40, 1), "MISC ends at 10"),
     ],
 )  # fmt: skip

@@ -232,6 +232,22 @@ def test_ratings_and_withdrawals_are_typed_during_exposure():
         person.endure(30.3)
 
 
+def test_a_rating_typed_too_late_answers_no_question():
+    lines = iter(["5", None])
+    person, shown = terminal(Typist("3"), lambda: next(lines))
+    person.end_exposure(60.0)
+    heard: list[int | None] = []
+    person.ask(POST, lambda _item, response, _took: heard.append(response))
+    assert heard[0] == 3
+    assert "'5' came too late" in shown.getvalue()
+
+
+def test_a_person_may_withdraw_in_a_rest():
+    person, _ = terminal(Typist(), iter(["w"]).__next__)
+    with pytest.raises(Withdrew, match="between exposures"):
+        person.rest(900.0)
+
+
 def test_the_terminal_does_not_name_the_condition():
     person, shown = terminal(Typist())
     person.start_exposure(Exposure(1, 1, "room", "secret_condition", 60))

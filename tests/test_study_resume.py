@@ -210,7 +210,7 @@ def test_a_continuation_is_of_the_same_session(tmp_path):
     other = tiny_protocol(tmp_path, PROTOCOL + "\n# changed\n")
     for changed, says in (
         ({"protocol": other}, "another text of this protocol"),
-        ({"seed": 3}, "--seed 0"),
+        ({"seed": 3}, "begun with seed 0"),
         ({"exposure_s": 2.0}, "exposures of 5 s"),
     ):
         with pytest.raises(InputError, match=says):

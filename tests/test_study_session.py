@@ -10,7 +10,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.session import Outcome, run
+from vrcomfort.session import Outcome, VirtualClock, run
 from vrcomfort.session.frame_log import FrameLog
 
 
@@ -86,6 +86,25 @@ def test_questionnaires_by_timepoint(tmp_path):
     assert status(tmp_path) == ("enrolled", "")
 
 
+def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypatch):
+    synced: list[int] = []
+    monkeypatch.setattr("os.fsync", synced.append)
+    seen: list[int] = []
+
+    class Watcher(Scripted):
+        def ask(self, form, heard):
+            def then_look(*answer):
+                before = len(synced)
+                heard(*answer)
+                seen.append(len(synced) - before)
+
+            super().ask(form, then_look)
+
+    go(tmp_path, Watcher(), sessions=[1])
+    assert seen == [1] * 64  # four questionnaires
+    assert rows(tmp_path, "events.csv")[1]["detail"] == "baseline ssq general_discomfort: 1"
+
+
 def test_frames_have_their_own_focus_and_time_runs_forwards(tmp_path):
     go(tmp_path, Scripted(), sessions=[1])
     frames = rows(tmp_path, "frames.csv")
@@ -149,6 +168,33 @@ def test_withdrawing_during_exposure_keeps_everything(tmp_path):
     assert (outcome.status, outcome.sessions) == ("withdrawn", (1,))
     assert status(tmp_path) == ("withdrawn", "session 1: had enough")
     assert manifest(tmp_path)["status"] == "withdrawn"
+
+
+def test_withdrawing_in_training_is_an_exposure_of_no_time(tmp_path):
+    outcome = go(tmp_path, Scripted(withdraw_at_s=0.5))
+    assert (outcome.status, outcome.note) == ("withdrawn", "had enough")
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
+        "withdrawn",
+        "participant",
+        "0",
+    )
+    assert trial["start_s"] == trial["end_s"]
+    assert {row["trial"] for row in rows(tmp_path, "frames.csv")} == {"0"}
+
+
+def test_ratings_carry_the_session_clock(tmp_path):
+    class SlowClock(VirtualClock):
+        """The machine takes three times as long as the display would."""
+
+        def advance(self, duration_s: float) -> None:
+            super().advance(3 * duration_s)
+
+    go(tmp_path, Scripted(rates=4), clock=SlowClock(), sessions=[1])
+    (trial, _), ratings = rows(tmp_path, "trials.csv"), rows(tmp_path, "ratings.csv")
+    first = ratings[0]
+    assert float(first["onset_s"]) == pytest.approx(float(trial["start_s"]) + 3 * 3.0)
+    assert float(first["latency_s"]) == pytest.approx(3 * 0.5)
 
 
 def test_somebody_who_withdrew_may_refuse_the_questionnaire(tmp_path):
@@ -230,6 +276,14 @@ def test_sessions_are_not_repeated(tmp_path):
         go(tmp_path, Scripted(), sessions=[3])
     with pytest.raises(InputError, match="shows nothing"):
         go(tmp_path, Scripted(), exposure_s=0.0)
+
+
+def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1], seed=3)
+    with pytest.raises(InputError, match="begun with seed 3, not 4"):
+        go(tmp_path, Scripted(), sessions=[2], seed=4)
+    go(tmp_path, Scripted(), sessions=[2])
+    assert [manifest(tmp_path, session)["seed"] for session in (1, 2)] == [3, 3]
 
 
 def test_the_same_seed_gives_the_same_bytes(tmp_path):

@@ -14,6 +14,7 @@ from vrcomfort.cli.terminal import (
     RefreshRate,
     Size,
     console,
+    output_file,
     output_folder,
     parse_size,
     warn,
@@ -155,5 +156,5 @@ def import_trace(
     trace = read(file, format="unity-euler")
     for warning in trace.warnings:
         warn(warning)
-    write_trace(trace, out)
+    write_trace(trace, output_file(out))
     console(quiet).print(f"{len(trace)} samples over {trace.duration_s:.1f} s: {out}")

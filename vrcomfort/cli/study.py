@@ -15,8 +15,8 @@ from vrcomfort.cli.terminal import (
     ProtocolArgument,
     Quiet,
     RefreshRate,
-    Seed,
     Size,
+    StudySeed,
     complain,
     console,
     parse_size,
@@ -87,7 +87,7 @@ def run(
     session: Annotated[
         int | None, typer.Option(help="Session number; without it, the next one.", min=1)
     ] = None,
-    seed: Seed = 0,
+    seed: StudySeed = None,
     size: Annotated[
         str | None,
         typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
@@ -115,6 +115,7 @@ def run(
         study.headset.ipd_m,
         open_trace(trace) if trace else None,
         refresh_hz,
+        real_time=respondent is not RespondentKind.SIMULATED,
     )
     live = None
     number = session or next_session(out, participant)
@@ -150,7 +151,7 @@ def simulate(
     protocol: ProtocolArgument,
     participants: Annotated[int, typer.Option("--participants", "-n", min=1, max=10_000)],
     out: Study,
-    seed: Seed = 0,
+    seed: StudySeed = None,
     trace: TraceOption = None,
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
@@ -182,7 +183,7 @@ def simulate_study(
     *,
     participants: int,
     out: Path,
-    seed: int,
+    seed: int | None,
     playback_options: tuple[tuple[int, int], Any, float | None],
     exposure_s: float | None,
     quiet: bool,
@@ -216,7 +217,7 @@ class _Lab:
         protocol: Protocol,
         study: Path,
         playback: PlaybackIn,
-        seed: int,
+        seed: int | None,
         exposure_s: float | None,
         live: LiveLab | None = None,
     ) -> None:
@@ -247,7 +248,9 @@ class _Lab:
     ) -> Outcome:
         """Run sessions of one participant."""
         from vrcomfort import session
+        from vrcomfort.records import open_study
 
+        seed = open_study(self._study, self._protocol, seed=self._seed)
         if self._rendering is None:
             renderer = make_renderer(self._playback.size_px)
             self._rendering = renderer, describe_machine(renderer, self._protocol)
@@ -260,9 +263,9 @@ class _Lab:
             load_scene=self._load_scene,
             headset_for=self._live.headset_for if self._live else self._playback,
             renderer=renderer,
-            respondent=self._respondent(kind, participant),
+            respondent=self._respondent(kind, participant, seed),
             clock=session.VirtualClock() if simulated else session.WallClock(),
-            seed=self._seed,
+            seed=seed,
             sessions=sessions,
             exposure_s=self._exposure_s,
             resume=resume,
@@ -270,12 +273,12 @@ class _Lab:
             progress=tell,
         )
 
-    def _respondent(self, kind: RespondentKind, participant: str) -> Respondent:
+    def _respondent(self, kind: RespondentKind, participant: str, seed: int) -> Respondent:
         from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
 
         if kind is RespondentKind.SIMULATED:
             settings = self._protocol.simulation
-            return SimulatedRespondent(settings, participant=participant, seed=self._seed)
+            return SimulatedRespondent(settings, participant=participant, seed=seed)
         if kind is RespondentKind.PANEL:
             if self._live is None:
                 raise InputError(
@@ -295,8 +298,8 @@ def next_session(study: Path, participant: str) -> int:
 
 
 def _as_before(
-    study: Path, participant: str, session: int, seed: int, exposure_s: float | None
-) -> tuple[int, float | None]:
+    study: Path, participant: str, session: int, seed: int | None, exposure_s: float | None
+) -> tuple[int | None, float | None]:
     """Return the seed and the exposure of an interrupted session; those given if there is none."""
     from vrcomfort.records import read_manifest, session_folder, unfinished_sessions
 

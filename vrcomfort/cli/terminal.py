@@ -24,6 +24,12 @@ from vrcomfort.errors import InputError
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
 Seed = Annotated[int, typer.Option(help="Every random choice derives from it.", min=0)]
+StudySeed = Annotated[
+    int | None,
+    typer.Option(
+        help="Every random choice derives from it. A study keeps its first one (else 0).", min=0
+    ),
+]
 Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's image.")]
 ProtocolArgument = Annotated[
     str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
@@ -99,14 +105,31 @@ def output_folder(path: Path) -> Path:
     Raises
     ------
     InputError
-        If `path` is a file, or a study folder: recordings are never overwritten.
+        If `path` is a file, or holds recordings, which are never overwritten.
     """
     if path.exists() and not path.is_dir():
         raise InputError("is a file; --out needs a folder", file=path)
-    if (path / "participants.csv").exists():
-        raise InputError("is a study folder; choose another --out for the results", file=path)
+    _refuse_recordings(path)
     path.mkdir(parents=True, exist_ok=True)
     return path
+
+
+def output_file(path: Path) -> Path:
+    """Return `path` for a result that can be made again; an old one is replaced.
+
+    Raises
+    ------
+    InputError
+        If it would lie among recordings.
+    """
+    _refuse_recordings(path.parent)
+    return path
+
+
+def _refuse_recordings(folder: Path) -> None:
+    if any((folder / name).exists() for name in ("participants.csv", "manifest.json")):
+        message = "is a study folder, or a session of one; choose another --out for the results"
+        raise InputError(message, file=folder)
 
 
 def _escape(text: str) -> str:

@@ -45,12 +45,15 @@ class PlaybackIn:
         For every scene; without it each scene's own shipped walk.
     refresh_hz
         `None` plays the trace's own samples.
+    real_time
+        For people: no frame comes before its time.
     """
 
     size_px: tuple[int, int]
     ipd_m: float
     trace: Trace | None = None
     refresh_hz: float | None = None
+    real_time: bool = False
     _headset: PlaybackHeadset | None = field(default=None, init=False)
 
     def __call__(self, scene_name: str, scene: Scene) -> PlaybackHeadset:
@@ -65,6 +68,7 @@ class PlaybackIn:
                 refresh_hz=self.refresh_hz,
                 ipd_m=self.ipd_m,
                 spawn=scene.spawn,
+                real_time=self.real_time,
             )
         else:
             self._headset.place(trace, spawn=scene.spawn)

@@ -1,10 +1,12 @@
 """A headset that plays a head trace: a real headset without a person, in lockstep.
 
-Frames come as fast as they are drawn, and the same trace gives the same frames every time.
+Frames come as fast as they are drawn (for people: never faster than they would be shown), and the
+same trace gives the same frames every time.
 """
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -60,6 +62,9 @@ class PlaybackHeadset:
         Start again after the end, as a cut. Without it, `frames` ends with the trace.
     max_frames
         End each run of `frames` after so many.
+    real_time
+        Give no frame before its time, so that an exposure lasts as long as it says. Where drawing
+        is slower than the display, an exposure lasts longer.
     """
 
     def __init__(
@@ -73,6 +78,7 @@ class PlaybackHeadset:
         spawn: Pose | None = None,
         loop: bool = True,
         max_frames: int | None = None,
+        real_time: bool = False,
     ) -> None:
         if refresh_hz is not None and not 0 < refresh_hz < np.inf:
             raise InputError(f"a refresh rate must be greater than 0 Hz, not {refresh_hz}")
@@ -82,6 +88,7 @@ class PlaybackHeadset:
         self._fovs = fovs
         self._loop = loop
         self._max_frames = max_frames
+        self._real_time = real_time
         self._next_index = 0
         self._next_time_ns = int(trace.time_ns[0])
         self._trace = trace
@@ -127,6 +134,7 @@ class PlaybackHeadset:
     def frames(self) -> Iterator[Frame]:
         """Yield the frames of the trace from its start; the first is a discontinuity."""
         schedule = self._schedule(self._next_time_ns)
+        due_s = time.monotonic()
         for sample, display_ns in islice(schedule, self._max_frames):
             period_ns = self._period_ns(sample)
             frame = self._frame(sample, self._next_index, display_ns, period_ns)
@@ -134,6 +142,8 @@ class PlaybackHeadset:
             self._next_time_ns = display_ns + period_ns
             self._next_index += 1
             yield frame
+            if self._real_time:
+                due_s = _wait_until(due_s + period_ns / SECOND_NS)
 
     def submit(self, frame: Frame, eyes: tuple[moderngl.Texture, moderngl.Texture] | None) -> None:
         """Take the images and show them to nobody."""
@@ -214,6 +224,12 @@ class PlaybackHeadset:
             return default_fovs(self._size_px)
         left, right = self._trace.fovs[sample.index].tolist()
         return Fov(*left), Fov(*right)
+
+
+def _wait_until(due_s: float) -> float:
+    """Sleep until a time of the monotonic clock; return when it was over, the late one if late."""
+    time.sleep(max(due_s - time.monotonic(), 0.0))
+    return max(due_s, time.monotonic() - 1e-3)  # sleeping wakes a little late: no drift from that
 
 
 def default_fovs(image_size_px: tuple[int, int]) -> tuple[Fov, Fov]:

@@ -2,43 +2,25 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.protocol.locate import Path
 from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.settings_file import Problem, repeated
 from vrcomfort.resources import data_folder
 
 _MOST_TREATMENTS = {"williams": 26, "full": 6, "random": 1000}
 
 
-@dataclass(frozen=True)
-class Problem:
-    """One fault and the key path where it stands."""
-
-    path: Path
-    message: str
-    missing: bool = False
-
-
 def problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield every fault of a protocol whose types are right."""
-    yield from _repeated(("conditions",), [condition.name for condition in protocol.conditions])
-    yield from _repeated(("scenes",), protocol.scenes)
+    yield from repeated(("conditions",), [condition.name for condition in protocol.conditions])
+    yield from repeated(("scenes",), protocol.scenes)
     yield from _missing_scenes(protocol)
     yield from _order(protocol)
     yield from _simulation(protocol)
-    yield from _stop_rule(protocol)
-
-
-def _repeated(path: Path, names: Iterable[str]) -> Iterator[Problem]:
-    seen: Counter[str] = Counter()
-    for index, name in enumerate(names):
-        seen[name] += 1
-        if seen[name] == 2:
-            yield Problem((*path, index), f"`{name}` is there twice; give each a name of its own")
+    yield from _ratings(protocol)
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
@@ -60,7 +42,7 @@ def _order(protocol: Protocol) -> Iterator[Problem]:
         return
     if not order.sequences:
         yield Problem(("order", "rule"), "`explicit` needs at least one [[order.sequences]] table")
-    yield from _repeated(("order", "sequences"), [each.name for each in order.sequences])
+    yield from repeated(("order", "sequences"), [each.name for each in order.sequences])
     for index, sequence in enumerate(order.sequences):
         path: Path = ("order", "sequences", index)
         if len(sequence.sessions) != len(order.sequences[0].sessions):
@@ -113,7 +95,10 @@ def _named_key(path: Path, kind: str, known: Iterable[str]) -> Iterator[Problem]
         yield Problem(path, problem.message)
 
 
-def _stop_rule(protocol: Protocol) -> Iterator[Problem]:
+def _ratings(protocol: Protocol) -> Iterator[Problem]:
     ratings = protocol.ratings
+    if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
+        message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
+        yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
     if ratings and ratings.instrument == "misc" and (ratings.stop_at or 0) > 10:
         yield Problem(("ratings", "stop_at"), "MISC ends at 10; choose a stop rule within 1 to 10")

@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from vrcomfort.protocol.settings_file import Name
+
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
@@ -72,7 +74,7 @@ class MotionBlur(Settings):
 class Condition(Settings):
     """One way of rendering that participants are exposed to."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
+    name: Name
     label: str = ""
     focus: Focus = Focus()
     depth_of_field: DepthOfField | None = None

@@ -10,9 +10,8 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.protocol.conditions import Condition, NotNegative, Positive, Settings
+from vrcomfort.protocol.settings_file import Name, Word
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
-Word = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
 InstrumentName = Literal["ssq", "fms", "misc"]
 Probability = Annotated[float, Field(ge=0, le=1)]
 

@@ -79,6 +79,8 @@ def _read(file: Path) -> _Table:
         raise InputError("this file is empty; a header row is needed", file=file)
     header = tuple(heading.strip() for heading in lines[0][1])
     table = _Table(file, header, tuple(lines[1:]))
+    if len(header) == 1 and header[0].count(";") > 1:
+        table.fail("the columns are separated by `;`; save it with commas", lines[0][0])
     for line, cells in table.rows:
         if len(cells) != len(header):
             table.fail(f"this row has {len(cells)} cells, the header has {len(header)}", line)

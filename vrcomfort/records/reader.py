@@ -52,6 +52,8 @@ def read_rows(file: Path) -> Rows:
     if not records:
         return Rows((), (), (), _warn(file, last_line, "header") if broken else ())
     header = tuple(records[0][1])
+    if len(header) == 1 and header[0].count(";") > 1:
+        raise InputError("the columns are separated by `;`; save it with commas", file=file, line=1)
     if len(records) > 1 and len(records[-1][1]) != len(header) and not broken:
         broken, last_line = True, records.pop()[0]
     for line, cells in records[1:]:

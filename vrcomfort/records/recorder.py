@@ -108,8 +108,10 @@ class Recorder:
             stream.write(csv_line(row_type.columns()))
             stream.flush()
 
-    def write(self, *rows: Row) -> None:
+    def write(self, *rows: Row, sync: bool = False) -> None:
         """Append rows; rows of one call may belong to different files.
+
+        With `sync`, and always for questionnaires and trials, they are on the disk at return.
 
         Raises
         ------
@@ -119,9 +121,8 @@ class Recorder:
         self.write_soon(*rows)
         if not all(isinstance(row, FrameRow) for row in rows):
             self.flush()
-        for kind in _SYNCED:
-            if any(isinstance(row, kind) for row in rows):
-                self._sync(kind.FILE)
+        for name in {row.FILE for row in rows if sync or isinstance(row, _SYNCED)}:
+            self._sync(name)
 
     def write_soon(self, *rows: Row) -> None:
         """Append rows without waiting: what happens between two frames."""

@@ -27,27 +27,38 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def open_study(study: Path, protocol: Protocol) -> None:
+def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> int:
     """Make the study folder and its description, or check that it belongs to this protocol.
+
+    Parameters
+    ----------
+    seed
+        Of a new study (`None` is 0). A random order is drawn again from it whenever its
+        participant comes back, so a study keeps its first seed.
+
+    Returns
+    -------
+    int
+        The study's seed.
 
     Raises
     ------
     InputError
-        If the folder holds another study or cannot be written.
+        If the folder holds another study, or one with another seed, or cannot be written.
     """
     file = study / DESCRIPTION
     if file.exists():
-        _same_study(file, protocol)
-        return
+        return _same_study(file, protocol, seed)
     try:
         study.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"cannot make this folder: {error.strerror}", file=study) from error
-    text = json.dumps(_description(protocol), indent=2, ensure_ascii=False)
+    text = json.dumps(_description(protocol, seed or 0), indent=2, ensure_ascii=False)
     replace_text(file, text + "\n")
+    return seed or 0
 
 
-def _description(protocol: Protocol) -> dict[str, object]:
+def _description(protocol: Protocol, seed: int) -> dict[str, object]:
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",
@@ -55,6 +66,7 @@ def _description(protocol: Protocol) -> dict[str, object]:
         "description": f"Comfort study recorded with vrcomfort, protocol {protocol.name}.",
         "citation": protocol.citation,
         "protocol": protocol.name,
+        "seed": seed,
         "conditions": {each.name: each.label or each.name for each in protocol.conditions},
         "scenes": list(protocol.scenes),
         "variableMeasured": [
@@ -64,14 +76,19 @@ def _description(protocol: Protocol) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _same_study(file: Path, protocol: Protocol) -> None:
+def _same_study(file: Path, protocol: Protocol, seed: int | None) -> int:
     try:
-        name = json.loads(file.read_text(encoding="utf-8")).get("protocol")
-    except (OSError, ValueError, AttributeError) as error:
+        content = json.loads(file.read_text(encoding="utf-8"))
+        name, kept = content["protocol"], int(content["seed"])
+    except (OSError, ValueError, TypeError, KeyError) as error:
         raise InputError("this study description is damaged; restore it", file=file) from error
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
         raise InputError(f"{message}; choose another --out", file=file)
+    if seed not in {None, kept}:
+        message = f"this study was begun with seed {kept}, not {seed}"
+        raise InputError(f"{message}; leave --seed out, or choose another --out", file=file)
+    return kept
 
 
 def read_participants(study: Path) -> list[ParticipantRow]:

@@ -140,5 +140,11 @@ def _summary(
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
         headlines=tuple(headline(test, labels) for test in results["tests"]),
-        warnings=(*quality["reading"], *excluded),
+        warnings=(*quality["reading"], *_changed(quality["protocol_versions"]), *excluded),
     )
+
+
+def _changed(versions: int) -> list[str]:
+    if versions < 2:
+        return []
+    return [f"the protocol changed during the study: its sessions hold {versions} versions of it"]

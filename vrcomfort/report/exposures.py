@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import pandas as pd
 
+from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import LOADINGS, SSQ, score
 from vrcomfort.report.ordering import natural
 
@@ -78,9 +79,15 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     """Score every questionnaire on integer raw sums, minus the baseline where there is one.
 
     Nothing of a participant whom the experimenter has excluded is scored.
+
+    Raises
+    ------
+    InputError
+        If the plan's exposure timepoint is not in the data.
     """
     excluded: list[dict[str, str]] = []
     kept = _kept_by_the_experimenter(study)
+    _check_timepoints(kept, plan)
     asked = [s for s in kept if s.timepoint in _timepoints(plan)]
     sheets = _last_runs(asked, plan, excluded)
     whole = [s for s in sheets if _is_whole(s, excluded)]
@@ -106,6 +113,27 @@ def _kept_by_the_experimenter(study: StudyData) -> list[Sheet]:
     """Leave out those whom participants.csv calls excluded; `left_out` gives the reason."""
     gone = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     return [sheet for sheet in study.sheets if sheet.participant not in gone]
+
+
+def _check_timepoints(sheets: list[Sheet], plan: Plan) -> None:
+    """Raise InputError if no questionnaire is from the plan's moment after exposure."""
+    found = sorted({sheet.timepoint for sheet in sheets})
+    if found and plan.exposure_timepoint not in found:
+        raise InputError(
+            f"no questionnaire has the timepoint `{plan.exposure_timepoint}` that the analysis "
+            f"plan {plan.name} calls exposure_timepoint; the data have {', '.join(found)}"
+        )
+
+
+def unused_timepoints(study: StudyData, plan: Plan) -> list[str]:
+    """Say which questionnaires the plan does not use: one of its timepoints may be misspelt."""
+    counts = Counter(sheet.timepoint for sheet in study.sheets)
+    known = _timepoints(plan)
+    return [
+        f"{counts[name]} questionnaires at `{name}` are not used: the analysis plan names "
+        f"{plan.baseline_timepoint}, {plan.exposure_timepoint} and {plan.recovery_timepoint}"
+        for name in sorted(counts.keys() - known)
+    ]
 
 
 def _timepoints(plan: Plan) -> set[str]:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-import tomllib
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from vrcomfort.errors import InputError
 from vrcomfort.protocol.conditions import Settings
-from vrcomfort.protocol.locate import locate
+from vrcomfort.protocol.settings_file import (
+    Name,
+    Problem,
+    first_problem,
+    parse_settings,
+    read_text,
+    repeated,
+)
 from vrcomfort.resources import data_folder
 
 Outcome = Literal["T", "N", "O", "D"]
@@ -36,14 +42,14 @@ class Factor(Settings):
 class Plan(Settings):
     """One analysis, decided before the data are seen."""
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]+$")]
+    name: Name
     title: str
     citation: str = ""
     note: str = ""
     """A sentence about the choices made, printed with the methods."""
     instrument: Literal["ssq"] = "ssq"
     outcomes: Annotated[tuple[Outcome, ...], Field(min_length=1)] = ("T", "N", "O", "D")
-    family: tuple[Outcome, ...] = ("T", "N", "O", "D")
+    family: Annotated[tuple[Outcome, ...], Field(min_length=1)] = ("T", "N", "O", "D")
     """Outcomes whose p values are adjusted together (Holm), over all contrasts."""
     contrasts: tuple[Contrast, ...] = ()
     """Empty: every pair of conditions, in the order of the protocol."""
@@ -78,29 +84,29 @@ def load_plan(path: Path | None, *, protocol: str | None = None) -> Plan:
         shipped = data_folder("analysis")
         own = shipped / f"{protocol}.toml"
         path = own if protocol and own.is_file() else shipped / "default.toml"
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"cannot read this analysis plan: {error}", file=path) from error
-    try:
-        return Plan.model_validate(_tuples(tomllib.loads(text)), strict=True)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"this is not valid TOML: {error}", file=path) from error
-    except ValidationError as error:
-        raise _fault(error, text, path) from error
+    text = read_text(path, "analysis plan")
+    plan = parse_settings(Plan, text, path)
+    if found := list(_problems(plan)):
+        raise first_problem(found, text, path)
+    return plan
 
 
-def _tuples(value: Any) -> Any:
-    """Make lists tuples, which strict validation wants."""
-    if isinstance(value, dict):
-        return {key: _tuples(item) for key, item in value.items()}
-    return tuple(map(_tuples, value)) if isinstance(value, list) else value
-
-
-def _fault(error: ValidationError, text: str, path: Path) -> InputError:
-    detail = error.errors()[0]
-    line, column = locate(text).of(detail["loc"])
-    name = ".".join(str(part) for part in detail["loc"])
-    what = {"extra_forbidden": "unknown key", "missing": "missing key"}.get(detail["type"])
-    message = f"{what} `{name}`" if what else f"`{name}`: {detail['msg'].lower()}"
-    return InputError(f"{message} in this analysis plan", file=path, line=line, column=column)
+def _problems(plan: Plan) -> Iterator[Problem]:
+    """Yield what the types cannot say."""
+    yield from repeated(("outcomes",), plan.outcomes)
+    yield from repeated(("family",), plan.family)
+    yield from repeated(("mixed_model",), plan.mixed_model)
+    yield from repeated(("anova",), [factor.name for factor in plan.anova])
+    if "family" in plan.model_fields_set:
+        for index, name in enumerate(plan.family):
+            if name not in plan.outcomes:
+                message = f"`{name}` is adjusted but not among the outcomes; add it there"
+                yield Problem(("family", index), message)
+    for index, contrast in enumerate(plan.contrasts):
+        if contrast.a == contrast.b:
+            message = f"condition `{contrast.a}` is compared with itself; name another one"
+            yield Problem(("contrasts", index), message)
+    for index, factor in enumerate(plan.anova):
+        if factor.name in {"participant", "score"}:
+            message = f"`{factor.name}` cannot name a factor; choose another word"
+            yield Problem(("anova", index, "name"), message)

@@ -10,17 +10,18 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 
-def quality(study: StudyData, scored: Exposures) -> dict[str, Any]:
+def quality(study: StudyData, scored: Exposures, unused: list[str]) -> dict[str, Any]:
     """Collect counts and sentences for the section on data quality."""
     return {
         "questionnaire_files": study.files,
         "questionnaires": len(study.sheets),
         "excluded_questionnaires": list(scored.excluded),
         "scored_after_early_end": int(scored.table["early"].sum()),
-        "reading": list(study.warnings),
+        "reading": [*study.warnings, *unused],
         "frames": _frames(study),
         "ratings": _ratings(study),
         "sessions": _sessions(study),
+        "protocol_versions": _protocol_versions(study),
         "simulated": sum(m.get("respondent") == "simulated" for m in study.manifests),
         "clamps": _clamps(study),
     }
@@ -44,6 +45,12 @@ def _ratings(study: StudyData) -> dict[str, int] | None:
 
 def _sessions(study: StudyData) -> dict[str, int]:
     return dict(sorted(Counter(str(m.get("status", "")) for m in study.manifests).items()))
+
+
+def _protocol_versions(study: StudyData) -> int:
+    """Count the texts of the protocol under which sessions were recorded."""
+    texts = [m["protocol"] for m in study.manifests if isinstance(m.get("protocol"), dict)]
+    return len({text.get("sha256") for text in texts})
 
 
 def _clamps(study: StudyData) -> list[dict[str, Any]]:

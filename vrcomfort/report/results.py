@@ -16,7 +16,7 @@ from vrcomfort.report.contrasts import (
     run_tests,
     sensitivity,
 )
-from vrcomfort.report.exposures import ITEMS, score_exposures
+from vrcomfort.report.exposures import ITEMS, score_exposures, unused_timepoints
 from vrcomfort.report.models import run_anova, run_crossover, run_friedman, run_mixed
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import planned_exposures
@@ -79,7 +79,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "items": _items(scored.table, conditions, analysed),
         **_models(scored.table, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
-        "quality": quality(study, scored),
+        "quality": quality(study, scored, unused_timepoints(study, plan)),
     }
     return plain(results), scored
 

@@ -64,7 +64,7 @@ class Respondent(Protocol):
         """Take note that an exposure begins."""
 
     def endure(self, elapsed_s: float) -> None:
-        """Live through the exposure up to now; called every frame.
+        """Live through the training or exposure up to now; called every frame.
 
         Raises
         ------
@@ -82,7 +82,13 @@ class Respondent(Protocol):
         """Return the rating if it has been given by now; called every frame after `prompt`."""
 
     def rest(self, duration_s: float) -> None:
-        """Live through a rest without the headset."""
+        """Live through a rest without the headset.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops here.
+        """
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer every item in the order of the instrument.

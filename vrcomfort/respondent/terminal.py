@@ -43,10 +43,12 @@ class TerminalRespondent:
         self._now_s = now_s
         self._scale: Instrument | None = None
         self._rating: int | None = None
+        self._exposed = False
 
     def start_session(self, session: int) -> None:
-        """Say which session begins."""
+        """Say which session begins, and how to end it."""
         self._console.rule(f"Session {session}")
+        self._console.print("w + Enter = withdraw, at any time.")
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Say what is shown and how to stop it; the condition is not named: the room may hear."""
@@ -63,7 +65,7 @@ class TerminalRespondent:
 
     def end_exposure(self, elapsed_s: float) -> None:
         """Say that it is over."""
-        self._scale = None
+        self._scale, self._exposed = None, True
         self._console.print(f"Exposure over after {elapsed_s:.0f} s.")
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
@@ -76,11 +78,22 @@ class TerminalRespondent:
         return self._rating
 
     def rest(self, duration_s: float) -> None:
-        """Say that the rest is over."""
+        """Take what was typed meanwhile, and say that the rest is over."""
+        self._clear_typed()
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
+
+    def _clear_typed(self) -> None:
+        """Take lines typed before the question was there: a late rating is no answer to it."""
+        while (line := self._waiting_line()) is not None:
+            if line.strip().lower() == "w":
+                raise Withdrew("withdrew between exposures")
+            self._console.print(f"[dim]{line.strip()!r} came too late and was not recorded[/]")
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Ask item by item, then show all answers for correction."""
+        if self._exposed:
+            self._exposed = False
+            self._clear_typed()
         instrument = form.instrument
         self._console.rule(f"{instrument.title}, {form.timepoint}")
         self._console.print(f"{instrument.instruction}\n{_scale(instrument)}\n[dim]{_KEYS}[/]")

@@ -52,7 +52,6 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
-        self._start_s = 0.0
 
     def show(
         self,
@@ -86,7 +85,6 @@ class FrameLoop:
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before_ns = 0, None
-        self._start_s = self.diary.clock.now_s()
         for frame in self._frames:
             self._note_events()
             if frame.paused:  # nobody sees it: time that is no exposure
@@ -126,23 +124,20 @@ class FrameLoop:
 
     def _listen(self, exhibit: Exhibit, schedule: RatingSchedule | None) -> None:
         felt_s = self.elapsed_s * exhibit.stretch
-        if exhibit.trial:
-            self.respondent.endure(felt_s)
-        if schedule and (rated := schedule.update(felt_s)):
+        self.respondent.endure(felt_s)
+        if schedule and (rated := schedule.update(felt_s, self.diary.clock.now_s())):
             self._record(exhibit, schedule, rated)
             schedule.check(rated)
 
     def _record(self, exhibit: Exhibit, schedule: RatingSchedule, rated: Rated) -> None:
-        """Write a rating; its times are those that were shown."""
-        latency_s = None if rated.latency_s is None else rated.latency_s / exhibit.stretch
         self.diary.recorder.write_soon(
             RatingRow(
                 self.diary.participant,
                 self.diary.session,
                 exhibit.trial,
                 exhibit.condition,
-                onset_s=round(self._start_s + rated.onset_s / exhibit.stretch, 9),
-                latency_s=None if latency_s is None else round(latency_s, 9),
+                onset_s=rated.onset_s,
+                latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,
                 response=rated.response,
                 missed=int(rated.response is None),

@@ -164,11 +164,11 @@ class SessionFlow:
     def _expose(self, place: Place, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
-        if place.trial == 1:
-            self._train(loop, place)
-        ending.start_s = self._lab.clock.now_s()
-        self._ledger.begin_exposure(**self._identity(place, ending.start_s))
         try:
+            if place.trial == 1:
+                self._train(loop, place, ending)
+            ending.start_s = self._lab.clock.now_s()
+            self._ledger.begin_exposure(**self._identity(place, ending.start_s))
             result = self._show(loop, place)
         except Withdrew as reason:
             ending.status, ending.abort_code = "withdrawn", "participant"
@@ -191,7 +191,8 @@ class SessionFlow:
         lab.renderer.begin(scene, lab.protocol.condition(place.condition or ""))
         return FrameLoop(headset, lab.renderer, self._respondent, self._diary, self._log)
 
-    def _train(self, loop: FrameLoop, place: Place) -> None:
+    def _train(self, loop: FrameLoop, place: Place, ending: _Ending) -> None:
+        """Show the first scene; who withdraws here has an exposure of 0 s."""
         duration_s = self._lab.protocol.training_s / self._lab.stretch
         if not duration_s:
             return
@@ -201,7 +202,8 @@ class SessionFlow:
             loop.show(exhibit, progress=self._watch("training", place, duration_s))
         finally:
             self._log.start_trial()  # its frames are not the exposure's
-        self._diary.event("training", start_s, detail=_shown(place))
+            ending.start_s = self._lab.clock.now_s()
+            self._diary.event("training", start_s, detail=_shown(place))
 
     def _show(self, loop: FrameLoop, place: Place) -> str:
         protocol, number = self._lab.protocol, place.trial or 0

@@ -12,8 +12,8 @@ from vrcomfort.session.diary import Diary, Place
 class Interview:
     """One questionnaire in the asking.
 
-    Each answer is an event at once; the rows are written when the last correction has been made,
-    or when something cuts the questionnaire short.
+    Each answer is an event at once, on the disk; the rows are written when the last correction has
+    been made, or when something cuts the questionnaire short.
     """
 
     def __init__(self, diary: Diary, ask: Ask, place: Place) -> None:
@@ -60,7 +60,7 @@ class Interview:
         )
         said = "rather not say" if response is None else response
         detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
-        self._diary.event("answer", detail=detail)
+        self._diary.event("answer", detail=detail, sync=True)
         self._tell()
 
     def _tell(self) -> None:

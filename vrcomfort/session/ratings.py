@@ -15,11 +15,19 @@ class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
 
 @dataclass(frozen=True)
 class Rated:
-    """One rating; times are seconds since the exposure began, `response` None where missed."""
+    """One rating; times are the session clock's, `response` is None where it was missed."""
 
     onset_s: float
     latency_s: float | None
     response: int | None
+
+
+@dataclass(frozen=True)
+class _Pending:
+    """A question that is open: when it was asked, in the protocol's time and the session's."""
+
+    elapsed_s: float
+    onset_s: float
 
 
 class RatingSchedule:
@@ -31,32 +39,41 @@ class RatingSchedule:
         self._respondent = respondent
         self._duration_s = duration_s
         self._asked = 0
-        self._pending_since_s: float | None = None
+        self._pending: _Pending | None = None
 
-    def update(self, elapsed_s: float) -> Rated | None:
-        """Ask if a rating is due; return one that was answered or missed by now."""
-        settings, onset_s = self._settings, self._pending_since_s
-        if onset_s is None:
-            self._prompt_if_due(elapsed_s)
+    def update(self, elapsed_s: float, now_s: float) -> Rated | None:
+        """Ask if a rating is due; return one that was answered or missed by now.
+
+        Parameters
+        ----------
+        elapsed_s
+            Since the exposure began, in the protocol's time: decides what is due and what is late.
+        now_s
+            The session clock: decides what is recorded.
+        """
+        pending = self._pending
+        if pending is None:
+            self._prompt_if_due(elapsed_s, now_s)
             return None
         response = self._respondent.rating(elapsed_s)
-        late = elapsed_s - onset_s > settings.timeout_s
+        late = elapsed_s - pending.elapsed_s > self._settings.timeout_s
         if response is None and not late:
             return None
-        self._pending_since_s = None
-        return Rated(onset_s, None if response is None else elapsed_s - onset_s, response)
+        self._pending = None
+        latency_s = None if response is None else now_s - pending.onset_s
+        return Rated(pending.onset_s, latency_s, response)
 
-    def _prompt_if_due(self, elapsed_s: float) -> None:
+    def _prompt_if_due(self, elapsed_s: float, now_s: float) -> None:
         due_s = self._settings.every_s * (self._asked + 1)
         if due_s <= elapsed_s <= self._duration_s - self._settings.timeout_s:
             self._asked += 1
-            self._pending_since_s = elapsed_s
+            self._pending = _Pending(elapsed_s, now_s)
             self._respondent.prompt(self.instrument, elapsed_s, self._settings.timeout_s)
 
     def close(self) -> Rated | None:
         """Return the rating that was open when the exposure ended, as missed."""
-        onset_s, self._pending_since_s = self._pending_since_s, None
-        return None if onset_s is None else Rated(onset_s, None, None)
+        pending, self._pending = self._pending, None
+        return None if pending is None else Rated(pending.onset_s, None, None)
 
     def check(self, rated: Rated) -> None:
         """Raise `StopRule` where the rating is as high as the protocol allows."""

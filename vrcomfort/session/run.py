@@ -67,7 +67,7 @@ def run(
     renderer: Renderer,
     respondent: Respondent,
     clock: Clock | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
     resume: bool = False,
@@ -79,7 +79,8 @@ def run(
     Parameters
     ----------
     seed
-        Of the study: decides shuffled and random orders. Recorded.
+        Of the study: decides shuffled and random orders. `None` is the study's own (0 in a new
+        one). Recorded.
     clock
         `VirtualClock` (the default) for simulated participants, `WallClock` for people.
     exposure_s
@@ -102,20 +103,20 @@ def run(
     """
     if exposure_s is not None and exposure_s <= 0:
         raise InputError(f"an exposure of {exposure_s} s shows nothing; give a positive number")
-    open_study(study, protocol)
+    kept_seed = open_study(study, protocol, seed=seed)
     with only_run(study, participant):
-        design = build_design(protocol, seed=seed)
+        design = build_design(protocol, seed=kept_seed)
         row = enrol(study, design, participant)
         sequence = design.sequence(row.sequence)
         chosen = choose_sessions(study, participant, len(sequence.sessions), sessions, resume)
         earlier = Earlier(study, participant, chosen.unfinished)
-        earlier.check(protocol, seed=seed, sequence=sequence.name)
+        earlier.check(protocol, seed=kept_seed, sequence=sequence.name)
         lab = Lab(
             protocol, load_scene, headset_for, renderer, clock or VirtualClock(), progress,
             earlier.exposure_s(exposure_s) or protocol.exposure_s,
         )  # fmt: skip
         work = _Work(
-            study, lab, participant, sequence, respondent, seed, machine or Machine(),
+            study, lab, participant, sequence, respondent, kept_seed, machine or Machine(),
             earlier.take_up(),
         )  # fmt: skip
         return work.run(chosen.numbers)

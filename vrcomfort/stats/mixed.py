@@ -74,8 +74,8 @@ def mixed_model(
         raise InputError("too few values for a mixed model")
     if np.linalg.matrix_rank(design) < design.shape[1]:
         raise InputError(f"{' and '.join(factors)} cannot be told apart in these data")
-    fit, notes = _fit(rows[value].to_numpy(dtype=np.float64), design, people)
-    estimates, errors = np.asarray(fit.fe_params), np.asarray(fit.bse_fe)
+    fit, errors, notes = _fit(rows[value].to_numpy(dtype=np.float64), design, people)
+    estimates = np.asarray(fit.fe_params)
     return MixedModel(
         n_participants=int(np.unique(people).size),
         n_values=len(rows),
@@ -118,11 +118,15 @@ def _fit(
     values: Floats,
     design: Floats,
     people: People,
-) -> tuple[Any, tuple[str, ...]]:
+) -> tuple[Any, Floats, tuple[str, ...]]:
+    """Return the fit, the standard errors of the fixed effects and statsmodels' notes."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             fit = MixedLM(values, design, groups=people).fit(reml=True)
+            errors = np.asarray(fit.bse_fe, dtype=np.float64)
         except np.linalg.LinAlgError as error:
             raise InputError("the scores leave no variance to model") from error
-    return fit, tuple(dict.fromkeys(str(w.message) for w in caught))
+    if not np.isfinite(errors).all():  # everybody answered alike
+        raise InputError("the scores leave no variance to model")
+    return fit, errors, tuple(dict.fromkeys(str(w.message) for w in caught))

@@ -1,0 +1,149 @@
+"""Reads TOML into frozen settings; every fault is one sentence with file, line and column."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, TypeVar
+
+from pydantic import BaseModel, Field, ValidationError
+from pydantic_core import ErrorDetails
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.hints import did_you_mean, fields_at, wrong_unit
+from vrcomfort.protocol.locate import Path as KeyPath
+from vrcomfort.protocol.locate import locate
+
+Model = TypeVar("Model", bound=BaseModel)
+
+_PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
+_NAME, _WORD = r"^[A-Za-z0-9_-]+$", r"^[a-z][a-z0-9_]*$"
+_PATTERNS = {
+    _NAME: "may have only letters, digits, - and _",
+    _WORD: "must start with a small letter; then small letters, digits and _",
+}
+Name = Annotated[str, Field(pattern=_NAME)]
+Word = Annotated[str, Field(pattern=_WORD)]
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One fault and the key path where it stands."""
+
+    path: KeyPath
+    message: str
+    missing: bool = False
+
+
+def read_text(file: Path, what: str) -> str:
+    """Return the text of a UTF-8 file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read; `what` says what it should have been.
+    """
+    try:
+        return file.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"cannot read this {what}: {error.strerror}", file=file) from error
+    except UnicodeDecodeError as error:
+        message = f"byte {error.start} is not UTF-8; save the {what} as UTF-8"
+        raise InputError(message, file=file) from error
+
+
+def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
+    """Return the settings written in `text`.
+
+    Raises
+    ------
+    InputError
+        If it is not TOML, or a key or value is wrong, with line and column.
+    """
+    data = _toml(text, file)
+    try:
+        # Strict: "900" is not a number and true is not 1. Lists become tuples, which strict wants.
+        return model.model_validate(_frozen(data), strict=True)
+    except ValidationError as error:
+        found = [_explain(model, detail) for detail in _causes(error.errors())]
+        raise first_problem(found, text, file) from error
+
+
+def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> InputError:
+    """Return the fault that stands first in the text, and say how many follow.
+
+    What is missing comes last: it is often there, misspelt.
+    """
+    places = locate(text)
+    ordered = sorted(found, key=lambda problem: (problem.missing, places.of(problem.path)))
+    (line, column), message = places.of(ordered[0].path), ordered[0].message
+    more = len(ordered) - 1
+    tail = f" ({more} more problem{'s' if more > 1 else ''} in this file)" if more else ""
+    return InputError(f"{message}{tail}", file=file, line=line, column=column)
+
+
+def _toml(text: str, file: Path | None) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        message = str(error)
+        place = _PLACE.search(message)
+        line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)
+        what = f"this is not valid TOML: {_PLACE.sub('', message)}"
+        raise InputError(what, file=file, line=line, column=column) from error
+
+
+def _frozen(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _frozen(item) for key, item in value.items()}
+    return tuple(map(_frozen, value)) if isinstance(value, list) else value
+
+
+def _causes(details: list[ErrorDetails]) -> list[ErrorDetails]:
+    """Leave out lists that are too short only because an entry of theirs is wrong."""
+    parents = {detail["loc"][:depth] for detail in details for depth in range(len(detail["loc"]))}
+    return [d for d in details if d["type"] != "too_short" or d["loc"] not in parents]
+
+
+def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
+    """Turn pydantic's finding into a sentence for the writer of the file."""
+    *parent, key = path = detail["loc"]
+    if detail["type"] == "extra_forbidden":
+        known = fields_at(model, parent)
+        unit = wrong_unit(str(key), known)
+        return Problem(path, unit or f"unknown key `{key}`; {did_you_mean(str(key), known)}")
+    if detail["type"] == "missing":
+        return Problem(path, f"`{key}` is missing{_inside(parent)}; add it", missing=True)
+    given = detail["input"]
+    got = f", got {given!r}" if isinstance(given, str | int | float | bool) else ""
+    name = next((part for part in reversed(path) if isinstance(part, str)), "this file")
+    return Problem(path, f"`{name}`: {_in_words(detail)}{got}")
+
+
+def _inside(parent: list[str | int]) -> str:
+    names = [str(part) for part in parent if isinstance(part, str)]
+    return f" in [{'.'.join(names)}]" if names else ""
+
+
+def _in_words(detail: ErrorDetails) -> str:
+    if detail["type"] == "too_short":
+        return f"needs at least {detail['ctx']['min_length']}"
+    if detail["type"] == "tuple_type":
+        return "should be a list [...]"
+    if detail["type"] == "string_pattern_mismatch":
+        return _PATTERNS[detail["ctx"]["pattern"]]
+    message = detail["msg"].removeprefix("Input ").replace("a valid ", "a ")
+    return message.replace("a integer", "a whole number")
+
+
+def repeated(path: KeyPath, names: Iterable[str]) -> Iterator[Problem]:
+    """Yield a problem for each name that is there a second time."""
+    seen: Counter[str] = Counter()
+    for index, name in enumerate(names):
+        seen[name] += 1
+        if seen[name] == 2:
+            yield Problem((*path, index), f"`{name}` is there twice; give each a name of its own")
