@@ -56,9 +56,9 @@ def answer(data: Any) -> None:
     typer.echo(json.dumps(data, indent=2, allow_nan=False, default=str))
 
 
-def console(quiet: bool = False) -> Console:
-    """Return where people read, silent if `quiet`."""
-    return Console(quiet=quiet, highlight=False, soft_wrap=True)
+def console(quiet: bool = False, *, wrap: bool = False) -> Console:
+    """Return where people read, silent if `quiet`; `wrap` fits tables into the window."""
+    return Console(quiet=quiet, highlight=False, soft_wrap=not wrap)
 
 
 @contextmanager

@@ -135,6 +135,7 @@ def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
     """Return what the manifest says of the machine and of the passes it draws."""
+    from vrcomfort.headset.timing import TimingTrust
     from vrcomfort.records import Machine
     from vrcomfort.render.gl import describe
     from vrcomfort.render.gltf import load_scene
@@ -155,7 +156,7 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
         runtime="playback",
         shaders=_shader_hashes(),
         passes=passes,
-        timing_trust="lockstep",
+        timing_trust=TimingTrust.LOCKSTEP,
     )
 
 

@@ -42,10 +42,11 @@ class Animation:
 def sample(channel: Channel, time_s: float) -> Array:
     """Return the channel's (3,) or (4,) value at `time_s`, clamped to its first and last key."""
     times = channel.times_s
-    key = int(np.clip(np.searchsorted(times, time_s, side="right") - 1, 0, max(len(times) - 2, 0)))
+    last = max(len(times) - 2, 0)
+    key = min(max(int(times.searchsorted(time_s, side="right")) - 1, 0), last)
     after = min(key + 1, len(times) - 1)
     span_s = float(times[after] - times[key])
-    t = 0.0 if span_s <= 0 else float(np.clip((time_s - times[key]) / span_s, 0.0, 1.0))
+    t = 0.0 if span_s <= 0 else min(max((time_s - float(times[key])) / span_s, 0.0), 1.0)
     if channel.interpolation == "CUBICSPLINE":
         value = _hermite(channel.values[key], channel.values[after], t, span_s)
         return normalize(value) if channel.path == "rotation" else value

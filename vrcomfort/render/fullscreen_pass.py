@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Collection, Mapping
 from typing import Any, Protocol
 
 import moderngl
@@ -68,14 +67,10 @@ class FullscreenPass:
             self._set(uniforms)
         for unit, texture in self._inputs:
             texture.use(unit)
-        with self._scope, self._filtering():
-            self._triangle.render(moderngl.TRIANGLES, vertices=3)
-
-    @contextmanager
-    def _filtering(self) -> Iterator[None]:
         for unit, sampler in self._samplers:
             sampler.use(unit)
-        yield
+        with self._scope:
+            self._triangle.render(moderngl.TRIANGLES, vertices=3)
         for unit, sampler in self._samplers:
             sampler.clear(unit)
 

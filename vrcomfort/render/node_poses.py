@@ -10,6 +10,10 @@ from vrcomfort.render.animation import sample_all
 from vrcomfort.render.scene_data import Scene, trs_matrix
 
 
+KEPT = 2
+"""Times whose matrices are kept: this frame's and the one before."""
+
+
 class NodePoses:
     """World-from-node matrices of a scene.
 
@@ -22,9 +26,25 @@ class NodePoses:
         self.locked = _locked(scene)
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._walk = np.flatnonzero(self.moving).tolist()
+        self._any_locked = bool(self.locked.any())
+        self._placed: dict[float, Array] = {}
 
     def world_from_node(self, time_s: float, head: Pose) -> Array:
-        """Return (n, 4, 4) world-from-node at `time_s`; head-locked nodes hang on `head`."""
+        """Return (n, 4, 4) world-from-node at `time_s`; head-locked nodes hang on `head`.
+
+        Do not write into it: it is kept, for the next frame asks again for this one's time.
+        """
+        world = self._placed.get(time_s)
+        if world is None:
+            world = self._place(time_s)
+            self._placed = dict([*self._placed.items(), (time_s, world)][-KEPT:])
+        if not self._any_locked:
+            return world
+        world = world.copy()
+        world[self.locked] = head.matrix() @ world[self.locked]
+        return world
+
+    def _place(self, time_s: float) -> Array:
         world = self._static.copy()
         moved = sample_all(self._scene.animations, time_s) if self._walk else {}
         for index in self._walk:
@@ -39,8 +59,6 @@ class NodePoses:
                     moved.get((index, "scale"), node.scale),
                 )
             )
-        if self.locked.any():
-            world[self.locked] = head.matrix() @ world[self.locked]
         return world
 
 

@@ -62,6 +62,9 @@ class StereoRenderer:
         Multisampling.
     near_m
         Distance of the near plane.
+    on_eye
+        Called after each eye (0 left, 1 right) of each frame with its textures, where `render` is
+        not told otherwise.
     """
 
     def __init__(
@@ -71,11 +74,13 @@ class StereoRenderer:
         *,
         samples: int = 4,
         near_m: float = NEAR_M,
+        on_eye: Callable[[int, EyeImages], None] | None = None,
     ) -> None:
         self.size_px = size_px
         self.ctx = ctx
         self._samples = samples
         self._near_m = near_m
+        self._on_eye = on_eye
         self._passes: ConditionPasses | None = None
         self._before: _Before | None = None
         self._timer: GpuTimer | None = None
@@ -122,6 +127,7 @@ class StereoRenderer:
         on_eye
             Called after each eye (0 left, 1 right) with its textures, for files and measurements.
         """
+        on_eye = on_eye or self._on_eye
         if self._timer is None:
             return self._draw(frame, scene_time_s, on_eye)
         with self._timer.frame(frame.index):

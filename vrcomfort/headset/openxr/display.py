@@ -32,6 +32,14 @@ class HiddenArea:
     vertices: NDArray[np.float32]
     triangles: NDArray[np.uint32]
 
+    @property
+    def percent(self) -> float:
+        """Return its part of the image, taking the outermost vertices for the image's corners."""
+        a, b, c = np.moveaxis(self.vertices[self.triangles].astype(np.float64), 1, 0)
+        (abx, aby), (acx, acy) = (b - a).T, (c - a).T
+        hidden = np.abs(abx * acy - aby * acx).sum() / 2
+        return float(100 * hidden / np.prod(np.ptp(self.vertices, axis=0)))
+
 
 def refresh_rates_hz(session: xr.Session) -> list[float]:
     """Return the rates that the runtime can switch to."""

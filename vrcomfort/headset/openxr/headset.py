@@ -17,6 +17,7 @@ from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.spaces import floor_under
 from vrcomfort.headset.openxr.tracking import Tracking
+from vrcomfort.headset.timing import Timing, rate_runtime
 
 SECOND_NS = 1_000_000_000
 EXIT_FRAMES = 100
@@ -73,7 +74,18 @@ class OpenXrHeadset:
     @property
     def details(self) -> dict[str, str]:
         """Return what a manifest should know about runtime and headset."""
-        return self._xr.details
+        return {**self._xr.details, "timing": self.timing.reason}
+
+    @property
+    def timing(self) -> Timing:
+        """Return what the times of frames are worth, and why."""
+        runtime = self._xr.runtime
+        return rate_runtime(runtime.name, runtime.headset_name)
+
+    def wake(self, timeout_s: float) -> bool:
+        """Wait until the headset wants frames; return False where it sleeps on."""
+        with faults.running():
+            return self._xr.lifecycle.wait_until_running(timeout_s)
 
     @property
     def refresh_hz(self) -> float:
@@ -206,8 +218,8 @@ class OpenXrHeadset:
         if self._before_wait is not None:
             self._before_wait()
         timing = xr.wait_frame(self._xr.session)
+        self._xr.actions.sync()  # before the frame begins, as best practices would have it
         xr.begin_frame(self._xr.session)
-        self._xr.actions.sync()
         self._open = self._frame(timing)
         return self._open
 

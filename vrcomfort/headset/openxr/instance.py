@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,6 +26,9 @@ WANTED_EXTENSIONS = (
     xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
 )
 """Taken where the runtime offers them; everything works without."""
+
+LAYERS_VARIABLE = "XR_ENABLE_API_LAYERS"
+"""OpenXR's own way to switch API layers on from outside."""
 
 STEREO = xr.ViewConfigurationType.PRIMARY_STEREO
 EYES = 2
@@ -52,8 +56,7 @@ class Runtime:
     @property
     def name(self) -> str:
         """Return the runtime's name and version."""
-        properties = xr.get_instance_properties(self.instance)
-        return f"{properties.runtime_name.decode()} {properties.runtime_version}"
+        return runtime_name(self.instance)
 
     @cached_property
     def headset_name(self) -> str:
@@ -109,6 +112,12 @@ def call_extension(instance: xr.Instance, name: str, handle: Any, *arguments: An
     check(call(handle, *arguments))
 
 
+def runtime_name(instance: xr.Instance) -> str:
+    """Return the name and version of an instance's runtime."""
+    properties = xr.get_instance_properties(instance)
+    return f"{properties.runtime_name.decode()} {properties.runtime_version}"
+
+
 def offered_extensions() -> frozenset[str]:
     """Return the names of the extensions that the active runtime offers."""
     properties = xr.enumerate_instance_extension_properties()
@@ -130,7 +139,8 @@ def connect(settings: OpenXrSettings, needed: tuple[str, ...], notify: Notify) -
             f"the OpenXR runtime does not offer {', '.join(missing)}, which OpenGL applications "
             "need here; update it, or run in a window with a GLX context"
         )
-    wanted = (*WANTED_EXTENSIONS, DEBUG_UTILS) if settings.api_layers else WANTED_EXTENSIONS
+    layered = settings.api_layers or os.environ.get(LAYERS_VARIABLE)
+    wanted = (*WANTED_EXTENSIONS, DEBUG_UTILS) if layered else WANTED_EXTENSIONS
     taken = [*needed, *(name for name in wanted if name in offered)]
     instance = xr.create_instance(
         xr.InstanceCreateInfo(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -72,16 +73,17 @@ class Lifecycle:
         """Return whether the participant sees what is submitted."""
         return self.state in SEEN
 
-    def wait_until_running(self) -> bool:
+    def wait_until_running(self, timeout_s: float = math.inf) -> bool:
         """Handle events until frames are wanted; return False where the session has ended.
 
-        While the headset is asleep this waits, as long as it takes.
+        While the headset is asleep this waits: False also means that the time is over.
         """
+        give_up_s = time.monotonic() + timeout_s
         self.poll()
-        while not (self.running or self.ended):
+        while not (self.running or self.ended) and time.monotonic() < give_up_s:
             time.sleep(POLL_S)
             self.poll()
-        return not self.ended
+        return self.running and not self.ended
 
     def recentered_by(self, time_ns: int) -> bool:
         """Return, once, whether the runtime moved the origin of the stage by `time_ns`."""

@@ -1,0 +1,158 @@
+"""The depth that the runtime gets: the renderer's, bit for bit, with the right near and far."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from itertools import islice
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import moderngl
+import numpy as np
+import pytest
+from openxr_support import Participant, fresh_monado, needs_monado
+
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.protocol import Condition
+from vrcomfort.render import gl
+from vrcomfort.render.frames import EyeImages
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.pipeline import StereoRenderer
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+import xr
+from openxr_layers import Interceptor
+
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+
+pytestmark = needs_monado
+
+SIZE_PX = (48, 60)
+NEAR_M = 0.02
+DEPTH_FORMAT = 0x8CAC
+
+
+def address(handle: Any) -> int:
+    return ctypes.cast(handle, ctypes.c_void_p).value or 0
+
+
+class Runtime:
+    """Stands before the runtime and keeps the depth that goes by."""
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._copy = gl.copier(ctx)
+        self._kept = gl.depth_texture(ctx, SIZE_PX)
+        self._formats: dict[int, int] = {}
+        self._names: dict[int, list[int]] = {}
+        self._index: dict[int, int] = {}
+        self.images: list[np.ndarray] = []
+        self.infos: list[tuple[float, float, float, float]] = []
+        self.layer = Interceptor(
+            xrCreateSwapchain=self.create,
+            xrEnumerateSwapchainImages=self.enumerate,
+            xrAcquireSwapchainImage=self.acquire,
+            xrReleaseSwapchainImage=self.release,
+            xrEndFrame=self.end,
+        )
+
+    def create(self, follow: Any, session: Any, info: Any, swapchain: Any) -> int:
+        result = follow(session, info, swapchain)
+        self._formats[address(swapchain.contents)] = info.contents.format
+        return result
+
+    def enumerate(self, follow: Any, swapchain: Any, size: int, count: Any, images: Any) -> int:
+        result = follow(swapchain, size, count, images)
+        if size:
+            first = ctypes.cast(images, ctypes.POINTER(xr.SwapchainImageOpenGLKHR))
+            self._names[address(swapchain)] = [first[i].image for i in range(count[0])]
+        return result
+
+    def acquire(self, follow: Any, swapchain: Any, info: Any, index: Any) -> int:
+        result = follow(swapchain, info, index)
+        self._index[address(swapchain)] = index[0]
+        return result
+
+    def release(self, follow: Any, swapchain: Any, info: Any) -> int:
+        key = address(swapchain)
+        if self._formats[key] == DEPTH_FORMAT:
+            name = self._names[key][self._index[key]]
+            self._copy(SimpleNamespace(glo=name, size=SIZE_PX), self._kept)
+            self.images.append(np.frombuffer(self._kept.read(), np.float32))
+        return follow(swapchain, info)
+
+    def end(self, follow: Any, session: Any, info: Any) -> int:
+        for layer in info.contents.layers:
+            projection = ctypes.cast(layer, ctypes.POINTER(xr.CompositionLayerProjection)).contents
+            for view in projection.views:
+                if view._next:
+                    depth = xr.CompositionLayerDepthInfoKHR.from_address(view._next)
+                    ends = depth.min_depth, depth.max_depth, depth.near_z, depth.far_z
+                    self.infos.append(ends)
+        return follow(session, info)
+
+
+def test_the_runtime_gets_the_depth_that_was_drawn(ctx: moderngl.Context, tmp_path: Path) -> None:
+    runtime = Runtime(ctx)
+    drawn: list[np.ndarray] = []
+    scene = load_scene("temple")
+    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=(runtime.layer.name,))
+    standing = RemoteState(Pose([0.0, 1.6, 0.0]))
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        feed.send(standing)
+        participant = Participant(feed, lambda _: standing)
+        with OpenXrHeadset(ctx, settings, before_wait=participant) as headset:
+
+            def on_eye(eye: int, images: EyeImages) -> None:
+                headset.take_depth(eye, images.depth, images.camera.near_m)
+                drawn.append(np.frombuffer(images.depth.read(), np.float32))
+
+            renderer = StereoRenderer(ctx, SIZE_PX, near_m=NEAR_M, on_eye=on_eye)
+            renderer.begin(scene, Condition(name="pinhole"))
+            headset.place(spawn=scene.spawn)
+            visible = (each for each in headset.frames() if each.should_render)
+            for frame in islice(visible, 4):
+                headset.submit(frame, renderer.render(frame, 0.0).eyes)
+            assert headset.details["depth_layer"] == "DEPTH_COMPONENT32F"
+    renderer.release()
+    shown = [image for image in runtime.images if image.any()]
+    assert len(shown) == 8
+    assert all(np.array_equal(*pair) for pair in zip(shown, drawn, strict=True))
+    assert np.ptp(shown[0]) > 0.001
+    assert not np.array_equal(shown[0], shown[1])
+    zero, one, at_zero, at_one = runtime.infos[0]
+    assert (zero, one, at_zero) == (0.0, 1.0, math.inf)
+    assert at_one == pytest.approx(NEAR_M)
+    assert len(runtime.infos) == 8
+
+
+def test_a_frame_without_both_depths_goes_without(ctx: moderngl.Context, tmp_path: Path) -> None:
+    runtime = Runtime(ctx)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=(runtime.layer.name,))
+    eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
+    depth = gl.depth_texture(ctx, SIZE_PX)
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        feed.send(RemoteState(Pose([0.0, 1.6, 0.0])))
+        with OpenXrHeadset(ctx, settings) as headset:
+            for frame in islice(headset.frames(), 6):
+                headset.take_depth(0, depth, NEAR_M)
+                headset.submit(frame, eyes)
+            wrong = gl.depth_texture(ctx, (4, 4))
+            frame = next(frame for frame in headset.frames() if frame.should_render)
+            with pytest.raises(ValueError, match="depth of"):
+                headset.take_depth(0, wrong, NEAR_M)
+    assert runtime.infos == []
+
+
+def test_depth_can_be_switched_off(ctx: moderngl.Context, tmp_path: Path) -> None:
+    settings = OpenXrSettings(image_size_px=SIZE_PX, depth=False)
+    depth = gl.depth_texture(ctx, SIZE_PX)
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        feed.send(RemoteState(Pose([0.0, 1.6, 0.0])))
+        with OpenXrHeadset(ctx, settings) as headset:
+            next(headset.frames())
+            headset.take_depth(0, depth, NEAR_M)
+            assert headset.details["depth_layer"] == "switched off"

@@ -1,0 +1,158 @@
+"""What a session says when the runtime refuses, lacks something, or stops answering."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import moderngl
+import pytest
+from openxr_support import Participant, fresh_monado, needs_monado
+
+from vrcomfort.errors import InputError, RuntimeLostError
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.monado import Monado
+from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+import xr
+from openxr_layers import Interceptor, answer
+
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+
+pytestmark = needs_monado
+
+SIZE_PX = (16, 16)
+STANDING = RemoteState(Pose([0.0, 1.6, 0.0]))
+
+
+@pytest.fixture(scope="module")
+def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
+    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
+        yield service
+
+
+@pytest.fixture(scope="module")
+def feed(monado: Monado) -> Iterator[RemoteFeed]:
+    with monado.feed() as connection:
+        yield connection
+
+
+def headset(ctx: moderngl.Context, feed: RemoteFeed, **calls: Any) -> OpenXrHeadset:
+    layer = Interceptor(**calls)
+    settings = OpenXrSettings(image_size_px=SIZE_PX, api_layers=(layer.name,))
+    return OpenXrHeadset(ctx, settings, before_wait=Participant(feed, lambda _: STANDING))
+
+
+@pytest.mark.parametrize(
+    ("function", "result", "words"),
+    [
+        ("xrGetSystem", xr.Result.ERROR_FORM_FACTOR_UNAVAILABLE, "finds no headset; connect it"),
+        ("xrGetSystem", xr.Result.ERROR_FORM_FACTOR_UNSUPPORTED, "does not drive head-mounted"),
+        ("xrCreateSession", xr.Result.ERROR_GRAPHICS_DEVICE_INVALID, "another graphics device"),
+        ("xrCreateSession", xr.Result.ERROR_LIMIT_REACHED, "another application; close it"),
+        ("xrCreateSession", xr.Result.ERROR_OUT_OF_MEMORY, "refuses to start a session"),
+    ],
+)
+def test_a_refusal_says_what_to_do(
+    ctx: moderngl.Context, feed: RemoteFeed, function: str, result: Any, words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        headset(ctx, feed, **{function: answer(result)})
+
+
+def offer(*formats: int) -> Any:
+    def enumerate_formats(_: Any, __: Any, capacity: int, found: Any, numbers: Any) -> Any:
+        found[0] = len(formats)
+        for index in range(min(capacity, len(formats))):
+            numbers[index] = formats[index]
+        return xr.Result.SUCCESS
+
+    return enumerate_formats
+
+
+def test_without_srgb_images_the_session_is_refused(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    with pytest.raises(InputError, match=r"offers no SRGB8_ALPHA8 images.*0x881a"):
+        headset(ctx, feed, xrEnumerateSwapchainFormats=offer(0x881A, 0x8058))
+
+
+def test_without_float_depth_images_the_record_says_so(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    with headset(ctx, feed, xrEnumerateSwapchainFormats=offer(0x8C43, 0x81A5)) as session:
+        assert "no DEPTH_COMPONENT32F" in session.details["depth_layer"]
+
+
+def test_an_image_that_never_comes_is_a_runtime_lost(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
+
+    def late(*_: Any) -> Any:
+        return xr.Result.TIMEOUT_EXPIRED
+
+    session = headset(ctx, feed, xrWaitSwapchainImage=late)
+    frame = next(frame for frame in session.frames() if frame.should_render)
+    with pytest.raises(RuntimeLostError, match=r"no image within 5 s.*--resume"):
+        session.submit(frame, eyes)
+    session.close()
+
+
+def test_without_a_context_there_is_nothing_to_bind(tmp_path: Path) -> None:
+    client = "from vrcomfort.headset.openxr.binding import current_binding; current_binding()"
+    done = subprocess.run(
+        [sys.executable, "-c", client], capture_output=True, text=True, check=False
+    )
+    assert "InputError: no OpenGL context is current" in done.stderr
+
+
+def doctor(*options: str) -> dict[str, dict[str, Any]]:
+    command = ["vrcomfort", "doctor", "--json", *options]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    assert done.returncode == 0, done.stderr
+    return {finding["part"]: finding for finding in json.loads(done.stdout)}
+
+
+def test_doctor_describes_the_runtime(monado: Monado, feed: RemoteFeed) -> None:
+    feed.send(STANDING)
+    parts = doctor("--timing")
+    assert "Monado" in parts["OpenXR runtime"]["found"]
+    assert "XR_KHR_opengl_enable" in parts["extensions"]["details"]
+    assert "320×240" in parts["headset"]["found"]
+    assert "EGL binding, images SRGB8_ALPHA8" in parts["OpenXR session"]["found"]
+    assert "depth layer DEPTH_COMPONENT32F" in parts["OpenXR session"]["found"]
+    assert "20 Hz" in parts["refresh rate"]["found"]
+    assert parts["timing_trust"]["found"].startswith("simulated: ")
+    assert "dropped" in parts["timing test"]["found"]
+
+
+def test_doctor_says_which_runtime_does_not_answer(
+    monado: Monado, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    runtime = doctor()["OpenXR runtime"]
+    assert not runtime["ok"]
+    assert "start your headset's software" in runtime["remedy"]
+
+
+def test_warnings_of_layers_become_events(ctx: moderngl.Context, feed: RemoteFeed) -> None:
+    told = xr.DebugUtilsMessengerCallbackDataEXT(function_name="xrTest", message="mind this")
+
+    with headset(ctx, feed) as session:
+        next(iter(islice(session.frames(), 1)))
+        xr.submit_debug_utils_message_ext(
+            session._xr.runtime.instance,
+            xr.DebugUtilsMessageSeverityFlagsEXT.WARNING_BIT,
+            xr.DebugUtilsMessageTypeFlagsEXT.GENERAL_BIT,
+            told,
+        )
+        events = [(event.name, event.detail) for event in session.take_events()]
+    assert ("openxr_warning", "xrTest: mind this") in events
