@@ -9,7 +9,6 @@ from vrcomfort.geometry import Array, Pose
 from vrcomfort.render.animation import sample_all
 from vrcomfort.render.scene_data import Scene, trs_matrix
 
-
 KEPT = 2
 """Times whose matrices are kept: this frame's and the one before."""
 
