@@ -58,7 +58,9 @@ def function(
     ctx: moderngl.Context, name: str, *types: Any, result: Any = None
 ) -> Callable[..., Any]:
     """Return an OpenGL function that moderngl has no name for, for the context that is current."""
-    address = ctx.mglo._context.load(name)
+    loader = ctx.mglo._context
+    # A context of our own and one that a window made look functions up by different names.
+    address = (getattr(loader, "load", None) or loader.load_opengl_function)(name)
     if not address:
         raise InputError(f"this OpenGL driver has no {name}; update the graphics driver")
     prototype = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)(result, *types)
