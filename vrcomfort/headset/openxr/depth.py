@@ -84,7 +84,10 @@ def why_not(extensions: frozenset[str], formats: Sequence[int]) -> str:
 def _copier(ctx: moderngl.Context) -> Callable[[int, int, tuple[int, int]], None]:
     """Return a function that copies a texture (source and target name, size) over another."""
     kind = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)
-    call = kind(None, *[ctypes.c_int] * 15)(ctx.mglo._context.load("glCopyImageSubData"))
+    loader = ctx.mglo._context
+    # A context of our own and one that a window made look functions up by different names.
+    find = getattr(loader, "load", None) or loader.load_opengl_function
+    call = kind(None, *[ctypes.c_int] * 15)(find("glCopyImageSubData"))
     corner = (_TEXTURE_2D, 0, 0, 0, 0)
 
     def copy(source: int, target: int, size_px: tuple[int, int]) -> None:

@@ -62,6 +62,7 @@ class OpenXrHeadset:
         self._time_ns = self._period_ns = 0
         self._cut = True
         self._paused = False
+        self._inputs: Inputs | None = None
         self._spawn: Pose | None = None
         self.avatar_pose = Pose()
 
@@ -149,8 +150,10 @@ class OpenXrHeadset:
 
     def inputs(self) -> Inputs:
         """Return what the participant's hands and eyes do in the last frame."""
-        with faults.running():
-            return self._xr.actions.read(self._xr.stage, self._time_ns)
+        if self._inputs is None:
+            with faults.running():
+                self._inputs = self._xr.actions.read(self._xr.stage, self._time_ns)
+        return self._inputs
 
     def tick(self, hand: int) -> None:
         """Let controller `hand` (0 left, 1 right) tick, to confirm an answer."""
@@ -220,6 +223,7 @@ class OpenXrHeadset:
         timing = xr.wait_frame(self._xr.session)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
         xr.begin_frame(self._xr.session)
+        self._inputs = None
         self._open = self._frame(timing)
         return self._open
 
@@ -228,6 +232,7 @@ class OpenXrHeadset:
         self._period_ns = int(timing.predicted_display_period)
         self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
         head = self._tracking.head
+        self.inputs()  # kept: between frames a pose would be a guess
         if self._spawn is not None:
             self.avatar_pose = self._spawn @ floor_under(head).inverse()
             self._spawn, self._cut = None, True
