@@ -8,17 +8,31 @@ from dataclasses import dataclass, replace
 from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from typing import Protocol as Shape
 
+from vrcomfort.cli.bindings import require_bindings
 from vrcomfort.cli.wiring import describe_machine, open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.headset.openxr import OpenXrHeadset
+    import moderngl
+
+    from vrcomfort.geometry import Pose
+    from vrcomfort.headset.base import Headset
+    from vrcomfort.headset.floors import Floors
+    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.window import Window
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.session.rehearsal import Rehearsal
+
+    class LiveHeadset(Headset, Shape):
+        """A headset on somebody's head, or a window before them."""
+
+        def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
+            """Put the participant on `spawn`."""
 
 
 @dataclass(frozen=True)
@@ -31,15 +45,17 @@ class LiveLab:
         A respondent who answers in the headset.
     """
 
-    headset: OpenXrHeadset
+    headset: LiveHeadset
     renderer: StereoRenderer
     panel: Respondent
     machine: Machine
 
-    def headset_for(self, scene_name: str, scene: Any) -> OpenXrHeadset:
+    def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
         """Lead the participant to the scene's starting point."""
+        from vrcomfort.headset.floors import Floors
+
         del scene_name
-        self.headset.place(spawn=scene.spawn)
+        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable))
         return self.headset
 
 
@@ -51,6 +67,7 @@ def live_lab(
     refresh_hz: float | None = None,
     monado_trace: Path | None = None,
     answers: Path | None = None,
+    mirror: bool = False,
 ) -> Iterator[LiveLab]:
     """Connect to the active OpenXR runtime; everything is released at the end.
 
@@ -60,18 +77,16 @@ def live_lab(
         Start a Monado runtime, and let its head follow this trace: one sample per frame.
     answers
         What its controllers answer: whole numbers, in the order of the questions.
+    mirror
+        Show the operator what the participant sees.
 
     Raises
     ------
     InputError
         If a part is missing; says what to do.
     """
-    try:
-        from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-    except ImportError as error:
-        raise InputError(
-            "the OpenXR bindings are not installed; pip install 'vrcomfort[openxr]'"
-        ) from error
+    require_bindings()
+    from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent.panel import PanelRespondent
@@ -79,27 +94,66 @@ def live_lab(
 
     with ExitStack() as owned:
         rehearsal = _rehearse(owned, monado_trace, answers)
-        ctx = create_context()
-        owned.callback(ctx.release)
+        if mirror:
+            window, ctx = open_mirror(owned)
+        else:
+            window, ctx = None, create_context()
+            owned.callback(ctx.release)
+        settings = OpenXrSettings(
+            image_size_px=size_px,
+            refresh_hz=refresh_hz,
+            walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+        )
+        before_wait = rehearsal.before_frame if rehearsal else None
         headset = owned.enter_context(
-            OpenXrHeadset(
-                ctx,
-                OpenXrSettings(image_size_px=size_px, refresh_hz=refresh_hz),
-                before_wait=rehearsal.before_frame if rehearsal else None,
-            )
+            OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         screen = PanelScreen(headset)
         if rehearsal is not None:
             rehearsal.screen = screen
         watch = rehearsal.watch if rehearsal else _nobody
-        renderer = StereoRenderer(ctx, headset.image_size_px)
+        renderer = StereoRenderer(
+            ctx,
+            headset.image_size_px,
+            on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
+        )
         owned.callback(renderer.release)
         machine = replace(
             describe_machine(renderer, protocol),
             runtime=headset.details["runtime"],
-            timing_trust="none: nothing is displayed" if rehearsal else "runtime",
+            timing_trust=headset.timing.trust,
         )
-        yield LiveLab(headset, renderer, PanelRespondent(screen, watch=watch), machine)
+        yield LiveLab(
+            headset, renderer, PanelRespondent(screen, watch=watch, keyboard=mirror), machine
+        )
+
+
+def open_window(
+    owned: ExitStack, title: str, size_px: tuple[int, int], *, participant: bool = True
+) -> tuple[Window, moderngl.Context]:
+    """Open a window for a participant or an operator, and prepare its context for drawing."""
+    try:
+        from vrcomfort.headset.window import Window
+    except ImportError as error:
+        raise InputError(
+            "windows need GLFW, which is not installed; pip install 'vrcomfort[desktop]'"
+        ) from error
+    from vrcomfort.render.gl import prepare
+
+    window = Window(title, size_px, wait_for_display=participant, drag_turns=not participant)
+    owned.enter_context(window)
+    ctx = prepare(window.context())
+    owned.callback(ctx.release)
+    return window, ctx
+
+
+def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
+    """Open an operator's window; its context is to draw the frames."""
+    title = "vrcomfort: what the participant sees"
+    window, ctx = open_window(owned, title, (480, 600), participant=False)
+    from vrcomfort.headset.mirror import Mirror
+
+    return Mirror(ctx, window), ctx
 
 
 def _rehearse(owned: ExitStack, trace: Path | None, answers: Path | None) -> Rehearsal | None:

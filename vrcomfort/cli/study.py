@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli.desktop import desktop_lab
 from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
     ProtocolArgument,
@@ -52,6 +53,7 @@ class HeadsetKind(StrEnum):
 
     PLAYBACK = "playback"
     OPENXR = "openxr"
+    DESKTOP = "desktop"
 
 
 class RespondentKind(StrEnum):
@@ -98,6 +100,12 @@ def run(
         bool,
         typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
     ] = False,
+    mirror: Annotated[
+        bool, typer.Option("--mirror", help="OpenXR: show the operator what the participant sees.")
+    ] = False,
+    one_eye: Annotated[
+        bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
+    ] = False,
     quiet: Quiet = False,
 ) -> None:
     """Take one participant through one session.
@@ -107,7 +115,8 @@ def run(
 
     - `vrcomfort run smoke --participant P01 --out my_study`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
-    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --mirror`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset desktop`
     """
     study = load_protocol(protocol)
     playback = PlaybackIn(
@@ -130,8 +139,12 @@ def run(
                     refresh_hz=refresh_hz,
                     monado_trace=monado_trace,
                     answers=monado_answers,
+                    mirror=mirror,
                 )
             )
+        elif headset is HeadsetKind.DESKTOP:
+            size_px = parse_size(size) if size else None
+            live = owned.enter_context(desktop_lab(study, size_px=size_px, one_eye=one_eye))
         lab = _Lab(study, out, playback, seed, exposure_s, live)
         bars = owned.enter_context(_SessionBars(quiet))
         kind = respondent or lab.usual_respondent
@@ -282,7 +295,8 @@ class _Lab:
         if kind is RespondentKind.PANEL:
             if self._live is None:
                 raise InputError(
-                    "--respondent panel needs a headset to answer in: --headset openxr"
+                    "--respondent panel needs a headset to answer in: --headset openxr "
+                    "or --headset desktop"
                 )
             return self._live.panel
         return TerminalRespondent(console())

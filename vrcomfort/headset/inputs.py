@@ -48,12 +48,41 @@ class Gaze:
 
 
 @dataclass(frozen=True)
+class KeyInput:
+    """Keyboard and mouse of a window at one frame.
+
+    Parameters
+    ----------
+    arrow
+        Presses of the arrow keys since the frame before, (right, down).
+    digits
+        Number keys since the frame before, in order.
+    enter, back, stop
+        True in the one frame in which the key goes down.
+    walk
+        (right, forward) of the keys that are held, each −1, 0 or 1.
+    turn_rad, look_up_rad
+        Movement of the mouse since the frame before: to the left, and up.
+    """
+
+    arrow: tuple[int, int] = (0, 0)
+    digits: str = ""
+    enter: bool = False
+    back: bool = False
+    stop: bool = False
+    walk: tuple[int, int] = (0, 0)
+    turn_rad: float = 0.0
+    look_up_rad: float = 0.0
+
+
+@dataclass(frozen=True)
 class Inputs:
-    """Both hands and the eyes at one frame; `gaze` is None where the headset has no eye tracker."""
+    """Hands, eyes and keys at one frame; `gaze` is None where the headset has no eye tracker."""
 
     left: HandInput = HandInput()
     right: HandInput = HandInput()
     gaze: Gaze | None = None
+    keys: KeyInput = KeyInput()
 
     @property
     def hands(self) -> tuple[HandInput, HandInput]:
@@ -62,5 +91,10 @@ class Inputs:
 
     @property
     def stop(self) -> bool:
-        """Return whether the participant asks to stop, with either hand."""
-        return self.left.stop or self.right.stop
+        """Return whether the participant asks to stop, with either hand or by key."""
+        return self.left.stop or self.right.stop or self.keys.stop
+
+    @property
+    def back(self) -> bool:
+        """Return whether the participant goes back, with either hand or by key."""
+        return self.left.back or self.right.back or self.keys.back

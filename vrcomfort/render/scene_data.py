@@ -205,10 +205,21 @@ class Environment:
 
 @dataclass(frozen=True, eq=False)
 class WalkableArea:
-    """A flat piece of floor: (n, 2) x and z of a simple polygon, at `height_m`."""
+    """A plane piece of floor.
+
+    Parameters
+    ----------
+    polygon_xz
+        (n, 2) x and z of the corners of a simple polygon.
+    height_m
+        Height of its plane at x = z = 0: of a level floor, everywhere.
+    slope_xz
+        Rise of the plane per metre along x and along z.
+    """
 
     polygon_xz: Array
     height_m: float
+    slope_xz: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)

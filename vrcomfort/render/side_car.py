@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, axis_angle
@@ -81,11 +81,38 @@ class Spawn(_Table):
     yaw_deg: Finite = 0.0
 
 
+class Ramp(_Table):
+    """A slope: the foot is at the floor's `height_m`, the top at `top_m`; x and z of both."""
+
+    foot_xz: tuple[Finite, Finite]
+    top_xz: tuple[Finite, Finite]
+    top_m: Finite
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Ramp:
+        if self.foot_xz == self.top_xz:
+            raise ValueError("foot and top are at the same place; a ramp leads from one to another")
+        return self
+
+
 class Walkable(_Table):
-    """A flat piece of floor."""
+    """A piece of floor: level, or where `ramp` gives two heights, rising from one to the other.
+
+    A ramp over a flight of stairs spares people the jolt of every step.
+    """
 
     height_m: Finite = 0.0
     polygon_xz: Annotated[list[tuple[Finite, Finite]], Field(min_length=3)]
+    ramp: Ramp | None = None
+
+    def floor(self) -> WalkableArea:
+        """Return the floor as scenes hold it."""
+        polygon = np.array(self.polygon_xz)
+        if self.ramp is None:
+            return WalkableArea(polygon, self.height_m)
+        foot, way = np.array(self.ramp.foot_xz), np.subtract(self.ramp.top_xz, self.ramp.foot_xz)
+        slope = (self.ramp.top_m - self.height_m) / (way @ way) * way
+        return WalkableArea(polygon, self.height_m - float(slope @ foot), tuple(slope.tolist()))
 
 
 class Lod(_Table):
@@ -140,10 +167,7 @@ def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Pa
         scene,
         environment=_environment(side_car, scene.environment.point_lights),
         spawn=_spawn(side_car.spawn) if side_car.spawn else scene.spawn,
-        walkable=tuple(
-            WalkableArea(np.array(area.polygon_xz), area.height_m) for area in side_car.walkable
-        )
-        or scene.walkable,
+        walkable=tuple(area.floor() for area in side_car.walkable) or scene.walkable,
         nodes=_nodes(scene.nodes, side_car.nodes, stand_ins),
     )
 

@@ -9,10 +9,12 @@ from typing import Protocol
 
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.panel_keys import KeyChoice
 from vrcomfort.respondent.panel_layout import (
     MANY,
     Act,
     Cell,
+    answer_cells,
     cell_at,
     question_cells,
     review_cells,
@@ -38,6 +40,8 @@ class Pointing:
         True where they point with their eyes and have no button.
     hand
         Which controller points (0 left, 1 right).
+    arrow, digits, enter
+        Presses of arrow keys (right, down), number keys, and Enter in this frame.
     """
 
     point: tuple[float, float] | None = None
@@ -46,6 +50,9 @@ class Pointing:
     stop: bool = False
     dwelling: bool = False
     hand: int = 1
+    arrow: tuple[int, int] = (0, 0)
+    digits: str = ""
+    enter: bool = False
 
 
 class Screen(Protocol):
@@ -73,6 +80,8 @@ class PanelRespondent:
         Where the questions stand.
     watch
         Called with each page that opens: a rehearsal's scripted participant looks on here.
+    keyboard
+        The participant has one: each question says how to use it.
     """
 
     name = "panel"
@@ -83,10 +92,14 @@ class PanelRespondent:
         *,
         now_s: Callable[[], float] = time.monotonic,
         watch: Callable[[Page], None] = lambda _: None,
+        keyboard: bool = False,
     ) -> None:
         self._screen = screen
         self._now_s = now_s
         self._watch = watch
+        self._keyboard = keyboard
+        self._keys = KeyChoice()
+        self._pointed: Cell | None = None
         self._dwell: tuple[Cell | None, float] = (None, 0.0)
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
@@ -118,9 +131,11 @@ class PanelRespondent:
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
         """Show the scale in the scene; the answer is picked up by `endure`."""
-        cells = [each for each in question_cells(instrument, first=True) if each.act is Act.ANSWER]
+        cells = answer_cells(question_cells(instrument, first=True))
         self._rating = None
-        self._scale = Page("", instrument.instruction, cells, _ends(instrument))
+        self._keys.forget()
+        ends, hint = _ends(instrument), self._hint(instrument)
+        self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
         self._watch(self._scale)
 
     def rating(self, elapsed_s: float) -> int | None:  # noqa: ARG002
@@ -160,6 +175,7 @@ class PanelRespondent:
             ends=_ends(instrument),
             done=index / count,
             chosen=answers[index],
+            hint=self._hint(instrument),
         )
         since = self._now_s()
         cell = self._choose(page)
@@ -177,6 +193,13 @@ class PanelRespondent:
         cell = self._choose(Page(title, "", review_cells(instrument, answers)))
         return cell.value if cell.act is Act.CORRECT else None
 
+    def _hint(self, instrument: Instrument) -> str:
+        if not self._keyboard:
+            return ""
+        count = instrument.high - instrument.low + 1
+        number = "type a number" if count > MANY else f"press 1 to {count}"
+        return f"Click, or {number}, then Enter"
+
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""
         while True:
@@ -190,6 +213,7 @@ class PanelRespondent:
 
     def _wait(self, page: Page) -> Cell:
         self._watch(page)
+        self._keys.forget()
         self._dwell = None, 0.0
         while True:
             self._screen.next_frame()  # first: a press belongs to one frame, and to one page
@@ -200,8 +224,14 @@ class PanelRespondent:
     def _step(self, page: Page, pointing: Pointing) -> Cell | None:
         """Draw the page as it is pointed at, and return the cell that is chosen, if one is."""
         pointed = cell_at(page.cells, pointing.point)
-        self._draw(page, pointing.point, pointed)
+        if pointed is not None and pointed != self._pointed:
+            self._keys.forget()  # whoever moves on pointing wants to point
+        self._pointed = pointed
+        self._keys.move(page.cells, pointing.arrow, pointing.digits, page.chosen)
+        self._draw(page, pointing.point, self._keys.cell or pointed)
         wanted = _by_button(page, pointing)
+        if wanted is None and pointing.enter:
+            wanted = self._keys.cell
         if wanted is None and pointed is not None and self._confirms(pointed, pointing):
             wanted = pointed
         if wanted is not None:

@@ -15,6 +15,7 @@ SIZE_PX = 1024, 768
 MARGIN_PX, GAP_PX = 40, 16
 ANSWER_TOP_PX, ANSWER_BOTTOM_PX = 372, 540
 FOOT_TOP_PX, FOOT_BOTTOM_PX = 648, 728
+HINT_PX = 614
 LIST_TOP_PX, LIST_STEP_PX, LIST_ROWS = 112, 64, 8
 MANY = 5
 """Scales with more steps than this become a slider."""
@@ -63,6 +64,11 @@ def cell_at(cells: Sequence[Cell], point: tuple[float, float] | None) -> Cell | 
         return None
     x, y = point[0] * SIZE_PX[0], point[1] * SIZE_PX[1]
     return next((each for each in cells if _contains(each.box, x, y)), None)
+
+
+def answer_cells(cells: Sequence[Cell]) -> list[Cell]:
+    """Return the cells that answer."""
+    return [each for each in cells if each.act is Act.ANSWER]
 
 
 def question_cells(instrument: Instrument, *, first: bool) -> list[Cell]:

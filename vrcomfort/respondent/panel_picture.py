@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from vrcomfort.respondent.panel_layout import MARGIN_PX, SIZE_PX, Act, Cell
+from vrcomfort.respondent.panel_layout import HINT_PX, MARGIN_PX, SIZE_PX, Act, Cell
 
 BACKGROUND = 28, 32, 38, 255
 CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
@@ -42,6 +42,8 @@ class Page:
         Fraction of the questionnaire that is answered.
     chosen
         The answer given before, if this question is open again.
+    hint
+        How to answer, in small letters.
     """
 
     title: str
@@ -50,6 +52,7 @@ class Page:
     ends: tuple[str, str] | None = None
     done: float | None = None
     chosen: int | None = None
+    hint: str = ""
 
 
 class Painter:
@@ -79,6 +82,8 @@ def _draw_page(page: Page, pointed: Cell | None) -> Image.Image:
         _draw_cell(canvas, cell, _colour(cell, page, pointed))
     if page.ends is not None:
         _draw_ends(canvas, page)
+    middle = SIZE_PX[0] / 2, HINT_PX
+    canvas.text(middle, page.hint, fill=QUIET, font=_font(SMALL_PX), anchor="mm")
     return image
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
@@ -87,17 +88,27 @@ class PanelScreen:
             self._panel = self._frames = None
 
     def pointing(self) -> Pointing:
-        """Return where the controller points that hits the panel; else where the eyes look."""
+        """Return where a controller points, else where the eyes look; and what keys do."""
         inputs = self._headset.inputs()
+        keys = inputs.keys
+        return replace(
+            self._pointed(inputs),
+            back=inputs.back,
+            stop=inputs.stop,
+            arrow=keys.arrow,
+            digits=keys.digits,
+            enter=keys.enter,
+        )
+
+    def _pointed(self, inputs: Inputs) -> Pointing:
         hands = inputs.hands
-        back, stop = any(hand.back for hand in hands), inputs.stop
         for number in (1, 0):
             point = self._hit(hands[number].aim)
             if point is not None:
-                return Pointing(point, hands[number].select, back, stop, hand=number)
+                return Pointing(point, hands[number].select, hand=number)
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
-        return Pointing(point, back=back, stop=stop, dwelling=point is not None)
+        return Pointing(point, dwelling=point is not None)
 
     def next_frame(self) -> None:
         """Let a frame pass that shows the panel alone.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Self
+from dataclasses import replace
+from typing import TYPE_CHECKING, Self
 
 import moderngl
 import xr
@@ -11,13 +12,17 @@ import xr
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
+from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.locomotion import Locomotion, wish_of
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.settings import OpenXrSettings
-from vrcomfort.headset.openxr.spaces import floor_under
 from vrcomfort.headset.openxr.tracking import Tracking
 from vrcomfort.headset.timing import Timing, rate_runtime
+
+if TYPE_CHECKING:
+    from vrcomfort.headset.mirror import Mirror
 
 SECOND_NS = 1_000_000_000
 EXIT_FRAMES = 100
@@ -37,6 +42,8 @@ class OpenXrHeadset:
         Called before each wait for a frame: where a simulated runtime's feed moves on.
     mirror
         Called with (0 left or 1 right, the image that the runtime is about to get).
+    window
+        Shows the operator what the participant sees; its keys act for the participant.
 
     Raises
     ------
@@ -51,20 +58,23 @@ class OpenXrHeadset:
         *,
         before_wait: Callable[[], None] | None = None,
         mirror: layers.Mirror | None = None,
+        window: Mirror | None = None,
     ) -> None:
         self._before_wait = before_wait
+        self._window = window
+        settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
-        self._xr = Connection(ctx, settings or OpenXrSettings(), mirror, self._events.append)
+        self._xr = Connection(ctx, settings, mirror, self._events.append)
         self._tracking = Tracking(self._xr.session, self._xr.stage, self._events.append)
         self._open: Frame | None = None
         self._next_index = 0
         self._time_ns = self._period_ns = 0
         self._cut = True
         self._paused = False
+        self._locomotion = Locomotion(settings.walking_speed_m_s)
         self._inputs: Inputs | None = None
-        self._spawn: Pose | None = None
-        self.avatar_pose = Pose()
+        self._in_scene = False
 
     @property
     def name(self) -> str:
@@ -127,6 +137,9 @@ class OpenXrHeadset:
         """Show the images (RGBA8, sRGB-encoded) and the panels; with `None` only the panels."""
         with faults.running():
             self._submit(frame, eyes)
+        self._in_scene = eyes is not None
+        if self._window is not None:
+            self._window.show(frame, eyes, self._panels)
 
     def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
         """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
@@ -149,10 +162,12 @@ class OpenXrHeadset:
         return self._tracking.head
 
     def inputs(self) -> Inputs:
-        """Return what the participant's hands and eyes do in the last frame."""
+        """Return what the participant's hands, eyes and keys do in the last frame."""
         if self._inputs is None:
             with faults.running():
                 self._inputs = self._xr.actions.read(self._xr.stage, self._time_ns)
+            if self._window is not None:
+                self._inputs = replace(self._inputs, keys=self._window.keys())
         return self._inputs
 
     def tick(self, hand: int) -> None:
@@ -166,9 +181,9 @@ class OpenXrHeadset:
         self._panels.append(panel)
         return panel
 
-    def place(self, *, spawn: Pose) -> None:
-        """Put the participant's floor point and heading on `spawn` (in the world), next frame."""
-        self._spawn = spawn
+    def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
+        """Put the floor point and heading of the participant on `spawn`, next frame."""
+        self._locomotion.send(spawn=spawn, floors=floors or Floors())
 
     def recenter(self) -> None:
         """Make the floor under the head the stage's origin, and its heading straight ahead."""
@@ -228,14 +243,13 @@ class OpenXrHeadset:
         return self._open
 
     def _frame(self, timing: xr.FrameState) -> Frame:
-        time_ns = self._time_ns = int(timing.predicted_display_time)
+        time_ns = int(timing.predicted_display_time)
+        passed_s, self._time_ns = (time_ns - self._time_ns) / SECOND_NS, time_ns
         self._period_ns = int(timing.predicted_display_period)
         self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
         head = self._tracking.head
         self.inputs()  # kept: between frames a pose would be a guess
-        if self._spawn is not None:
-            self.avatar_pose = self._spawn @ floor_under(head).inverse()
-            self._spawn, self._cut = None, True
+        self._move(head, passed_s)
         paused = not self._xr.lifecycle.seen
         self._cut |= self._paused and not paused
         frame = Frame(
@@ -244,7 +258,7 @@ class OpenXrHeadset:
             period_ns=self._period_ns,
             head_pose=head,
             views=self._tracking.views,
-            avatar_pose=self.avatar_pose,
+            avatar_pose=self._locomotion.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=paused,
@@ -252,6 +266,13 @@ class OpenXrHeadset:
         self._paused = paused
         self._next_index, self._cut = self._next_index + 1, False
         return frame
+
+    def _move(self, head: Pose, passed_s: float) -> None:
+        """Go to a new place, or walk: in a scene only, for nobody walks blindly."""
+        if self._locomotion.arrive(head):
+            self._cut = True
+        elif self._in_scene:
+            self._locomotion.step(head, wish_of(self.inputs()), passed_s)
 
     def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
         composed: list[layers.Layer] = []

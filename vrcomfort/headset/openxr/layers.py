@@ -145,6 +145,11 @@ class PanelLayer:
             cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
         self._shown = picture
 
+    @property
+    def picture(self) -> NDArray[np.uint8] | None:
+        """Return what is on it."""
+        return self._shown
+
     def structure(self, space: xr.Space) -> xr.CompositionLayerQuad | None:
         """Return the layer, or None before the first picture."""
         if self._shown is None:

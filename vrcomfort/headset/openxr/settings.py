@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vrcomfort.headset.locomotion import WALKING_SPEED_M_S
+
 
 @dataclass(frozen=True)
 class OpenXrSettings:
@@ -25,6 +27,8 @@ class OpenXrSettings:
         API layers to switch on, as validation does; what they say becomes events.
     image_timeout_s
         How long the runtime may take to give back an image before it counts as lost.
+    walking_speed_m_s
+        Total speed of walking by thumb-stick.
     """
 
     application: str = "vrcomfort"
@@ -34,3 +38,4 @@ class OpenXrSettings:
     depth: bool = True
     api_layers: tuple[str, ...] = ()
     image_timeout_s: float = 5.0
+    walking_speed_m_s: float = WALKING_SPEED_M_S

@@ -6,8 +6,8 @@ import numpy as np
 import xr
 
 from vrcomfort.geometry import Pose
+from vrcomfort.headset.locomotion import floor_under
 from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
-from vrcomfort.headset.playback import heading
 
 Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
@@ -65,9 +65,3 @@ class Stage:
         return xr.create_reference_space(
             self._session, xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin))
         )
-
-
-def floor_under(head: Pose) -> Pose:
-    """Return the floor point below `head`, turned to its heading."""
-    x, _, z = head.position
-    return Pose(np.array([x, 0.0, z]), heading(head))

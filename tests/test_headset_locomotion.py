@@ -1,0 +1,261 @@
+"""Walking: never beside the floor, never too fast, and where the torso points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, Pose, axis_angle, yaw_pitch_roll
+from vrcomfort.headset.floors import STEP_M, Floors
+from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
+from vrcomfort.headset.locomotion import LONGEST_S, Locomotion, Wish, wish_of
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.side_car import read_side_car
+
+SPEED_M_S = 1.4
+FRAME_S = 1 / 90
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A floor, as a scene has it."""
+
+    polygon_xz: Array
+    height_m: float = 0.0
+    slope_xz: tuple[float, float] = (0.0, 0.0)
+
+
+def box(
+    x0: float, z0: float, x1: float, z1: float, height: float = 0.0, rise: float = 0.0
+) -> Piece:
+    corners = np.array([[x0, z0], [x1, z0], [x1, z1], [x0, z1]])
+    return Piece(corners, height - rise * x0, (rise, 0.0))
+
+
+L_SHAPE = Piece(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [2.0, 4.0], [2.0, 2.0], [0.0, 2.0]]))
+STAIRS = [box(0, -1, 2, 1), box(2, -1, 2.3, 1, 0.18), box(2.3, -1, 2.6, 1, 0.36)]
+HOUSE = [*STAIRS, box(2.6, -1, 6, 1, 0.54), box(6, -1, 9, 1, 0.54, rise=0.4), L_SHAPE]
+CLIFF = [box(0, -1, 2, 1), box(2, -1, 4, 1, STEP_M + 0.05)]
+
+
+def distance_beside(pieces: list[Piece], feet: Array) -> float:
+    """Return how far feet are from the nearest floor below, seen from above."""
+    best = np.inf
+    for piece in pieces:
+        corners = piece.polygon_xz
+        sides = np.roll(corners, -1, axis=0) - corners
+        offset = feet[[0, 2]] - corners
+        share = np.clip(np.sum(offset * sides, axis=1) / np.sum(sides**2, axis=1), 0, 1)
+        away = np.linalg.norm(offset - share[:, None] * sides, axis=1).min()
+        angles = np.arctan2(-offset[:, 1], -offset[:, 0])
+        turns = np.angle(np.exp(1j * (np.roll(angles, -1) - angles))).sum()
+        best = min(best, 0.0 if abs(turns) > np.pi else away)
+    return float(best)
+
+
+def feet_of(walker: Locomotion, head: Pose) -> Array:
+    x, _, z = head.position
+    return (walker.avatar @ Pose(np.array([x, 0.0, z]))).position
+
+
+def placed(pieces: list[Piece], x: float = 1.0, z: float = 0.5, yaw: float = 0.0) -> Locomotion:
+    walker = Locomotion(SPEED_M_S)
+    spawn = Pose(np.array([x, 0.0, z]), axis_angle([0.0, 1.0, 0.0], yaw))
+    walker.send(spawn=spawn, floors=Floors(pieces))
+    assert walker.arrive(HEAD)
+    return walker
+
+
+HEAD = Pose(np.array([0.0, 1.6, 0.0]))
+EAST = Wish(right=1.0)
+
+stick = st.floats(-1, 1)
+wishes = st.builds(Wish, stick, stick, st.floats(-0.5, 0.5), stick)
+strides = st.lists(st.tuples(wishes, st.integers(1, 40)), min_size=1, max_size=8)
+houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
+
+
+@settings(deadline=None)
+@given(houses, strides, st.floats(0.001, LONGEST_S))
+def test_nobody_leaves_the_floor_or_is_too_fast(
+    pieces: list[Piece], way: list[tuple[Wish, int]], frame_s: float
+) -> None:
+    walker = placed(pieces)
+    before = feet_of(walker, HEAD)
+    for wish, frames in way:
+        for _ in range(frames):
+            walker.step(HEAD, wish, frame_s)
+            feet = feet_of(walker, HEAD)
+            assert distance_beside(pieces, feet) < 1e-6
+            assert np.linalg.norm(feet - before) <= SPEED_M_S * frame_s + 1e-6
+            before = feet
+
+
+@settings(deadline=None)
+@given(houses, strides)
+def test_the_same_wishes_lead_to_the_same_place(
+    pieces: list[Piece], way: list[tuple[Wish, int]]
+) -> None:
+    one, other = placed(pieces), placed(pieces)
+    for walker in (one, other):
+        for wish, frames in way:
+            for _ in range(frames):
+                walker.step(HEAD, wish, FRAME_S)
+    assert one.avatar == other.avatar
+
+
+heads = st.builds(
+    lambda x, z, yaw, pitch: Pose(np.array([x, 1.6, z]), yaw_pitch_roll(yaw, pitch, 0.0)),
+    st.floats(-0.5, 0.5), st.floats(-0.5, 0.5), st.floats(-3, 3), st.floats(-1, 1),
+)  # fmt: skip
+
+
+@given(houses, st.lists(st.tuples(wishes, heads), max_size=20))
+def test_who_leans_beside_the_floor_gets_no_further_away_by_walking(
+    pieces: list[Piece], way: list[tuple[Wish, Pose]]
+) -> None:
+    walker = placed(pieces)
+    for wish, head in way:
+        before = distance_beside(pieces, feet_of(walker, head))
+        walker.step(head, Wish(wish.right, wish.forward), 0.05)
+        assert distance_beside(pieces, feet_of(walker, head)) <= before + 1e-6
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3), heads)
+def test_feet_follow_the_torso_wherever_the_head_looks(
+    yaw: float, turn: float, looking: Pose
+) -> None:
+    walker = Locomotion(SPEED_M_S)
+    walker.send(spawn=Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw)), floors=Floors())
+    walker.arrive(HEAD)
+    walker.step(HEAD, Wish(turn_rad=turn), FRAME_S)
+    before = feet_of(walker, looking)
+    walker.step(looking, Wish(forward=0.3), FRAME_S)
+    moved = feet_of(walker, looking) - before
+    expected = Pose(orientation=axis_angle([0.0, 1.0, 0.0], yaw + turn)).forward
+    assert moved == pytest.approx(expected * SPEED_M_S * FRAME_S, abs=1e-12)
+
+
+@given(st.floats(-3, 3), heads)
+def test_turning_leaves_the_feet_where_they_are(turn: float, head: Pose) -> None:
+    walker = placed([L_SHAPE])
+    before = feet_of(walker, head)
+    walker.step(head, Wish(turn_rad=turn), FRAME_S)
+    assert feet_of(walker, head) == pytest.approx(before, abs=1e-12)
+
+
+def test_the_total_speed_is_the_same_on_a_slope() -> None:
+    walker = placed([box(0, -1, 20, 1, rise=0.75)])
+    walker.step(HEAD, EAST, FRAME_S)  # reaches the slope's height from the spawn's
+    start = feet_of(placed([box(0, -1, 20, 1, rise=0.75)]), HEAD)
+    while abs(feet_of(walker, HEAD)[1] - 0.75 * feet_of(walker, HEAD)[0]) > 1e-9:
+        walker.step(HEAD, EAST, FRAME_S)
+        assert feet_of(walker, HEAD)[1] < start[1] + 1.0
+    before = feet_of(walker, HEAD)
+    for _ in range(90):
+        walker.step(HEAD, EAST, FRAME_S)
+    moved = feet_of(walker, HEAD) - before
+    assert np.linalg.norm(moved) == pytest.approx(SPEED_M_S, abs=1e-9)
+    assert moved == pytest.approx([0.8 * SPEED_M_S, 0.6 * SPEED_M_S, 0.0], abs=1e-9)
+
+
+def test_a_stair_takes_its_height_from_the_way_across() -> None:
+    walker = placed(HOUSE[:4])
+    way_m = (2.6 - 1.0) + 3 * 0.18 + 1.0
+    steps, last = int(way_m / (SPEED_M_S * FRAME_S)), 0.0
+    for _ in range(steps):
+        walker.step(HEAD, EAST, FRAME_S)
+        height = feet_of(walker, HEAD)[1]
+        assert last <= height <= last + SPEED_M_S * FRAME_S + 1e-12
+        last = height
+    walked = steps * SPEED_M_S * FRAME_S
+    assert feet_of(walker, HEAD) == pytest.approx([1.0 + walked - 0.54, 0.54, 0.5], abs=1e-9)
+
+
+def test_a_trembling_head_climbs_stairs_too() -> None:
+    walker = placed(HOUSE[:4])
+    rng = np.random.default_rng(5)
+    for _ in range(300):
+        head = Pose(HEAD.position + rng.normal(0.0, 0.003, 3))
+        walker.step(head, EAST, FRAME_S)
+    assert feet_of(walker, HEAD)[1] == pytest.approx(0.54)
+    for _ in range(300):
+        head = Pose(HEAD.position + rng.normal(0.0, 0.003, 3))
+        walker.step(head, Wish(right=-1.0), FRAME_S)
+    assert feet_of(walker, HEAD)[1] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_cliff_is_not_climbed() -> None:
+    walker = placed(CLIFF)
+    for _ in range(180):
+        walker.step(HEAD, EAST, FRAME_S)
+    assert feet_of(walker, HEAD) == pytest.approx([2.0, 0.0, 0.5], abs=1e-6)
+
+
+def test_walls_are_slid_along() -> None:
+    walker = placed([box(0, -1, 9, 1)], x=1.0, z=0.0)
+    for _ in range(360):
+        walker.step(HEAD, Wish(right=1.0, forward=1.0), FRAME_S)
+    half = np.sqrt(0.5)
+    assert feet_of(walker, HEAD) == pytest.approx([1 + 4 * SPEED_M_S * half, 0, -1], abs=1e-6)
+
+
+def test_a_hiccup_is_no_leap() -> None:
+    walker = placed([box(0, -1, 9, 1)])
+    walker.step(HEAD, EAST, 5.0)
+    assert feet_of(walker, HEAD)[0] == pytest.approx(1.0 + SPEED_M_S * LONGEST_S)
+
+
+def test_sticks_and_keys_mean_the_same_speed_and_rest_in_the_middle() -> None:
+    assert wish_of(Inputs(left=HandInput(thumbstick=(0.1, -0.1)))) == Wish()
+    walker = placed([])
+    walker.step(HEAD, wish_of(Inputs(left=HandInput(thumbstick=(0.0, 0.5)))), FRAME_S)
+    with_keys = placed([])
+    with_keys.step(HEAD, wish_of(Inputs(keys=KeyInput(walk=(0, 1)))), FRAME_S)
+    assert walker.avatar == with_keys.avatar
+    assert wish_of(Inputs(right=HandInput(thumbstick=(1.0, 0.0)))).turn_rate == -1.0
+
+
+def test_without_a_floor_the_ground_is_level_and_endless() -> None:
+    walker = placed([], x=0.0, z=0.0)
+    for _ in range(900):
+        walker.step(HEAD, EAST, FRAME_S)
+    assert feet_of(walker, HEAD) == pytest.approx([14.0, 0.0, 0.0])
+
+
+@pytest.mark.parametrize("name", ["temple", "mountain"])
+def test_shipped_scenes_can_be_walked(name: str) -> None:
+    scene = load_scene(name)
+    walker = Locomotion(SPEED_M_S)
+    walker.send(spawn=scene.spawn, floors=Floors(scene.walkable))
+    walker.arrive(HEAD)
+    rng = np.random.default_rng(1)
+    seen = []
+    for _ in range(60):
+        wish = Wish(*rng.uniform(-1, 1, 2))
+        for _ in range(40):
+            walker.step(HEAD, wish, 0.05)
+        seen.append(feet_of(walker, HEAD))
+        assert distance_beside(list(scene.walkable), seen[-1]) < 1e-6
+    assert np.ptp(np.array(seen)[:, 0]) > 5
+
+
+def test_a_ramp_in_a_side_car_rises_from_foot_to_top(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    text = """[[walkable]]
+    height_m = 1.0
+    polygon_xz = [[2, 0], [4, 0], [4, 1], [2, 1]]
+    ramp = { foot_xz = [2, 0], top_xz = [4, 0], top_m = 2.0 }
+    """
+    scene.write_text(text)
+    assert read_side_car(scene).walkable[0].floor().height_m == 0.0
+    assert read_side_car(scene).walkable[0].floor().slope_xz == (0.5, 0.0)
+    scene.write_text(text.replace("top_xz = [4, 0]", "top_xz = [2, 0]"))
+    with pytest.raises(InputError, match="same place"):
+        read_side_car(scene)

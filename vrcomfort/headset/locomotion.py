@@ -1,0 +1,164 @@
+"""Walking by thumb-stick or keys, as in Carnegie & Rhee (2015).
+
+Where one looks and where one walks are independent: feet follow the torso, which the mouse or the
+right thumb-stick turns; the head turns freely on it. Nobody jumps, and nobody is faster than the
+walking speed. See `floors` for slopes and steps.
+
+What a participant does with their real head and body is never touched: locomotion moves the stage
+in the world, and they move in the stage.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vrcomfort.geometry import Array, Pose, axis_angle, rotate
+from vrcomfort.headset.floors import STEP_M, Floors
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.playback import heading
+
+WALKING_SPEED_M_S = 1.4
+"""Carnegie & Rhee (2015); a protocol may say otherwise."""
+
+TURNING_SPEED_RAD_S = np.pi / 3
+"""Of the right thumb-stick; not in the paper, where a mouse turns the torso."""
+
+DEAD_ZONE = 0.25
+"""So far a thumb-stick may rest beside its middle. Beyond, speed is always the same."""
+
+LONGEST_S = 0.1
+"""A frame that took longer moves nobody further: a hiccup is no leap."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What the participant wants to do.
+
+    Parameters
+    ----------
+    right, forward
+        Where to walk, seen from the torso; only the direction counts.
+    turn_rad
+        How far to turn the torso to the left, now.
+    turn_rate
+        The same as a share of the turning speed, −1 to 1.
+    """
+
+    right: float = 0.0
+    forward: float = 0.0
+    turn_rad: float = 0.0
+    turn_rate: float = 0.0
+
+    def without_turn(self) -> Wish:
+        """Return the same walk without turning."""
+        return Wish(self.right, self.forward)
+
+
+class Locomotion:
+    """Keeps where the stage stands in the world.
+
+    Parameters
+    ----------
+    speed_m_s
+        Total speed, along slopes and steps too.
+
+    Attributes
+    ----------
+    avatar
+        world-from-stage.
+    """
+
+    def __init__(self, speed_m_s: float = WALKING_SPEED_M_S) -> None:
+        self._speed_m_s = speed_m_s
+        self._floors = Floors()
+        self._spawn: Pose | None = None
+        self._torso_rad = 0.0
+        self.avatar = Pose()
+
+    def send(self, *, spawn: Pose, floors: Floors) -> None:
+        """Choose where the participant will `arrive`, and on which floors they walk there."""
+        self._spawn, self._floors = spawn, floors
+
+    def arrive(self, head: Pose) -> bool:
+        """Put the floor point below `head` (stage-from-head) and its heading where they were sent.
+
+        Returns
+        -------
+        bool
+            False where they have been since, or were sent nowhere.
+        """
+        spawn, self._spawn = self._spawn, None
+        if spawn is None:
+            return False
+        self._torso_rad = _yaw_rad(spawn)
+        self.avatar = spawn @ floor_under(head).inverse()
+        return True
+
+    def step(self, head: Pose, wish: Wish, duration_s: float) -> None:
+        """Walk and turn for one frame.
+
+        Who leans or steps beside the floor walks as if from the nearest point on it, and so
+        never gets further away.
+        """
+        seconds = min(duration_s, LONGEST_S)
+        self._turn(head, wish.turn_rad + wish.turn_rate * TURNING_SPEED_RAD_S * seconds)
+        length = np.hypot(wish.right, wish.forward)
+        if length > 1e-9:
+            wanted = np.array([wish.right, wish.forward]) / length
+            self._walk(head, self._world_from_torso(wanted), self._speed_m_s * seconds)
+
+    def _turn(self, head: Pose, angle_rad: float) -> None:
+        """Turn the stage about the place where the participant stands."""
+        if angle_rad == 0:
+            return
+        self._torso_rad += angle_rad
+        feet = _feet(self.avatar, head)
+        turn = Pose(orientation=axis_angle([0.0, 1.0, 0.0], angle_rad))
+        self.avatar = Pose(feet) @ turn @ Pose(-feet) @ self.avatar
+
+    def _walk(self, head: Pose, direction_xz: Array, length_m: float) -> None:
+        feet = _feet(self.avatar, head)
+        start = self._floors.settle(feet)
+        # Real steps on a slope have left the stage at the old height: walking climbs to the new.
+        start[1] += np.clip(feet[1] - start[1], -STEP_M, STEP_M)
+        move = self._floors.walk(start, direction_xz, length_m) - start
+        self.avatar = Pose(self.avatar.position + move, self.avatar.orientation)
+
+    def _world_from_torso(self, right_forward: Array) -> Array:
+        """Return the (2,) direction x, z of a (right, forward) seen from the torso."""
+        right, forward = right_forward
+        sine, cosine = np.sin(self._torso_rad), np.cos(self._torso_rad)
+        return np.array([right * cosine - forward * sine, -right * sine - forward * cosine])
+
+
+def wish_of(inputs: Inputs) -> Wish:
+    """Return what thumb-sticks, keys and mouse ask for: left to walk, right to turn."""
+    keys, stick = inputs.keys, inputs.left.thumbstick
+    right, forward = stick if np.hypot(*stick) > DEAD_ZONE else (0.0, 0.0)
+    turn = inputs.right.thumbstick[0]
+    return Wish(
+        right=right + keys.walk[0],
+        forward=forward + keys.walk[1],
+        turn_rad=keys.turn_rad,
+        turn_rate=-turn if abs(turn) > DEAD_ZONE else 0.0,
+    )
+
+
+def floor_under(head: Pose) -> Pose:
+    """Return the floor point below `head`, turned to its heading."""
+    x, _, z = head.position
+    return Pose(np.array([x, 0.0, z]), heading(head))
+
+
+def _feet(avatar: Pose, head: Pose) -> Array:
+    """Return the floor point below the head, in the world."""
+    x, _, z = head.position
+    feet: Array = avatar.position + rotate(avatar.orientation, [x, 0.0, z])
+    return feet
+
+
+def _yaw_rad(pose: Pose) -> float:
+    _, y, _, w = heading(pose)
+    return float(2.0 * np.arctan2(y, w))
