@@ -19,7 +19,8 @@ setup:
 demo: setup
 	@$(BIN)/vrcomfort demo --out $(OUT)/demo
 
-test: setup
+test:
+	@scripts/setup.sh --tests
 	@$(BIN)/pytest -q -n 2 --dist loadfile
 
 runtime:

@@ -70,3 +70,8 @@ can_draw || {
     .venv/bin/python -c 'from vrcomfort.render.gl import create_context; create_context()' >&2 || true
     exit 2
 }
+
+# Tests of windows need a screen; `--tests` asks for one that needs no monitor.
+if [ "${1:-}" = --tests ] && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
+    require "Xvfb or xdotool (for the tests)" xvfb xdotool libglx-mesa0
+fi
