@@ -15,6 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 COMPILE_EVERY_SHADER = """
 import vrcomfort
+from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.render import shaders
 from vrcomfort.render.gl import create_context
@@ -37,7 +38,8 @@ for law in ("linear", "dioptre"):
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
     Reference(context, scene, condition, (16, 16), samples=2)
-print(*read)
+EyePainter(context)  # reads its own pair
+print(*read, "picture.vert", "picture.frag")
 """
 
 
