@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
 from openxr_support import needs_monado
+from x_server import x_server
 
 pytestmark = needs_monado
 
@@ -18,16 +15,15 @@ CLIENT = """
 import sys
 from itertools import islice
 from pathlib import Path
-import glfw, moderngl, numpy as np
+import numpy as np
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.remote_feed import RemoteState
+from vrcomfort.headset.window import Window
 
-assert glfw.init()
-glfw.window_hint(glfw.VISIBLE, False)
-glfw.make_context_current(glfw.create_window(64, 64, "test", None, None))
-ctx = moderngl.create_context()
+window = Window("test", (64, 64), wait_for_display=False)
+ctx = window.context()
 noise = np.random.default_rng(0).bytes(16 * 16 * 4)
 eye = ctx.texture((16, 16), 4, noise)
 got = []
@@ -43,24 +39,10 @@ assert len(got) >= 10 and set(got) == {noise}
 """
 
 
-@pytest.fixture
-def display() -> Iterator[str]:
-    server = shutil.which("Xvfb")
-    if server is None:
-        pytest.skip("no Xvfb here")
-    reader, writer = os.pipe()
-    command = [server, "-displayfd", str(writer), "-screen", "0", "320x240x24"]
-    with subprocess.Popen(command, pass_fds=[writer], stderr=subprocess.DEVNULL) as process:
-        os.close(writer)
-        with os.fdopen(reader) as answer:
-            yield f":{answer.readline().strip()}"
-        process.terminate()
-
-
-def test_a_window_context_is_bound_by_glx(display: str, tmp_path: Path) -> None:
-    environment = {**os.environ, "DISPLAY": display}
+def test_a_window_context_is_bound_by_glx(tmp_path: Path) -> None:
     command = [sys.executable, "-c", CLIENT, str(tmp_path / "monado.txt")]
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, timeout=60, check=False
-    )
+    with x_server(tmp_path) as server:
+        done = subprocess.run(
+            command, env=server.environment, capture_output=True, text=True, timeout=60, check=False
+        )
     assert done.returncode == 0, done.stderr
