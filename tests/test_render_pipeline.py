@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from render_parts import RIGHT_ANGLE, at, floor, glowing, scene, still_life, wall
 
-from vrcomfort.geometry import Pose, View, yaw_pitch_roll
+from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
@@ -24,6 +24,7 @@ class FrameAt:
     head_pose: Pose
     avatar_pose: Pose = field(default_factory=Pose)
     discontinuity: bool = False
+    gaze: Gaze | None = None
 
     @property
     def predicted_display_time_ns(self) -> int:

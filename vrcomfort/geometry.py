@@ -110,6 +110,22 @@ class View:
 
 
 @dataclass(frozen=True)
+class Gaze:
+    """Where an eye tracker says that both eyes look.
+
+    Parameters
+    ----------
+    pose
+        stage-from-gaze: between the eyes, −Z along the line of sight.
+    valid
+        False during a blink or where the tracker has lost the eyes: `pose` means nothing then.
+    """
+
+    pose: Pose
+    valid: bool = True
+
+
+@dataclass(frozen=True)
 class Quad:
     """A rectangle in space that faces +Z of its own frame: a panel.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from vrcomfort.geometry import Pose, View
+from vrcomfort.geometry import Gaze, Pose, View
 
 if TYPE_CHECKING:
     import moderngl
@@ -35,6 +35,8 @@ class Frame:
     paused
         True where the participant sees nothing of it (headset taken off or asleep): time that
         does not count as exposure.
+    gaze
+        Where the participant looks, None without an eye tracker.
     """
 
     index: int
@@ -46,6 +48,7 @@ class Frame:
     should_render: bool = True
     discontinuity: bool = False
     paused: bool = False
+    gaze: Gaze | None = None
 
 
 @dataclass(frozen=True)

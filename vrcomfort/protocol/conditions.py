@@ -16,6 +16,9 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
+Kernel = Literal["vrcomfort"]
+
+
 class Settings(BaseModel):
     """A frozen table of a protocol file; unknown keys are errors."""
 
@@ -44,8 +47,10 @@ class Focus(Settings):
 
 
 class DepthOfField(Settings):
-    """Circle of confusion of the Carnegie & Rhee blur; amounts are radii."""
+    """Circle of confusion and the kernel that spreads it; amounts are radii."""
 
+    kernel: Kernel = "vrcomfort"
+    """How discs are summed: ours, or the method of a source (docs/sources.md)."""
     law: Literal["linear", "dioptre"] = "linear"
     """`linear`: radius ∝ |d_f − d| (the paper); `dioptre`: radius ∝ |1/d_f − 1/d| (a thin lens)."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75

@@ -10,7 +10,8 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.depth_of_field import DepthOfFieldPass, radius_limit_px
+from vrcomfort.render.defocus import radius_limit_px
+from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
 from vrcomfort.render.frames import EyeImages, FrameToRender
 from vrcomfort.render.motion_blur import MotionBlurPass

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 import moderngl
 
-from vrcomfort.geometry import Pose, View
+from vrcomfort.geometry import Gaze, Pose, View
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.focus import FocusSample
 from vrcomfort.render.gpu_timer import GpuTime
@@ -39,6 +39,10 @@ class FrameToRender(Protocol):
     @property
     def discontinuity(self) -> bool:
         """Whether the frame before has nothing to do with this one."""
+
+    @property
+    def gaze(self) -> Gaze | None:
+        """Where the participant looks, None without an eye tracker."""
 
 
 class EyeImages(NamedTuple):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import concentric_disc, low_discrepancy
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import depth_of_field
+from vrcomfort.render import defocus
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
 from vrcomfort.render.scene_data import Scene
@@ -108,14 +108,14 @@ class Reference:
         effect = self._condition.depth_of_field
         if effect is None:
             return None
-        limit_px = depth_of_field.radius_limit_px(effect, self._size_px)
+        limit_px = defocus.radius_limit_px(effect, self._size_px)
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
         x, y = concentric_disc(sample)
         return Lens(
             position=(float(x), float(y) * focal_y / focal_x),  # round in angle, not in pixels
             focus_m=focus_m,
             infinity_m=self._condition.focus.infinity_m,
-            px_per_defocus=limit_px / depth_of_field.full_blur(effect),
+            px_per_defocus=limit_px / defocus.full_blur(effect),
             radius_limit_px=limit_px,
         )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
+from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 
 EYES_M = (0.0, 1.6, 0.0)
 WIDE = Fov(-1.2, 1.2, 1.2, -1.2)
@@ -25,6 +25,7 @@ class WarmUpFrame:
     index: int = -1
     predicted_display_time_ns: int = LATEST_NS
     discontinuity: bool = True
+    gaze: Gaze | None = None
 
     @property
     def views(self) -> tuple[View, View]:

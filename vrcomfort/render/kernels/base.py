@@ -1,0 +1,22 @@
+"""What depth of field needs of a kernel."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import moderngl
+
+
+class BlurKernel(Protocol):
+    """Spreads each point over its disc.
+
+    It is made of a colour image (linear HDR RGBA16F) and a `Defocus`, whose `points` hold the same
+    colour with the signed radius of each pixel.
+    """
+
+    @property
+    def target(self) -> moderngl.Texture:
+        """The blurred image, RGBA16F of the same size."""
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points; `pixel_aspect` is vertical over horizontal px per radian."""

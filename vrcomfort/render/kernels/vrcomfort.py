@@ -1,0 +1,100 @@
+"""Our kernel: tiles say what may reach a pixel; fronts spread, sharp fronts do not leak."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+
+TILE_PX = 16
+"""Side of the tiles that share one summary."""
+
+SMALL_PX = 2
+"""Discs up to this radius are summed over every pixel."""
+
+
+class _Directions(NamedTuple):
+    directions: bytes
+
+
+class _Aspect(NamedTuple):
+    pixel_aspect: float
+
+
+class VrcomfortKernel:
+    """Tile-classified gather with a back and a front layer (``depth_of_field.frag``)."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        colour: moderngl.Texture,
+        defocus: Defocus,
+        settings: DepthOfField,
+    ) -> None:
+        width, height = defocus.size_px
+        self._summaries = _tile_passes(ctx, defocus)
+        self._half = FullscreenPass(
+            ctx,
+            "defocus_half.frag",
+            size_px=(ceil(width / 2), ceil(height / 2)),
+            inputs={"points": defocus.points},
+        )
+        directions = coc.ring_directions(settings.rings).astype(np.float32)
+        self._gather = FullscreenPass(
+            ctx,
+            "depth_of_field.frag",
+            size_px=defocus.size_px,
+            inputs={
+                "colour": colour,
+                "points": defocus.points,
+                "points_half": self._half.target,
+                "reach": self._summaries[-1].target,
+            },
+            filtered={"points_half"},
+            constants=_Directions(directions.tobytes()),
+            defines={"RINGS": settings.rings, "TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"},
+        )
+        self.target = self._gather.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        for summary in self._summaries:
+            summary.render()
+        self._half.render()
+        self._gather.render(_Aspect(pixel_aspect))
+
+
+def _tile_passes(ctx: moderngl.Context, defocus: Defocus) -> tuple[FullscreenPass, ...]:
+    width, height = defocus.size_px
+    columns = (ceil(width / TILE_PX), height)
+    tiles = (columns[0], ceil(height / TILE_PX))
+    x_pass = FullscreenPass(
+        ctx,
+        "defocus_tiles.frag",
+        size_px=columns,
+        inputs={"source": defocus.points},
+        defines={"TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0", "AXIS": 0},
+    )
+    y_pass = FullscreenPass(
+        ctx,
+        "defocus_tiles.frag",
+        size_px=tiles,
+        inputs={"source": x_pass.target},
+        defines={"TILE": TILE_PX, "AXIS": 1},
+    )
+    # Pixels are at most half again as tall as wide in any headset, hence the factor.
+    reach = FullscreenPass(
+        ctx,
+        "defocus_reach.frag",
+        size_px=tiles,
+        inputs={"tiles": y_pass.target},
+        defines={"REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / TILE_PX))},
+    )
+    return x_pass, y_pass, reach
