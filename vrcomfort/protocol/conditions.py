@@ -46,13 +46,27 @@ class Focus(Settings):
     """Distance taken for the sky (the paper's d_max)."""
 
 
+class Peripheral(Settings):
+    """Blur that grows from the centre of the image outwards (Hillaire et al. 2008, Eq. 5 and 6).
+
+    The diameter is ``unit_diameter_arcmin · (1/cos θ − 1)^exponent`` at the angle θ from the head's
+    forward axis, on top of that of depth of field.
+    """
+
+    exponent: Annotated[float, Field(ge=1, le=8)] = 2.0
+    """n of Eq. 5."""
+    unit_diameter_arcmin: NotNegative = 59.0
+    """Diameter at 60°, where 1/cos θ − 1 is 1: the paper's largest one, 11 px of 1280 over 90°."""
+
+
 class DepthOfField(Settings):
     """Circle of confusion and the kernel that spreads it; amounts are radii."""
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
-    law: Literal["linear", "dioptre"] = "linear"
-    """`linear`: radius ∝ |d_f − d| (the paper); `dioptre`: radius ∝ |1/d_f − 1/d| (a thin lens)."""
+    law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
+    """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
+    defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Positive = 10.0
@@ -60,8 +74,26 @@ class DepthOfField(Settings):
     farther than this takes its place."""
     full_blur_dioptre: Positive = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
+    aperture_m: NotNegative = 0.007
+    """Diameter of the opening of `thin_lens`."""
+    focal_length_m: Positive = 0.017
+    """Focal length of `thin_lens` (ours: that of the eye; no source prints it)."""
+    distance_offset_m: NotNegative = 0.0
+    """How far `thin_lens` is behind the head centre: added to the distances of focus and point."""
+    pupil_mm: Annotated[float, Field(ge=0, le=20)] = 4.0
+    """Diameter of the pupil of `eye`."""
+    max_diameter_arcmin: Positive | None = None
+    """Largest diameter as an angle in the middle of the image, besides `max_radius_percent`."""
+    peripheral: Peripheral | None = None
+    """Peripheral blur on top; both together stay within the largest diameter."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3
     """Rings of samples in the widest discs, 8·k on ring k: speed against smoothness."""
+
+    @property
+    def pinhole(self) -> bool:
+        """Return whether the lens has no opening: everything is in focus."""
+        opening = {"eye": self.pupil_mm, "thin_lens": self.aperture_m}
+        return opening.get(self.law, 1.0) == 0.0
 
 
 class MotionBlur(Settings):

@@ -99,7 +99,13 @@ class ConditionPasses:
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
-        return () if self._motion_blur is None else self._motion_blur.clamps()
+        blurs = (self._depth_of_field, self._motion_blur)
+        return tuple(clamp for blur in blurs if blur is not None for clamp in blur.clamps())
+
+    def forget(self) -> None:
+        """Count no frame so far among those that :meth:`clamps` tells of."""
+        if self._depth_of_field is not None:
+            self._depth_of_field.forget()
 
     def find_focus(self, frame: FrameToRender, world_from_head: Pose) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""

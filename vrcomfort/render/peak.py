@@ -32,3 +32,7 @@ class PeakPass:
     def read(self) -> float:
         """Return the greatest value since the pass was made."""
         return float(np.frombuffer(self._target.read(), dtype=np.float32)[0])
+
+    def forget(self) -> None:
+        """Start again from 0."""
+        self._framebuffer.clear()

@@ -99,6 +99,7 @@ class StereoRenderer:
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
         self.drain()
+        self._passes.forget()
         self._before = None
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)

@@ -69,6 +69,8 @@ def depth_of_field(condition: Condition) -> PlannedPass:
         return PlannedPass("depth_of_field", False, "the condition has none")
     if settings.max_radius_percent == 0:
         return PlannedPass("depth_of_field", False, "its largest radius is zero")
+    if settings.peripheral is None and settings.pinhole:
+        return PlannedPass("depth_of_field", False, "its lens has no opening")
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
     return PlannedPass("depth_of_field", True, reason)
 

@@ -236,4 +236,4 @@ class _ViewBlock:
         offset = np.array(lens.position) * self._ndc_per_px
         self._block["lens"] = (*offset, lens.focus_m, lens.infinity_m)
         self._block["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
-        self._block["head_forward"] = (*head.forward, ahead_m)
+        self._block["head_forward"] = (*head.forward, ahead_m + lens.distance_offset_m)
