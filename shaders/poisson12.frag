@@ -2,7 +2,7 @@
 // Twelve taps in a pixel's own circle of confusion, turned by an angle of its own.
 //
 // Input:  points of defocus.frag (signed CoC RADIUS, px of image width, negative in front of the
-//         focus), rotations (cos A, sin A; repeated over the image).
+//         focus; colours are read bilinearly, radii from the nearest pixel), rotations (cos A, sin A; repeated over the image).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // The paper's cocSize is a DIAMETER: its offsets lie in a disc of radius 0.5. Its circles are
@@ -28,11 +28,11 @@ void main() {
     vec4 sum = vec4(p.rgb, 1.0);
     for (int i = 0; i < TAPS; ++i) {
         vec2 away_px = diameter_px * (turned_from_offset * offsets[i]) * vec2(1.0, pixel_aspect);
-        ivec2 tap = ivec2(floor(gl_FragCoord.xy + away_px));
-        vec4 q = texelFetch(points, clamp(tap, ivec2(0), last), 0);
+        vec2 tap = gl_FragCoord.xy + away_px;
+        float q = texelFetch(points, clamp(ivec2(floor(tap)), ivec2(0), last), 0).a;
         // What is nearer counts as far as it is blurred: a sharp front does not leak.
-        float weight = q.a > p.a ? 1.0 : min(abs(q.a) / max(radius_limit_px, 1e-6), 1.0);
-        sum += weight * vec4(q.rgb, 1.0);
+        float weight = q > p.a ? 1.0 : min(abs(q) / max(radius_limit_px, 1e-6), 1.0);
+        sum += weight * vec4(textureLod(points, tap / vec2(last + 1), 0.0).rgb, 1.0);
     }
     blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);
 }

@@ -2,7 +2,7 @@
 // Fifteen taps in a circle of confusion that a blurred front widens beyond its own outline.
 //
 // Input:  points of defocus.frag (signed CoC RADIUS, px of image width, negative in front of the
-//         focus), near_mean of poisson15_near_mean.frag, read bilinearly.
+//         focus), near_mean of poisson15_near_mean.frag. Colours and means are read bilinearly.
 // Output: the blurred image, linear HDR, full resolution.
 //
 //   own  ___          mean ..__          2 max(own, mean) - own ___
@@ -22,19 +22,19 @@ out vec4 blurred;
 
 float blur_radius_px(float signed_px) {
     float own = max(-signed_px, 0.0);
-    float mean = texture(near_mean, gl_FragCoord.xy / float(CELL) / vec2(textureSize(near_mean, 0))).r;
+    vec2 cells = vec2(textureSize(near_mean, 0));
+    float mean = textureLod(near_mean, gl_FragCoord.xy / float(CELL) / cells, 0.0).r;
     return min(max(2.0 * max(own, mean) - own, signed_px), radius_limit_px);
 }
 
 void main() {
-    ivec2 last = textureSize(points, 0) - 1;
+    vec2 size_px = vec2(textureSize(points, 0));
     vec4 p = texelFetch(points, ivec2(gl_FragCoord.xy), 0);
     float radius_px = blur_radius_px(p.a);
     vec3 sum = vec3(0.0);
     for (int i = 0; i < TAPS; ++i) {
         vec2 away_px = 2.0 * radius_px * offsets[i] * vec2(1.0, pixel_aspect);
-        ivec2 tap = ivec2(floor(gl_FragCoord.xy + away_px));
-        sum += texelFetch(points, clamp(tap, ivec2(0), last), 0).rgb;
+        sum += textureLod(points, (gl_FragCoord.xy + away_px) / size_px, 0.0).rgb;
     }
     // Fifteen times the same over fifteen may be off by one bit.
     blurred = vec4(radius_px > 0.0 ? min(sum / float(TAPS), 65504.0) : p.rgb, 1.0);

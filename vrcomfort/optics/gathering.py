@@ -3,6 +3,9 @@
 NumPy twins, in float64, of ``shaders/poisson12.frag`` (Hillaire et al. 2008, Fig. 3) and
 ``shaders/poisson15_near*.frag`` (Mantiuk et al. 2011, section 4). Images are (h, w, 4) points:
 colour and signed radius in pixels of image width, negative in front of the focus.
+
+Neither paper says how its textures are filtered. Colours are read bilinearly, as graphics cards do,
+which is the better for the error of both kernels; radii are never averaged.
 """
 
 from __future__ import annotations
@@ -82,10 +85,12 @@ def poisson12(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: flo
     total = np.concatenate([image[..., :3], np.ones((height, width, 1))], axis=-1)
     for x, y in POISSON_12:
         turned = _turned(turn, x, y)
-        tap = _taps(image, diameter_px[..., None] * turned * [1.0, pixel_aspect])
-        blurred = np.minimum(np.abs(tap[..., 3]) / max(radius_limit_px, 1e-6), 1.0)
-        weight = np.where(tap[..., 3] > image[..., 3], 1.0, blurred)[..., None]
-        total += weight * np.concatenate([tap[..., :3], np.ones((height, width, 1))], axis=-1)
+        away_px = diameter_px[..., None] * turned * [1.0, pixel_aspect]
+        radius_px = _nearest(image[..., 3], away_px)
+        blurred = np.minimum(np.abs(radius_px) / max(radius_limit_px, 1e-6), 1.0)
+        weight = np.where(radius_px > image[..., 3], 1.0, blurred)[..., None]
+        colour = _bilinear(image[..., :3], away_px)
+        total += weight * np.concatenate([colour, np.ones((height, width, 1))], axis=-1)
     colours: Array = total[..., :3] / total[..., 3:]
     return colours
 
@@ -98,7 +103,7 @@ def poisson15_near(
     mean = pyramid.magnified(near_mean_px(image[..., 3]), NEAR_LEVEL, image.shape[:2])
     radius_px = spread_radius_px(image[..., 3], mean, radius_limit_px=radius_limit_px)
     away_px = 2 * radius_px[..., None, None] * POISSON_15 * [1.0, pixel_aspect]
-    taps = [_taps(image, away_px[..., i, :])[..., :3] for i in range(len(POISSON_15))]
+    taps = [_bilinear(image[..., :3], away_px[..., i, :]) for i in range(len(POISSON_15))]
     colours: Array = np.mean(taps, axis=0)
     return colours
 
@@ -132,11 +137,22 @@ def _turned(turn: Array, x: float, y: float) -> Array:
     return np.stack([cosine * x - sine * y, sine * x + cosine * y], axis=-1)
 
 
-def _taps(image: Array, away_px: Array) -> Array:
-    """Return (h, w, n) texels nearest to (h, w, 2) offsets from the middle of each pixel."""
-    height, width, _ = image.shape
+def _nearest(image: Array, away_px: Array) -> Array:
+    """Return the (h, w, ...) texels in which (h, w, 2) offsets from each pixel's middle end."""
+    height, width = image.shape[:2]
     rows, columns = np.mgrid[:height, :width] + 0.5
     column = np.clip(np.floor(columns + away_px[..., 0]), 0, width - 1).astype(int)
     row = np.clip(np.floor(rows + away_px[..., 1]), 0, height - 1).astype(int)
     found: Array = image[row, column]
+    return found
+
+
+def _bilinear(image: Array, away_px: Array) -> Array:
+    """Return (h, w, n) means of the four texels around each offset, as :func:`_nearest`."""
+    found = np.zeros_like(image)
+    corner = np.floor(away_px)
+    part = away_px - corner
+    for step in np.ndindex(2, 2):
+        share = np.where(step, part, 1 - part).prod(axis=-1)
+        found += share[..., None] * _nearest(image, corner + step)
     return found

@@ -49,6 +49,7 @@ class Poisson12Kernel:
             "poisson12.frag",
             size_px=defocus.size_px,
             inputs={"points": defocus.points, "rotations": rotations},
+            filtered={"points"},
             constants=_Constants(taps.tobytes(), defocus.limit_px),
             defines={"TAPS": len(taps)},
         )

@@ -56,7 +56,7 @@ class Poisson15NearKernel:
             "poisson15_near.frag",
             size_px=defocus.size_px,
             inputs={"points": defocus.points, "near_mean": self._near_mean.target},
-            filtered={"near_mean"},
+            filtered={"near_mean", "points"},
             constants=_Constants(taps.tobytes(), defocus.limit_px),
             defines={"TAPS": len(taps), **cell},
         )
