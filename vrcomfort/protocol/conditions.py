@@ -16,7 +16,9 @@ Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-Kernel = Literal["vrcomfort"]
+Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
+"""Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
+two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
 
 
 class Settings(BaseModel):
@@ -87,7 +89,8 @@ class DepthOfField(Settings):
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3
-    """Rings of samples in the widest discs, 8·k on ring k: speed against smoothness."""
+    """Rings of samples in the widest discs of `vrcomfort`, 8·k on ring k: speed against smoothness.
+    The other kernels have the fixed numbers of their sources."""
 
     @property
     def pinhole(self) -> bool:
