@@ -112,6 +112,12 @@ class ConditionPasses:
         )
         self.colour = self._speed_blur.target
 
+    def warm_up(self) -> None:
+        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        for effect in (self._motion_blur, self._speed_blur):
+            if effect is not None:
+                effect.warm_up()
+
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
         return () if self._motion_blur is None else self._motion_blur.clamps()

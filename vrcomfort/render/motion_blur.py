@@ -77,6 +77,13 @@ class MotionBlurPass:
         if still or scale == 0:
             self._copy(self._colour, self.target)
             return
+        self._draw(scale)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames in which nothing moves leave out."""
+        self._draw(0.0)
+
+    def _draw(self, scale: float) -> None:
         self._streaks.render(scale)
         for stage in self._gathers:
             stage.render()

@@ -100,6 +100,7 @@ class StereoRenderer:
         )
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
+        self._passes.warm_up()
         self.drain()
         self._before = None
         self.ctx.finish()

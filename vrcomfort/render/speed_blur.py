@@ -56,6 +56,13 @@ class SpeedBlurPass:
         if min(x_px, y_px) < LEAST_PX:
             self._copy(self._colour, self.target)
             return
+        self._draw(x_px, y_px)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames at rest leave out."""
+        self._draw(1.0, 1.0)
+
+    def _draw(self, x_px: float, y_px: float) -> None:
         self._across.render(_Sigma(x_px))
         self._along.render(_Sigma(y_px))
 
