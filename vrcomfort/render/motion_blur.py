@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import ceil
 from typing import NamedTuple
 
 import moderngl
@@ -15,6 +16,10 @@ from vrcomfort.render.streaks import Streaks
 
 STREAK_OF_SAMPLES_PX = 16.0
 """Length of streak that takes ``MotionBlur.samples`` samples."""
+
+
+class _Limit(NamedTuple):
+    radius_limit_px: float
 
 
 class _Sampling(NamedTuple):
@@ -111,6 +116,8 @@ def _reconstruction(
         "streak_neighbours.frag",
         size_px=streaks.tiles.size,
         inputs={"tiles": streaks.tiles},
+        constants=_Limit(streaks.limit_px),
+        defines={"TILE": streaks.tile_px, "REACH": ceil(streaks.limit_px / streaks.tile_px) + 1},
     )
     gather = FullscreenPass(
         ctx,

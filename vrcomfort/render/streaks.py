@@ -12,6 +12,11 @@ from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.peak import PeakPass
 
 
+LEAST_TILE_PX = 16
+MOST_TILES = 4
+"""Tiles that the longest half streak may cross: more are finer, and more to look at."""
+
+
 class _Shutter(NamedTuple):
     shutter_fraction: float
     radius_limit_px: float
@@ -43,7 +48,7 @@ class Streaks:
         size_px: tuple[int, int],
     ) -> None:
         self.limit_px = settings.max_radius_percent / 100 * size_px[0]
-        self.tile_px = max(8, ceil(self.limit_px))
+        self.tile_px = max(LEAST_TILE_PX, ceil(self.limit_px / MOST_TILES))
         self._fraction = settings.shutter_fraction
         self._streaks = FullscreenPass(
             ctx,
