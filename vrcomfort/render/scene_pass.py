@@ -63,6 +63,8 @@ class ScenePass:
         )
         self._view = _ViewBlock(ctx, size_px)
         self.triangles = 0
+        self.still = True
+        """Whether nothing in the last image can have moved: every velocity is exactly 0."""
 
     @property
     def colour(self) -> moderngl.Texture:
@@ -99,6 +101,9 @@ class ScenePass:
             Where the eye counts as having been; without it all velocities are zero.
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
+        self.still = before.world_from_eye == camera.world_from_eye and (
+            before.time_s == time_s or not self.gpu.moves
+        )
         self.gpu.update(time_s, camera.head, before.time_s)
         eye_m = camera.world_from_eye.position
         if self._shadow is not None:
