@@ -6,11 +6,12 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from vrcomfort.protocol.quality import Quality, filled
 from vrcomfort.protocol.settings_file import Name
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
@@ -178,8 +179,15 @@ class Condition(Settings):
 
     name: Name
     label: str = ""
+    quality: Quality | None = None
+    """Speed against accuracy: gives the effects' settings that are not written here."""
     focus: Focus = Focus()
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
     effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_what_the_level_says(cls, data: Any) -> Any:
+        return filled(data)

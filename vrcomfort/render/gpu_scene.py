@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.render import culling, lighting, shaders
+from vrcomfort.render import culling, gl, lighting, shaders
 from vrcomfort.render.draw_list import COMMAND, Batch, DrawList, batches, front_to_back
 from vrcomfort.render.node_poses import NodePoses, relative_rows
 from vrcomfort.render.scene_data import Scene
@@ -54,13 +54,11 @@ class GpuScene:
         self._poses = NodePoses(scene)
         self._velocity = "VELOCITY" in (defines or {})
         rows = max(len(self._list.node), 1)
-        self._vertices = ctx.buffer(vertex_bytes(scene.primitives))
-        self._indices = ctx.buffer(index_bytes(scene.primitives))
-        self._rows = ctx.buffer(reserve=rows * 64, dynamic=True)
-        self._previous_rows = (
-            ctx.buffer(reserve=rows * 48, dynamic=True) if self._velocity else None
-        )
-        self._commands = ctx.buffer(reserve=rows * COMMAND.itemsize, dynamic=True)
+        self._vertices = gl.buffer(ctx, vertex_bytes(scene.primitives))
+        self._indices = gl.buffer(ctx, index_bytes(scene.primitives))
+        self._rows = gl.dynamic_buffer(ctx, rows * 64)
+        self._previous_rows = gl.dynamic_buffer(ctx, rows * 48) if self._velocity else None
+        self._commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
         self._materials = MaterialBuffer(ctx, scene.materials)
         features = {**lighting.features(scene.environment), **(defines or {})}
         factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)

@@ -20,6 +20,7 @@ import moderngl
 
 from vrcomfort.geometry import Pose, View
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render import gpu_memory
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
@@ -92,12 +93,7 @@ class StereoRenderer:
 
         Drivers compile when something is first drawn, so two frames are drawn that nobody sees.
         """
-        self.release()
-        self._scene = scene
-        self._condition = condition
-        self._passes = ConditionPasses(
-            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
-        )
+        self.build(scene, condition)
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
         self._passes.warm_up()
@@ -106,6 +102,23 @@ class StereoRenderer:
         self._before = None
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
+
+    def build(self, scene: Scene, condition: Condition) -> None:
+        """Build the passes as `begin` does, and draw nothing yet."""
+        self.release()
+        self._scene = scene
+        self._condition = condition
+        ledger = gpu_memory.ledger(self.ctx)
+        first = ledger.mark()
+        self._passes = ConditionPasses(
+            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
+        )
+        self._allocated = first, ledger.mark()
+
+    def memory(self) -> tuple[gpu_memory.Allocation, ...]:
+        """Return the textures and buffers of the present condition and scene."""
+        self._built()
+        return gpu_memory.ledger(self.ctx).between(*self._allocated)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""

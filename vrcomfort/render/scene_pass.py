@@ -219,7 +219,7 @@ class _ViewBlock:
         self._block = np.zeros((), shaders.block_dtype("view.glsl", "View"))
         self._block["image_size_px"][:2] = size_px
         self._ndc_per_px = 2 / np.array(size_px)
-        self._buffer = ctx.buffer(reserve=self._block.nbytes, dynamic=True)
+        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
 
     def update(self, camera: EyeCamera, previous: PreviousCamera) -> None:
         """Write and bind the block."""
