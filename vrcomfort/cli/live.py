@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
+    from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
 
     class LiveHeadset(Headset, Shape):
@@ -89,7 +91,6 @@ def live_lab(
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.session.panel_screen import PanelScreen
 
     with ExitStack() as owned:
@@ -109,9 +110,6 @@ def live_lab(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         screen = PanelScreen(headset)
-        if rehearsal is not None:
-            rehearsal.screen = screen
-        watch = rehearsal.watch if rehearsal else _nobody
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,
@@ -123,9 +121,7 @@ def live_lab(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        yield LiveLab(
-            headset, renderer, PanelRespondent(screen, watch=watch, keyboard=mirror), machine
-        )
+        yield LiveLab(headset, renderer, _person(screen, rehearsal, keyboard=mirror), machine)
 
 
 def open_window(
@@ -187,5 +183,12 @@ def _read_answers(path: Path) -> list[int]:
     return numbers
 
 
-def _nobody(page: object) -> None:
-    """Watch over no page: a person answers."""
+def _person(screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool) -> PanelRespondent:
+    """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent.panel import PanelRespondent
+
+    if rehearsal is None:
+        return PanelRespondent(screen, keyboard=keyboard)
+    rehearsal.screen = screen
+    watch, chose = rehearsal.watch, rehearsal.chose
+    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard)

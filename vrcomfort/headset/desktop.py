@@ -194,7 +194,7 @@ class DesktopHeadset:
         self._notice_focus()
         self._look(keys, passed_s)
         self._inputs = Inputs(
-            right=HandInput(aim=self._cursor_ray(), select=window.clicked), keys=keys
+            right=HandInput(self._cursor_ray(), select=window.clicked, held=window.held), keys=keys
         )
         paused = window.hidden
         self._cut |= self._paused and not paused

@@ -66,6 +66,7 @@ class PanelScreen:
         self._headset = headset
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
+        self._hand = 1
 
     @property
     def quad(self) -> Quad | None:
@@ -88,7 +89,11 @@ class PanelScreen:
             self._panel = self._frames = None
 
     def pointing(self) -> Pointing:
-        """Return where a controller points, else where the eyes look; and what keys do."""
+        """Return where a controller points, else where the eyes look; and what keys do.
+
+        Of two controllers that point at the panel, the one that presses counts, else the one that
+        pressed last.
+        """
         inputs = self._headset.inputs()
         keys = inputs.keys
         return replace(
@@ -102,10 +107,11 @@ class PanelScreen:
 
     def _pointed(self, inputs: Inputs) -> Pointing:
         hands = inputs.hands
-        for number in (1, 0):
-            point = self._hit(hands[number].aim)
+        for number in sorted((self._hand, 1 - self._hand), key=lambda n: not hands[n].select):
+            point, hand = self._hit(hands[number].aim), hands[number]
             if point is not None:
-                return Pointing(point, hands[number].select, hand=number)
+                self._hand = number if hand.select else self._hand
+                return Pointing(point, hand.select, held=hand.held, hand=number)
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
         return Pointing(point, dwelling=point is not None)
