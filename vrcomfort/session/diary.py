@@ -30,11 +30,9 @@ class Diary:
     clock: Clock
     progress: ProgressCallback
 
-    def event(
-        self, name: str, start_s: float | None = None, *, detail: str = "", sync: bool = False
-    ) -> None:
-        """Write an event that ends now; without a start it is a moment. `sync`: on the disk."""
-        self.recorder.write(self._event(name, start_s, detail), sync=sync)
+    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now; without a start it is a moment."""
+        self.recorder.write(self._event(name, start_s, detail))
 
     def event_soon(self, name: str, *, detail: str = "") -> None:
         """Write a moment between two frames: nothing waits for the disk."""
