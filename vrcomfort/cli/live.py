@@ -43,13 +43,14 @@ class LiveLab:
 
     Parameters
     ----------
-    panel
-        A respondent who answers in the headset.
+    panel, screen
+        A respondent who answers in the headset, and where the questions stand.
     """
 
     headset: LiveHeadset
     renderer: StereoRenderer
     panel: Respondent
+    screen: PanelScreen
     machine: Machine
 
     def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
@@ -121,7 +122,8 @@ def live_lab(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        yield LiveLab(headset, renderer, _person(screen, rehearsal, keyboard=mirror), machine)
+        person = _person(screen, rehearsal, keyboard=mirror)
+        yield LiveLab(headset, renderer, person, screen, machine)
 
 
 def open_window(

@@ -85,11 +85,7 @@ class Recorder:
         self._files: dict[str, io.TextIOWrapper] = {}
         self._gap: _Gap | None = None
         if not resumed and self.folder.exists() and any(self.folder.iterdir()):
-            message = f"session {session} of {participant} has been recorded and is never"
-            raise InputError(
-                f"{message} overwritten; choose another participant, session or study folder",
-                file=self.folder,
-            )
+            raise overwriting(self.folder, participant, session)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             for row_type in SESSION_ROWS:
@@ -268,6 +264,13 @@ def replace_text(file: Path, text: str) -> None:
         draft.replace(file)
     except OSError as error:
         raise refused(file, error) from error
+
+
+def overwriting(folder: Path, participant: str, session: int) -> InputError:
+    """Return the error for a session that is there already."""
+    message = f"session {session} of {participant} has been recorded and is never overwritten"
+    remedy = "choose another participant, session or study folder"
+    return InputError(f"{message}; {remedy}", file=folder)
 
 
 def refused(file: Path, error: OSError) -> InputError:

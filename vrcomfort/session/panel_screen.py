@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
 from vrcomfort.respondent.panel import Pointing
@@ -52,6 +52,12 @@ class PanelHeadset(Protocol):
     def inputs(self) -> Inputs:
         """Return what hands and eyes do in the last frame."""
 
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call."""
+
+    def wake(self, timeout_s: float) -> bool:
+        """Return whether the headset wants frames, after so long at most."""
+
     def tick(self, hand: int) -> None:
         """Let a controller tick."""
 
@@ -60,13 +66,20 @@ class PanelHeadset(Protocol):
 
 
 class PanelScreen:
-    """A panel that appears before the participant, and then stays where it is."""
+    """A panel that appears before the participant, and then stays where it is.
+
+    Attributes
+    ----------
+    notice
+        Called with what happens to the headset while a question is open.
+    """
 
     def __init__(self, headset: PanelHeadset) -> None:
         self._headset = headset
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
         self._hand = 1
+        self.notice: Callable[[HeadsetEvent], None] = lambda _: None
 
     @property
     def quad(self) -> Quad | None:
@@ -133,6 +146,8 @@ class PanelScreen:
                 "are kept: run with --resume"
             )
         self._headset.submit(frame, None)
+        for event in self._headset.take_events():
+            self.notice(event)
 
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""
