@@ -171,6 +171,10 @@ class DesktopHeadset:
         """Return what keys and mouse do in the present frame; the mouse is the right hand."""
         return self._inputs
 
+    def wake(self, timeout_s: float) -> bool:  # noqa: ARG002 - it wants frames at once
+        """Return whether there will be frames: not once the window is closed."""
+        return not self._window.closing
+
     def tick(self, hand: int) -> None:
         """Do nothing: a mouse cannot tick."""
 
@@ -194,7 +198,7 @@ class DesktopHeadset:
         self._notice_focus()
         self._look(keys, passed_s)
         self._inputs = Inputs(
-            right=HandInput(aim=self._cursor_ray(), select=window.clicked), keys=keys
+            right=HandInput(self._cursor_ray(), select=window.clicked, held=window.held), keys=keys
         )
         paused = window.hidden
         self._cut |= self._paused and not paused

@@ -36,6 +36,8 @@ class Pointing:
         Where they point, as fractions (right, down) of the panel; None beside it.
     select, back, stop
         True in the one frame in which the button goes down.
+    held
+        True as long as the button of `select` is down.
     dwelling
         True where they point with their eyes and have no button.
     hand
@@ -48,6 +50,7 @@ class Pointing:
     select: bool = False
     back: bool = False
     stop: bool = False
+    held: bool = False
     dwelling: bool = False
     hand: int = 1
     arrow: tuple[int, int] = (0, 0)
@@ -78,8 +81,9 @@ class PanelRespondent:
     ----------
     screen
         Where the questions stand.
-    watch
-        Called with each page that opens: a rehearsal's scripted participant looks on here.
+    watch, chose
+        Called with each page that opens, and with each cell that is chosen: a rehearsal's scripted
+        participant looks on here.
     keyboard
         The participant has one: each question says how to use it.
     """
@@ -92,11 +96,12 @@ class PanelRespondent:
         *,
         now_s: Callable[[], float] = time.monotonic,
         watch: Callable[[Page], None] = lambda _: None,
+        chose: Callable[[Cell], None] = lambda _: None,
         keyboard: bool = False,
     ) -> None:
         self._screen = screen
         self._now_s = now_s
-        self._watch = watch
+        self._watch, self._chose = watch, chose
         self._keyboard = keyboard
         self._keys = KeyChoice()
         self._pointed: Cell | None = None
@@ -104,6 +109,7 @@ class PanelRespondent:
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
         self._scale: Page | None = None
+        self._scale_asked_s = self._scale_timeout_s = 0.0
         self._rating: int | None = None
 
     def start_session(self, session: int) -> None:
@@ -113,8 +119,8 @@ class PanelRespondent:
         """Clear the view."""
         self._hide()
 
-    def endure(self, elapsed_s: float) -> None:  # noqa: ARG002 - real people keep their own time
-        """Take the stop button, and the rating that was asked for."""
+    def endure(self, elapsed_s: float) -> None:
+        """Take the stop button, and the rating that was asked for; a late one cannot be given."""
         pointing = self._screen.pointing()
         if pointing.stop:
             self._hide()
@@ -124,15 +130,17 @@ class PanelRespondent:
             if cell is not None and cell.act is Act.ANSWER:
                 self._rating = cell.value
                 self._hide()
+            elif elapsed_s - self._scale_asked_s > self._scale_timeout_s:
+                self._hide()
 
     def end_exposure(self, elapsed_s: float) -> None:  # noqa: ARG002
         """Clear the view."""
         self._hide()
 
-    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
         cells = answer_cells(question_cells(instrument, first=True))
-        self._rating = None
+        self._rating, self._scale_asked_s, self._scale_timeout_s = None, elapsed_s, timeout_s
         self._keys.forget()
         ends, hint = _ends(instrument), self._hint(instrument)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
@@ -236,6 +244,7 @@ class PanelRespondent:
             wanted = pointed
         if wanted is not None:
             self._screen.tick(pointing.hand)
+            self._chose(wanted)
         return wanted
 
     def _confirms(self, pointed: Cell, pointing: Pointing) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
 from vrcomfort.respondent.panel import Pointing
@@ -52,6 +52,12 @@ class PanelHeadset(Protocol):
     def inputs(self) -> Inputs:
         """Return what hands and eyes do in the last frame."""
 
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call."""
+
+    def wake(self, timeout_s: float) -> bool:
+        """Return whether the headset wants frames, after so long at most."""
+
     def tick(self, hand: int) -> None:
         """Let a controller tick."""
 
@@ -60,12 +66,20 @@ class PanelHeadset(Protocol):
 
 
 class PanelScreen:
-    """A panel that appears before the participant, and then stays where it is."""
+    """A panel that appears before the participant, and then stays where it is.
+
+    Attributes
+    ----------
+    notice
+        Called with what happens to the headset while a question is open.
+    """
 
     def __init__(self, headset: PanelHeadset) -> None:
         self._headset = headset
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
+        self._hand = 1
+        self.notice: Callable[[HeadsetEvent], None] = lambda _: None
 
     @property
     def quad(self) -> Quad | None:
@@ -88,7 +102,11 @@ class PanelScreen:
             self._panel = self._frames = None
 
     def pointing(self) -> Pointing:
-        """Return where a controller points, else where the eyes look; and what keys do."""
+        """Return where a controller points, else where the eyes look; and what keys do.
+
+        Of two controllers that point at the panel, the one that presses counts, else the one that
+        pressed last.
+        """
         inputs = self._headset.inputs()
         keys = inputs.keys
         return replace(
@@ -102,10 +120,11 @@ class PanelScreen:
 
     def _pointed(self, inputs: Inputs) -> Pointing:
         hands = inputs.hands
-        for number in (1, 0):
-            point = self._hit(hands[number].aim)
+        for number in sorted((self._hand, 1 - self._hand), key=lambda n: not hands[n].select):
+            point, hand = self._hit(hands[number].aim), hands[number]
             if point is not None:
-                return Pointing(point, hands[number].select, hand=number)
+                self._hand = number if hand.select else self._hand
+                return Pointing(point, hand.select, held=hand.held, hand=number)
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
         return Pointing(point, dwelling=point is not None)
@@ -127,6 +146,8 @@ class PanelScreen:
                 "are kept: run with --resume"
             )
         self._headset.submit(frame, None)
+        for event in self._headset.take_events():
+            self.notice(event)
 
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""

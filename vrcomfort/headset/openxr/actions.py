@@ -96,12 +96,17 @@ class Actions:
             select=self._pressed("select", hand),
             back=self._pressed("back", hand),
             stop=self._pressed("stop", hand),
+            held=self._held("select", hand),
             thumbstick=(stick.x, stick.y),
         )
 
     def _pressed(self, name: str, hand: int) -> bool:
         state = xr.get_action_state_boolean(self._session, self._get[name, hand])
         return bool(state.current_state and state.changed_since_last_sync)
+
+    def _held(self, name: str, hand: int) -> bool:
+        state = xr.get_action_state_boolean(self._session, self._get[name, hand])
+        return bool(state.current_state)
 
     def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
         if self._gaze_space is None:
