@@ -1,0 +1,82 @@
+"""Clocks the CPU time of one thread, by whose code it is spent in."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from typing import Any, Literal, NamedTuple
+
+import moderngl
+
+Place = Literal["opengl", "runtime", "rig"]
+
+_CLASSES = ("Buffer", "Context", "Framebuffer", "Program", "Texture", "Uniform", "VertexArray")
+
+
+class Lap(NamedTuple):
+    """CPU seconds between two laps: in Python, in OpenGL, in the OpenXR runtime, in the test rig.
+
+    Waiting takes no CPU time, so it is in none of them.
+    """
+
+    python_s: float
+    opengl_s: float
+    runtime_s: float
+    rig_s: float
+
+
+class Clock:
+    """The CPU time of the thread that makes it. Calls that nest count for the outermost."""
+
+    def __init__(self) -> None:
+        self._spent_s: dict[Place, float] = {"opengl": 0.0, "runtime": 0.0, "rig": 0.0}
+        self._inside = False
+        self._since_s = time.thread_time()
+
+    def around(self, place: Place, function: Callable[..., Any]) -> Callable[..., Any]:
+        """Return `function`, with the time in it counted for `place`."""
+
+        def call(*arguments: Any, **options: Any) -> Any:
+            if self._inside:
+                return function(*arguments, **options)
+            self._inside = True
+            start_s = time.thread_time()
+            try:
+                return function(*arguments, **options)
+            finally:
+                self._spent_s[place] += time.thread_time() - start_s
+                self._inside = False
+
+        return call
+
+    def lap(self) -> Lap:
+        """Return what was spent since the last lap, and begin the next."""
+        now_s = time.thread_time()
+        opengl_s, runtime_s, rig_s = (self._spent_s[place] for place in self._spent_s)
+        python_s = now_s - self._since_s - opengl_s - runtime_s - rig_s
+        self._since_s = now_s
+        self._spent_s = dict.fromkeys(self._spent_s, 0.0)
+        return Lap(python_s, opengl_s, runtime_s, rig_s)
+
+
+@contextmanager
+def replaced(owner: Any, name: str, value: Any) -> Iterator[None]:
+    """Give an attribute another value for a while."""
+    before = getattr(owner, name)
+    setattr(owner, name, value)
+    try:
+        yield
+    finally:
+        setattr(owner, name, before)
+
+
+@contextmanager
+def clocked_opengl(clock: Clock) -> Iterator[None]:
+    """Count moderngl's methods as OpenGL."""
+    with ExitStack() as kept:
+        for owner in (getattr(moderngl, name) for name in _CLASSES if hasattr(moderngl, name)):
+            for name, method in list(vars(owner).items()):
+                if callable(method) and not name.startswith("__"):
+                    kept.enter_context(replaced(owner, name, clock.around("opengl", method)))
+        yield
