@@ -94,11 +94,12 @@ class StereoRenderer:
         Drivers compile when something is first drawn, so two frames are drawn that nobody sees.
         """
         self.build(scene, condition)
+        passes = self._built()
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
-        self._passes.warm_up()
+        passes.warm_up()
         self.drain()
-        self._passes.forget()
+        passes.forget()
         self._before = None
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
