@@ -23,6 +23,11 @@ class Attendance:
         How long nobody may look before the session is given up.
     notify
         Called when a controller is lost and found.
+
+    Attributes
+    ----------
+    away
+        Whether the participant sees nothing of the present frame.
     """
 
     def __init__(
@@ -32,6 +37,7 @@ class Attendance:
         self._patience_s = patience_s
         self._notify = notify
         self._held = [True, True]
+        self.away = False
         self.allow(0.0)
 
     def allow(self, absence_s: float) -> None:
@@ -56,20 +62,21 @@ class Attendance:
         return running
 
     def update(self, inputs: Inputs) -> bool:
-        """Take note of a frame; return whether the participant sees it.
+        """Take note of a frame; return True where the participant comes back with it.
 
         Raises
         ------
         RuntimeLostError
             If they have seen nothing until patience is over.
         """
-        if self._lifecycle.seen:
+        before, self.away = self.away, not self._lifecycle.seen
+        if not self.away:
             self.allow(0.0)
         elif time.monotonic() > self._until_s:
             raise asleep(self._patience_s)
         if self._lifecycle.focused:  # else the runtime's own menu has the controllers
             self._notice(inputs)
-        return self._lifecycle.seen
+        return before and not self.away
 
     def _notice(self, inputs: Inputs) -> None:
         for number, hand in enumerate(inputs.hands):

@@ -75,15 +75,13 @@ class OpenXrHeadset:
         self._next_index = 0
         self._time_ns = self._period_ns = 0
         self._cut = True
-        self._paused = False
         self._inputs: Inputs | None = None
         self._in_scene = False
 
     @property
     def name(self) -> str:
         """Return what the manifest calls this headset."""
-        runtime = self._xr.runtime
-        return f"openxr: {runtime.headset_name} ({runtime.name})"
+        return f"openxr: {self._xr.runtime.headset_name} ({self._xr.runtime.name})"
 
     @property
     def details(self) -> dict[str, str]:
@@ -210,10 +208,7 @@ class OpenXrHeadset:
 
     def hidden_areas(self) -> tuple[display.HiddenArea | None, display.HiddenArea | None]:
         """Return what the left and the right eye never see; None where that is nothing."""
-        if display.VISIBILITY_MASK not in self._xr.runtime.extensions:
-            return None, None
-        left, right = (display.hidden_area(self._xr.session, eye) for eye in (0, 1))
-        return left, right
+        return display.hidden_areas(self._xr.session, self._xr.runtime.extensions)
 
     def close(self) -> None:
         """End the session as the runtime likes it, and release everything."""
@@ -240,8 +235,7 @@ class OpenXrHeadset:
     def _next_frame(self) -> Frame | None:
         if self._open is not None:
             self._submit(self._open, None)
-        lifecycle = self._xr.lifecycle
-        self._cut = self._cut or not lifecycle.running
+        self._cut |= not self._xr.lifecycle.running
         if not self._attendance.wait():
             return None
         if self._before_wait is not None:
@@ -260,8 +254,7 @@ class OpenXrHeadset:
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        paused = not self._attendance.update(inputs)
-        self._cut |= self._paused and not paused
+        self._cut |= self._attendance.update(inputs)
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
@@ -271,15 +264,14 @@ class OpenXrHeadset:
             avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
-            paused=paused,
+            paused=self._attendance.away,
         )
-        self._paused = paused
         self._next_index, self._cut = self._next_index + 1, False
         return frame
 
     def _relocate_panels(self, new_from_old: Pose) -> None:
         for panel in self._panels:
-            panel.quad = Quad(new_from_old @ panel.quad.pose, panel.quad.size_m)
+            panel.move(Quad(new_from_old @ panel.quad.pose, panel.quad.size_m))
 
     def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
         composed: list[layers.Layer] = []
