@@ -1,14 +1,14 @@
 """The kernels of the sources: their twins, pixels worked out by hand, and what each does wrong."""
 
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 import pytest
-from effects_parts import NEAR_M, rgb_of, square_pixels, textures
+from effects_parts import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
 
 from vrcomfort.geometry import Pose
 from vrcomfort.optics import gathering, pyramid, scattering
-from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.kernels import make_kernel
 
@@ -96,6 +96,14 @@ def test_what_is_in_focus_is_copied_bit_for_bit(ctx, rng, kernel):
     np.testing.assert_array_equal(found.rgb.view("i2"), rgb.view("i2"))
 
 
+@pytest.mark.parametrize("kernel", get_args(Kernel))
+def test_without_aperture_every_kernel_gives_the_pinhole_image(ctx, rng, kernel):
+    rgb = np.exp(rng.uniform(-9, 11, (13, 21, 3))).astype("f2")
+    distance_m = rng.uniform(0.1, 50, (13, 21))
+    found = depth_of_field(ctx, rgb, distance_m, FOCUS_M, kernel=kernel, max_radius_percent=0)
+    np.testing.assert_array_equal(found.view("i2"), rgb.view("i2"))
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17)])
 def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
@@ -103,7 +111,8 @@ def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
     rgb = np.exp2(rng.uniform(-14, 15.99, (height, width, 3))).astype("f2")
     rgb[rng.random((height, width)) < 0.3] = 65504
     for limit_px in (1e-3, 0.5, 3.0, 40.0):
-        for radius in (-limit_px, 0.0, limit_px, rng.uniform(-limit_px, limit_px, (height, width))):
+        mixed = rng.uniform(-limit_px, limit_px, (height, width))
+        for radius in (-limit_px, 0.0, limit_px, mixed):
             out = blur(ctx, kernel, rgb, radius, limit_px=limit_px).rgb
             assert np.isfinite(out).all()
             assert out.max() <= rgb.max()
@@ -142,6 +151,14 @@ def test_scatter_spreads_one_pixel_over_its_disc(ctx):
     assert found[4, 5] == pytest.approx((1 / area) / (1 + 1 / area), abs=1e-3)
     assert found[4, 6] == pytest.approx((0.5 / area) / (1 + 0.5 / area), abs=1e-3)
     assert found[4, 7] == 0
+
+
+def test_scatter_draws_discs_that_are_wider_than_a_drivers_points(ctx, rng):
+    rgb = rng.uniform(0, 1, (12, 14, 3)).astype("f2")
+    radius = rng.uniform(-9, 9, (12, 14)) * rng.integers(0, 2, (12, 14))
+    widest = ctx.info["GL_POINT_SIZE_RANGE"][1]
+    found = blur(ctx, "scatter", rgb, radius, limit_px=widest, pixel_aspect=1.25)
+    np.testing.assert_allclose(found.rgb, twin("scatter", found, 1.25), atol=2**-9)
 
 
 def test_the_nearer_side_does_not_matter_to_scatter(ctx):
