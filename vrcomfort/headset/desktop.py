@@ -171,9 +171,8 @@ class DesktopHeadset:
         """Return what keys and mouse do in the present frame; the mouse is the right hand."""
         return self._inputs
 
-    def wake(self, timeout_s: float) -> bool:  # noqa: ARG002 - it wants frames at once
-        """Return whether there will be frames: not once the window is closed."""
-        return not self._window.closing
+    def allow_absence(self, duration_s: float) -> None:
+        """Do nothing: a window waits for as long as it is open."""
 
     def tick(self, hand: int) -> None:
         """Do nothing: a mouse cannot tick."""

@@ -13,9 +13,9 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
-from vrcomfort.respondent.panel import Pointing
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.respondent.pointing import Pointing
 
 DISTANCE_M = 1.25
 WIDTH_M = 1.04
@@ -55,8 +55,8 @@ class PanelHeadset(Protocol):
     def take_events(self) -> list[HeadsetEvent]:
         """Return what happened since the last call."""
 
-    def wake(self, timeout_s: float) -> bool:
-        """Return whether the headset wants frames, after so long at most."""
+    def allow_absence(self, duration_s: float) -> None:
+        """Take note that nobody need look for so long."""
 
     def tick(self, hand: int) -> None:
         """Let a controller tick."""
@@ -78,6 +78,7 @@ class PanelScreen:
         self._headset = headset
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
+        self._picture: Picture | None = None
         self._hand = 1
         self.notice: Callable[[HeadsetEvent], None] = lambda _: None
 
@@ -93,6 +94,7 @@ class PanelScreen:
 
     def show(self, picture: Picture | None) -> None:
         """Show a picture, or take the panel away."""
+        self._picture = picture
         if picture is not None:
             if self._panel is None:
                 self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
@@ -127,7 +129,8 @@ class PanelScreen:
                 return Pointing(point, hand.select, held=hand.held, hand=number)
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
-        return Pointing(point, dwelling=point is not None)
+        seen = any(hand.aim for hand in hands) or (gaze is not None and gaze.valid)
+        return Pointing(point, dwelling=point is not None, unable=not seen)
 
     def next_frame(self) -> None:
         """Let a frame pass that shows the panel alone.
@@ -148,10 +151,23 @@ class PanelScreen:
         self._headset.submit(frame, None)
         for event in self._headset.take_events():
             self.notice(event)
+            if event.name == "recentered":
+                self._place_again()
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Let the participant take the headset off for so long."""
+        self._headset.allow_absence(duration_s)
 
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""
         self._headset.tick(hand)
+
+    def _place_again(self) -> None:
+        """Put the panel before the participant, who has been given a new straight ahead."""
+        if self._panel is not None:
+            self._panel.hide()
+            self._panel = None
+            self.show(self._picture)
 
     def _hit(self, ray: Pose | None) -> tuple[float, float] | None:
         return None if ray is None or self._panel is None else self._panel.quad.intersection(ray)

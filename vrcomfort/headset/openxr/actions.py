@@ -91,22 +91,21 @@ class Actions:
     def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
         active = xr.get_action_state_pose(self._session, self._get["aim", hand]).is_active
         stick = xr.get_action_state_vector2f(self._session, self._get["move", hand]).current_state
+        held, select = self._button("select", hand)
         return HandInput(
             aim=stage.locate(self._aims[hand], time_ns) if active else None,
-            select=self._pressed("select", hand),
-            back=self._pressed("back", hand),
-            stop=self._pressed("stop", hand),
-            held=self._held("select", hand),
+            select=select,
+            back=self._button("back", hand)[1],
+            stop=self._button("stop", hand)[1],
+            held=held,
             thumbstick=(stick.x, stick.y),
         )
 
-    def _pressed(self, name: str, hand: int) -> bool:
+    def _button(self, name: str, hand: int) -> tuple[bool, bool]:
+        """Return whether a button is down, and whether it has gone down since the last `sync`."""
         state = xr.get_action_state_boolean(self._session, self._get[name, hand])
-        return bool(state.current_state and state.changed_since_last_sync)
-
-    def _held(self, name: str, hand: int) -> bool:
-        state = xr.get_action_state_boolean(self._session, self._get[name, hand])
-        return bool(state.current_state)
+        down = bool(state.current_state)
+        return down, down and bool(state.changed_since_last_sync)
 
     def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
         if self._gaze_space is None:
