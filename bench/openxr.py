@@ -23,7 +23,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.monado import Monado
-from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, native
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.headset.trace import Trace, read_trace
@@ -78,7 +78,9 @@ def measure(ctx: moderngl.Context, *, frames: int) -> Result:
     clock = Clock()
     with Monado() as monado, monado.feed() as feed, clocked(clock):
         rows = [
-            _row(condition.name, step, _laps(ctx, clock, scene, trace, feed, condition, step, frames))
+            _row(
+                condition.name, step, _laps(ctx, clock, scene, trace, feed, condition, step, frames)
+            )
             for condition in (CONDITIONS[0], CONDITIONS[-1])
             for step in STEPS
         ]
@@ -105,6 +107,9 @@ def clocked(clock: Clock) -> Iterator[None]:
         kept.enter_context(clocked_opengl(clock))
         copying = replaced(depth, "_copier", lambda ctx: clock.around("opengl", copier(ctx)))
         kept.enter_context(copying)
+        raw = native._raw
+        calling = replaced(native, "_raw", lambda name: clock.around("runtime", raw(name)))
+        kept.enter_context(calling)
         for name in dir(functions):
             if name.startswith("xr") and callable(function := getattr(functions, name)):
                 kept.enter_context(replaced(functions, name, clock.around("runtime", function)))
@@ -112,7 +117,9 @@ def clocked(clock: Clock) -> Iterator[None]:
 
 
 def _row(condition: str, step: str, laps: list[Lap]) -> dict[str, Any]:
-    python, runtime = (1e3 * np.array(values) for values in zip(*((l.python_s, l.runtime_s) for l in laps)))
+    python, runtime = (
+        1e3 * np.array(values) for values in zip(*((l.python_s, l.runtime_s) for l in laps))
+    )
     (median, high), budget = np.percentile(python + runtime, [50, 99]), 1e3 / REFRESH_HZ
     return {
         "condition": condition,

@@ -218,6 +218,10 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     )
     effect.forget()
     assert effect.clamps() == ()
+    # A narrower field of view has more pixels to the minute of arc; its own limit is the one told.
+    effect.render(fov=Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose())
+    narrow_px = np.tan(np.radians(1.0)) * 32 / np.tan(0.2)
+    assert effect.clamps()[0].endswith(f"limited to {narrow_px:.1f} px")
 
 
 def test_a_lens_without_an_opening_needs_no_pass():

@@ -1,47 +1,19 @@
 """The kernels of the sources: their twins, pixels worked out by hand, and what each does wrong."""
 
-from typing import NamedTuple
+from typing import get_args
 
 import numpy as np
 import pytest
-from effects_parts import NEAR_M, rgb_of, square_pixels, textures
+from effects_parts import depth_of_field
+from hypothesis import given
+from hypothesis import strategies as st
+from kernel_parts import FOCUS_M, blur
 
-from vrcomfort.geometry import Pose
 from vrcomfort.optics import gathering, pyramid, scattering
-from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.defocus import Defocus
-from vrcomfort.render.kernels import make_kernel
+from vrcomfort.protocol.conditions import Kernel
 
 KERNELS = ("scatter", "poisson12", "poisson15_near", "mip", "mip_slices")
-FOCUS_M = 1.0
-
-
-class Blurred(NamedTuple):
-    """(h, w, 4) points, (h, w, 3) half floats of the kernel, and the largest radius."""
-
-    points: np.ndarray
-    rgb: np.ndarray
-    limit_px: float
-
-
-def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0):
-    """Blur (h, w, 3) radiance by (h, w) signed radii, as a condition would."""
-    height, width, _ = rgb.shape
-    # 1 dioptre of defocus is the largest radius; behind the focus, infinity is 1 dioptre away.
-    distance_m = 1 / np.maximum(1 - np.broadcast_to(radius_px, (height, width)) / limit_px, 1e-9)
-    colour, depth = textures(ctx, rgb, distance_m)
-    focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
-    settings = DepthOfField(kernel=kernel, law="dioptre", full_blur_dioptre=1.0)
-    wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
-    size_px = (width, height)
-    defocus = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4
-    )
-    defocus.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
-    made = make_kernel(ctx, colour, defocus, wide)
-    made.render(pixel_aspect)
-    points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)
-    return Blurred(points.astype(float), rgb_of(made.target), defocus.limit_px)
+radii = st.floats(-16, 16)
 
 
 def twin(kernel, found, pixel_aspect):
@@ -96,6 +68,14 @@ def test_what_is_in_focus_is_copied_bit_for_bit(ctx, rng, kernel):
     np.testing.assert_array_equal(found.rgb.view("i2"), rgb.view("i2"))
 
 
+@pytest.mark.parametrize("kernel", get_args(Kernel))
+def test_without_aperture_every_kernel_gives_the_pinhole_image(ctx, rng, kernel):
+    rgb = np.exp(rng.uniform(-9, 11, (13, 21, 3))).astype("f2")
+    distance_m = rng.uniform(0.1, 50, (13, 21))
+    found = depth_of_field(ctx, rgb, distance_m, FOCUS_M, kernel=kernel, max_radius_percent=0)
+    np.testing.assert_array_equal(found.view("i2"), rgb.view("i2"))
+
+
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17)])
 def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
@@ -103,7 +83,8 @@ def test_extremes_stay_finite_and_within_the_image(ctx, rng, kernel, size_px):
     rgb = np.exp2(rng.uniform(-14, 15.99, (height, width, 3))).astype("f2")
     rgb[rng.random((height, width)) < 0.3] = 65504
     for limit_px in (1e-3, 0.5, 3.0, 40.0):
-        for radius in (-limit_px, 0.0, limit_px, rng.uniform(-limit_px, limit_px, (height, width))):
+        mixed = rng.uniform(-limit_px, limit_px, (height, width))
+        for radius in (-limit_px, 0.0, limit_px, mixed):
             out = blur(ctx, kernel, rgb, radius, limit_px=limit_px).rgb
             assert np.isfinite(out).all()
             assert out.max() <= rgb.max()
@@ -142,6 +123,14 @@ def test_scatter_spreads_one_pixel_over_its_disc(ctx):
     assert found[4, 5] == pytest.approx((1 / area) / (1 + 1 / area), abs=1e-3)
     assert found[4, 6] == pytest.approx((0.5 / area) / (1 + 0.5 / area), abs=1e-3)
     assert found[4, 7] == 0
+
+
+def test_scatter_draws_discs_that_are_wider_than_a_drivers_points(ctx, rng):
+    rgb = rng.uniform(0, 1, (12, 14, 3)).astype("f2")
+    radius = rng.uniform(-9, 9, (12, 14)) * rng.integers(0, 2, (12, 14))
+    widest = ctx.info["GL_POINT_SIZE_RANGE"][1]
+    found = blur(ctx, "scatter", rgb, radius, limit_px=widest, pixel_aspect=1.25)
+    np.testing.assert_allclose(found.rgb, twin("scatter", found, 1.25), atol=2**-9)
 
 
 def test_the_nearer_side_does_not_matter_to_scatter(ctx):
@@ -216,6 +205,20 @@ def test_near_circles_widen_by_equation_2():
     np.testing.assert_allclose(radius, [4, 4, 8, 4, 7, 5])
     near = gathering.near_mean_px([[-1.0] * 8 + [5.0, -4.0]])
     np.testing.assert_allclose(near, [[1.0, 2.0]])
+
+
+@given(radii, st.floats(0, 16))
+def test_a_spread_circle_is_never_narrower_than_its_own(radius_px, near_mean):
+    spread = gathering.spread_radius_px(radius_px, near_mean, radius_limit_px=16.0)
+    assert abs(radius_px) <= spread <= 16
+    assert spread == abs(radius_px) or near_mean > 0
+
+
+@given(radii, st.integers(1, 4), st.booleans())
+def test_a_level_fades_in_as_the_radius_grows(radius_px, level, slices):
+    here, wider = (pyramid.fade(r, level, slices=slices) for r in (abs(radius_px), 16.0))
+    assert 0 <= here <= wider == 1
+    assert pyramid.fade(0.0, level, slices=slices) == 0
 
 
 @pytest.mark.parametrize("taps", [gathering.POISSON_12, gathering.POISSON_15])

@@ -212,6 +212,7 @@ class Defocus:
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         self._peak.forget()
+        self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
         """Return the largest radius of all frames before its limit; waits for the GPU."""

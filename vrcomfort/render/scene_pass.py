@@ -237,8 +237,9 @@ class _ViewBlock:
     def _write_lens(self, camera: EyeCamera) -> None:
         lens = camera.lens or PINHOLE
         head = camera.head
-        ahead_m = head.forward @ (camera.world_from_eye.position - head.position)
+        forward = head.forward
+        ahead_m = forward @ (camera.world_from_eye.position - head.position)
         offset = np.array(lens.position) * self._ndc_per_px
         self._block["lens"] = (*offset, lens.focus_m, lens.infinity_m)
         self._block["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
-        self._block["head_forward"] = (*head.forward, ahead_m + lens.distance_offset_m)
+        self._block["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)

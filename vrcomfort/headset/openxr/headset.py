@@ -17,6 +17,7 @@ from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.attendance import Attendance
 from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.whereabouts import Whereabouts
 from vrcomfort.headset.timing import Timing, rate_runtime
@@ -71,6 +72,9 @@ class OpenXrHeadset:
             self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
         )
         self._attendance = Attendance(self._xr.lifecycle, settings.patience_s, self._events.append)
+        self._wait_frame, self._begin_frame = native("xrWaitFrame"), native("xrBeginFrame")
+        self._frame_state = xr.FrameState()
+        self._end_frame = layers.FrameEnd(self._xr.session)
         self._open: Frame | None = None
         self._next_index = 0
         self._time_ns = self._period_ns = 0
@@ -240,11 +244,11 @@ class OpenXrHeadset:
             return None
         if self._before_wait is not None:
             self._before_wait()
-        timing = xr.wait_frame(self._xr.session)
+        self._wait_frame(self._xr.session, None, self._frame_state)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
-        xr.begin_frame(self._xr.session)
+        self._begin_frame(self._xr.session, None)
         self._inputs = None
-        self._open = self._frame(timing)
+        self._open = self._frame(self._frame_state)
         return self._open
 
     def _frame(self, timing: xr.FrameState) -> Frame:
@@ -282,7 +286,7 @@ class OpenXrHeadset:
                 composed.append(self._xr.eyes.structure(space, self._where.tracking.xr_views))
             composed += [layer for each in self._panels if (layer := each.structure(space))]
         self._open = None
-        layers.end_frame(self._xr.session, frame.predicted_display_time_ns, composed)
+        self._end_frame(frame.predicted_display_time_ns, composed)
 
     def _leave(self) -> None:
         """Give empty frames until the runtime has ended the session."""

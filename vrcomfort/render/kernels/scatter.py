@@ -9,9 +9,12 @@ from vrcomfort.render import gl, shaders
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 
+TALLEST_PIXEL = 1.5
+"""No headset's pixels are narrower than this, height over width."""
+
 
 class ScatterKernel:
-    """Algorithm 1 of Carnegie & Rhee 2015, as blended squares (``scatter.vert``, ``scatter.frag``).
+    """Algorithm 1 of Carnegie & Rhee 2015, as blended sprites (``scatter.vert``, ``scatter.frag``).
 
     Notes
     -----
@@ -36,10 +39,13 @@ class ScatterKernel:
         self._points = defocus.points
         shares = gl.color_texture(ctx, defocus.size_px, dtype="f4")
         self._framebuffer = ctx.framebuffer([shares])
-        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
-        program = shaders.program(ctx, "scatter.frag", "scatter.vert")
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
+        widest_px = 2 * (TALLEST_PIXEL * (defocus.limit_px + 0.5) + 1)
+        self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
+        defines = {} if self._fits_points else {"SQUARES": 1}
+        program = shaders.program(ctx, "scatter.frag", "scatter.vert", defines)
         program["points"] = 0
-        self._squares = ctx.vertex_array(program, [])
+        self._sprites = ctx.vertex_array(program, [])
         self._mean = FullscreenPass(
             ctx, "scatter_mean.frag", size_px=defocus.size_px, inputs={"shares": shares}
         )
@@ -47,11 +53,14 @@ class ScatterKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._squares.program["pixel_aspect"] = pixel_aspect
+        self._sprites.program["pixel_aspect"] = pixel_aspect
         self._framebuffer.clear()
         self._points.use(0)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE
         pixels = self._points.width * self._points.height
         with self._scope:
-            self._squares.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
+            if self._fits_points:
+                self._sprites.render(moderngl.POINTS, vertices=pixels)
+            else:
+                self._sprites.render(moderngl.TRIANGLE_STRIP, vertices=4, instances=pixels)
         self._mean.render()
