@@ -7,6 +7,7 @@ from vrcomfort.records.recorder import Recorder, session_folder
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
+    GazeRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,
@@ -28,6 +29,7 @@ from vrcomfort.records.study import (
 __all__ = [
     "EventRow",
     "FrameRow",
+    "GazeRow",
     "Interrupted",
     "Machine",
     "Manifest",

@@ -10,7 +10,7 @@ import moderngl
 import xr
 
 from vrcomfort.errors import RuntimeLostError
-from vrcomfort.geometry import Pose, Quad
+from vrcomfort.geometry import Gaze, Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import Inputs
@@ -252,7 +252,7 @@ class OpenXrHeadset:
         self._period_ns = int(timing.predicted_display_period)
         self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
         head = self._tracking.head
-        self.inputs()  # kept: between frames a pose would be a guess
+        seen = self.inputs().gaze  # all are kept: between frames a pose would be a guess
         self._move(head, passed_s)
         paused = not self._xr.lifecycle.seen
         self._cut |= self._paused and not paused
@@ -266,6 +266,7 @@ class OpenXrHeadset:
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=paused,
+            gaze=None if seen is None else Gaze(seen.pose, seen.valid),
         )
         self._paused = paused
         self._next_index, self._cut = self._next_index + 1, False
