@@ -82,16 +82,17 @@ def _rows(
     reference = Reference(ctx, scene, condition, SIZE_PX, samples=samples)
     found: dict[str, list[Accuracy]] = {}
     for before, frame in pairs(scene, SIZE_PX, VIEWS):
-        shot = _shoot(ctx, scene, condition, before, frame)
+        shot = shoot(ctx, scene, condition, before, frame)
         truth = reference.render(
             shot.images.camera, _time_s(frame), shot.images.previous, focus_m=FOCUS_M
         )
         for name, method in _methods(condition).items():
-            found.setdefault(name, []).append(_errors(scene, shot, method(shot), truth.halves))
+            found.setdefault(name, []).append(errors(scene, shot, method(shot), truth.halves))
     return [_row(scene, condition, name, errors) for name, errors in found.items()]
 
 
-def _errors(scene: Scene, shot: Shot, image: Pixels, halves: tuple[Pixels64, Pixels64]) -> Accuracy:
+def errors(scene: Scene, shot: Shot, image: Pixels, halves: tuple[Pixels64, Pixels64]) -> Accuracy:
+    """Return the errors of an image, without the margin and the sun's disc."""
     exposure = scene.environment.exposure
     bright, apart = np.maximum(*halves) * exposure, np.abs(halves[0] - halves[1]) * exposure
     sun = np.any((bright > SUN) | (apart > UNSURE), axis=-1, keepdims=True)
@@ -151,9 +152,10 @@ def _time_s(frame: Frame) -> float:
     return frame.index / REFRESH_HZ
 
 
-def _shoot(
+def shoot(
     ctx: moderngl.Context, scene: Scene, condition: Condition, before: Frame, frame: Frame
 ) -> Shot:
+    """Return the left eye's images of a frame that follows another."""
     shots: list[Shot] = []
 
     def keep(eye: int, images: EyeImages) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Gaze, Pose
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,8 @@ class HandInput:
         stage-from-aim: it points along −Z. None where the controller is off or not tracked.
     select, back, stop
         True in the one frame in which the button goes down.
+    held
+        True as long as the button of `select` is down.
     thumbstick
         (right, forward), each −1 to 1.
     """
@@ -25,26 +27,21 @@ class HandInput:
     select: bool = False
     back: bool = False
     stop: bool = False
+    held: bool = False
     thumbstick: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
-class Gaze:
-    """Where both eyes look.
+class SeenGaze(Gaze):
+    """Where both eyes look, and when the tracker saw them.
 
     Parameters
     ----------
-    pose
-        stage-from-gaze: it looks along −Z.
     time_ns
-        When the eyes were seen, on the clock of the frames' predicted display times.
-    valid
-        False where the pose is a guess (eyes closed, lost, not calibrated): do not use it then.
+        On the clock of the frames' predicted display times; 0 where the tracker does not say.
     """
 
-    pose: Pose
-    time_ns: int
-    valid: bool
+    time_ns: int = 0
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,7 @@ class Inputs:
 
     left: HandInput = HandInput()
     right: HandInput = HandInput()
-    gaze: Gaze | None = None
+    gaze: SeenGaze | None = None
     keys: KeyInput = KeyInput()
 
     @property

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
-from vrcomfort.render import shaders
+from vrcomfort.render import gl, shaders
 from vrcomfort.render.scene_data import Environment, Scene
 
 LIGHT_BINDING = 1
@@ -49,7 +49,7 @@ class Light:
         self._block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
         _write_environment(self._block, scene.environment)
         self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
-        self._buffer = ctx.buffer(reserve=self._block.nbytes, dynamic=True)
+        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
 
     def update(self, eye_m: Array, shadow_from_world: Array | None, bias: Array | None) -> None:
         """Write and bind the block for an eye.

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.render import shaders
+from vrcomfort.render import gl, shaders
 from vrcomfort.render.draw_list import BatchKey
 from vrcomfort.render.scene_data import Material, Scene
 from vrcomfort.render.textures import TextureStore
@@ -55,7 +55,7 @@ class MaterialBuffer:
             _material_block(material, layout).tobytes().ljust(self._stride, b"\0")
             for material in materials
         )
-        self._buffer = ctx.buffer(data or bytes(self._stride))
+        self._buffer = gl.buffer(ctx, data or bytes(self._stride))
 
     def bind(self, material: int) -> None:
         """Make a material the one that shaders see."""
@@ -120,13 +120,19 @@ class SurfaceFactory:
             self._color[features] = self._vertex_array(program)
         return self._color[features]
 
+    def semantic(self, key: BatchKey) -> moderngl.VertexArray | None:
+        """Return what draws a batch's depth and semantic weights, None where it writes no depth."""
+        material = self._scene.materials[key.material]
+        if material.alpha_mode == "BLEND":
+            return None
+        return self._depth_array((*_features(material, vertex_colors=False), "SEMANTIC"))
+
     def _depth_array(self, features: Features) -> moderngl.VertexArray:
-        masked = "ALPHA_MASK" in features
-        relevant = ("ALPHA_MASK", "BASE_COLOR_IMAGE") if masked else ()
-        features = tuple(name for name in features if name in relevant)
+        relevant = ("ALPHA_MASK", "BASE_COLOR_IMAGE") if "ALPHA_MASK" in features else ()
+        features = tuple(name for name in features if name in (*relevant, "SEMANTIC"))
         if features not in self._depth:
+            fragment = "depth.frag" if features else None
             defines = dict.fromkeys(features, 1)
-            fragment = "depth.frag" if masked else None
             program = shaders.program(self._ctx, fragment, "depth.vert", defines)
             self._depth[features] = self._vertex_array(program)
         return self._depth[features]

@@ -20,6 +20,9 @@ from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Ren
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row
 
+REST_SLICE_S = 0.2
+"""So often a rest looks up."""
+
 SessionStatus = Literal["completed", "withdrawn", "aborted"]
 
 
@@ -127,14 +130,17 @@ class SessionFlow:
             interview.hold(self._respondent, after_withdrawal=after_withdrawal)
 
     def _rest(self, duration_s: float) -> None:
-        """Wait; in slices, so that progress can be shown."""
+        """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
         clock = self._lab.clock
         start_s = clock.now_s()
-        while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
-            self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
-            clock.wait(min(left_s, 1.0))
-        self._respondent.rest(duration_s)
-        self._diary.event("rest", start_s)
+        try:
+            while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
+                self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
+                if not self._respondent.resting(left_s):
+                    clock.wait(min(left_s, REST_SLICE_S))
+            self._respondent.rest(duration_s)
+        finally:
+            self._diary.event("rest", start_s)
 
     def _trial(self, place: Place) -> None:
         """Expose, write the trial's row whatever happens, and ask how it was."""
@@ -188,7 +194,9 @@ class SessionFlow:
         lab = self._lab
         scene = lab.load_scene(lab.protocol.scene_source(place.scene))
         headset = lab.headset_for(place.scene, scene)
-        lab.renderer.begin(scene, lab.protocol.condition(place.condition or ""))
+        condition = lab.protocol.condition(place.condition or "")
+        lab.renderer.begin(scene, condition)
+        self._log.focus_follows_gaze = condition.focus.method == "gaze"
         return FrameLoop(headset, lab.renderer, self._respondent, self._diary, self._log)
 
     def _train(self, loop: FrameLoop, place: Place, ending: _Ending) -> None:
@@ -222,6 +230,13 @@ class SessionFlow:
             )
         finally:
             self._diary.event("exposure", start_s, detail=_shown(place))
+            self._note_clamps(place)
+
+    def _note_clamps(self, place: Place) -> None:
+        """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
+        for sentence in self._lab.renderer.clamps():
+            self._diary.event("clamp", detail=sentence)
+            self._ledger.clamp(f"{_shown(place)}: {sentence}")
 
     def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:
         return Exhibit(number, place.condition or "", duration_s, self._lab.stretch)

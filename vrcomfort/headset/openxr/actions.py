@@ -9,7 +9,7 @@ from typing import Any
 import xr
 
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.inputs import Gaze, HandInput, Inputs
+from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.headset.openxr.bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.instance import Runtime, check
@@ -98,20 +98,24 @@ class Actions:
         self._state_of_pose(self._session, self._get["aim", hand], self._pose)
         self._state_of_stick(self._session, self._get["move", hand], self._stick)
         stick = self._stick.current_state
+        held, select = self._pressed("select", hand)
         return HandInput(
             aim=stage.locate(self._aims[hand], time_ns) if self._pose.is_active else None,
-            select=self._pressed("select", hand),
-            back=self._pressed("back", hand),
-            stop=self._pressed("stop", hand),
+            select=select,
+            back=self._pressed("back", hand)[1],
+            stop=self._pressed("stop", hand)[1],
+            held=held,
             thumbstick=(stick.x, stick.y),
         )
 
-    def _pressed(self, name: str, hand: int) -> bool:
+    def _pressed(self, name: str, hand: int) -> tuple[bool, bool]:
+        """Return whether a button is down, and whether it has gone down since the last `sync`."""
         state = self._button
         self._state_of_button(self._session, self._get[name, hand], state)
-        return bool(state.current_state and state.changed_since_last_sync)
+        down = bool(state.current_state)
+        return down, down and bool(state.changed_since_last_sync)
 
-    def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
+    def _read_gaze(self, stage: Stage, time_ns: int) -> SeenGaze | None:
         if self._gaze_space is None:
             return None
         seen = xr.EyeGazeSampleTimeEXT()
@@ -120,8 +124,9 @@ class Actions:
         check(locate(self._gaze_space, stage.space, time_ns, ctypes.byref(location)))
         flags = location._location_flags  # the enum costs 10 µs
         if flags & VALID != VALID:
-            return Gaze(Pose(), int(seen.time), valid=False)
-        return Gaze(pose_from_xr(location.pose), int(seen.time), flags & TRACKED == TRACKED)
+            return SeenGaze(Pose(), valid=False, time_ns=int(seen.time))
+        pose = pose_from_xr(location.pose)
+        return SeenGaze(pose, flags & TRACKED == TRACKED, int(seen.time))
 
     def _make(self, name: str, kind: xr.ActionType) -> xr.Action:
         return xr.create_action(

@@ -157,6 +157,10 @@ class PanelLayer:
             cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
         self._shown = picture
 
+    def move(self, quad: Quad) -> None:
+        """Put the panel elsewhere, from the next frame on."""
+        self.quad = quad
+
     @property
     def picture(self) -> NDArray[np.uint8] | None:
         """Return what is on it."""

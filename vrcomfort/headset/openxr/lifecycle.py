@@ -77,6 +77,11 @@ class Lifecycle:
         """Return whether the participant sees what is submitted."""
         return self.state in SEEN
 
+    @property
+    def focused(self) -> bool:
+        """Return whether the controllers are the session's, not those of the runtime's menu."""
+        return bool(self.state == State.FOCUSED)
+
     def wait_until_running(self, timeout_s: float = math.inf) -> bool:
         """Handle events until frames are wanted; return False where the session has ended.
 
