@@ -11,12 +11,12 @@ from typing import Any
 
 import moderngl
 
-from bench import accuracy, effects, python_time
+from bench import accuracy, effects, memory, python_time
 from bench.table import Result, write
 from vrcomfort.headset.monado import SERVICE
 from vrcomfort.render.gl import create_context
 
-NEED_RUNTIME = ("openxr",)
+NEED_RUNTIME = ("openxr", "memory_openxr")
 """Left out of a run of all where there is no Monado; `scripts/in_runtime.sh` brings one."""
 
 
@@ -28,6 +28,10 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
     "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
     "openxr": lambda ctx, options: _openxr().measure(ctx, frames=options.frames),
+    "memory": lambda ctx, options: memory.measure(ctx, frames=options.memory_frames),
+    "memory_openxr": lambda ctx, options: _openxr().measure_memory(
+        ctx, frames=options.memory_frames // 50
+    ),
     "accuracy": lambda ctx, options: accuracy.measure(ctx, samples=options.samples),
 }
 
@@ -40,6 +44,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=2048, help="of each reference")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each kind")
     parser.add_argument("--frames", type=int, default=300, help="frames for Python's own time")
+    parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 import xr
 
+from bench import memory
 from bench.clocked import Clock, Lap, clocked_opengl, replaced
 from bench.effects import CONDITIONS
 from bench.table import Result
@@ -70,6 +71,19 @@ class Rig:
         turn = self.frame / 20
         point = 0.5 + 0.4 * math.sin(turn), 0.5 + 0.4 * math.cos(1.7 * turn)
         return RemoteHand(aim_at(quad, point))
+
+
+def measure_memory(ctx: moderngl.Context, *, frames: int) -> Result:
+    """Show frames through Monado and record them; look whether memory grows."""
+    settings = OpenXrSettings(image_size_px=memory.SIZE_PX)
+    trace = read_trace(data_folder("scenes") / f"{SCENE}_walk.csv")
+    with Monado() as monado, monado.feed() as feed:
+        rig = Rig(feed, map(trace.head.pose, cycle(range(len(trace)))))
+        with (
+            OpenXrHeadset(ctx, settings, before_wait=rig) as headset,
+            memory.frame_loop(ctx, headset) as show,
+        ):
+            return memory.result("Memory, Monado", memory.watch(show, frames))
 
 
 def measure(ctx: moderngl.Context, *, frames: int) -> Result:
