@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
-from vrcomfort.questionnaire import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import FMS, INSTRUMENTS, Instrument
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
@@ -294,3 +294,23 @@ def test_a_ray_from_behind_or_beside_misses() -> None:
 def test_a_cell_knows_its_middle() -> None:
     cell = Cell((0, 0, SIZE_PX[0], SIZE_PX[1] // 2), "", Act.ANSWER)
     assert cell.center == (0.5, 0.25)
+
+
+def test_pointing_changes_the_pointed_cell_and_a_dot_and_nothing_else():
+    cells = question_cells(FMS, first=True)
+    page = Page("", FMS.instruction, cells, chosen=2)
+    painter = Painter()
+    plain = painter.draw(page, None, None)
+    cell = cells[5]
+    pointed = painter.draw(page, cell.center, cell)
+    left, top, right, bottom = cell.box
+    changed = np.any(plain != pointed, axis=2)
+    assert changed[top : bottom + 1, left : right + 1].mean() > 0.9
+    changed[top : bottom + 1, left : right + 1] = False
+    assert not changed.any()
+    dot = painter.draw(page, (0.0, 1.0), None)  # half of it lies beside the panel
+    where = np.argwhere(np.any(plain != dot, axis=2))
+    assert len(where)
+    assert where.min(axis=0)[0] >= SIZE_PX[1] - 11
+    assert where.max(axis=0)[1] <= 11
+    assert np.array_equal(painter.draw(page, None, None), plain)

@@ -266,6 +266,7 @@ class OpenXrHeadset:
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=self._attendance.away,
+            gaze=inputs.gaze,
         )
         self._next_index, self._cut = self._next_index + 1, False
         return frame
