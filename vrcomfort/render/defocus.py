@@ -15,7 +15,7 @@ from vrcomfort.render.camera import Lens, LensLaw
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Uniforms
 from vrcomfort.render.peak import PeakPass
 
-PEAK_TILE_PX = 32
+PEAK_TILE_PX = 16
 """Side of the tiles whose largest radii are compared on the way to the largest of all."""
 
 
