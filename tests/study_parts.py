@@ -139,6 +139,9 @@ class LateFocus:
         late, self._late = self._late, []
         return late
 
+    def clamps(self) -> tuple[str, ...]:
+        return ("a blur was limited",) if self._focus else ()
+
 
 @dataclass
 class Scripted:

@@ -62,6 +62,9 @@ class FlatRenderer:
     def drain(self) -> tuple[Any, ...]:
         return ()
 
+    def clamps(self) -> tuple[str, ...]:
+        return ()
+
 
 def walk() -> Iterator[Pose]:
     for frame in count():

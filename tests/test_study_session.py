@@ -86,6 +86,14 @@ def test_questionnaires_by_timepoint(tmp_path):
     assert status(tmp_path) == ("enrolled", "")
 
 
+def test_a_limit_that_shortened_a_blur_is_an_event_of_its_exposure(tmp_path):
+    go(tmp_path, Scripted(), sessions=[1])
+    found = [(row["name"], row["detail"]) for row in rows(tmp_path, "events.csv")]
+    at = found.index(("blur_limited", "a blur was limited"))
+    assert found[at - 1] == ("exposure", "blur in room.glb")
+    assert [name for name, _ in found].count("blur_limited") == 1
+
+
 def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypatch):
     synced: list[int] = []
     monkeypatch.setattr("os.fsync", synced.append)

@@ -222,6 +222,8 @@ class SessionFlow:
             )
         finally:
             self._diary.event("exposure", start_s, detail=_shown(place))
+            for clamp in self._lab.renderer.clamps():
+                self._diary.event("blur_limited", detail=clamp)
 
     def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:
         return Exhibit(number, place.condition or "", duration_s, self._lab.stretch)
