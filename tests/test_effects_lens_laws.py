@@ -210,6 +210,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
+    assert effect.limit_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
     # Law `linear`: 10 m of defocus reach the limit; the sky would have 2999.9 times as much.
     limit_px = np.tan(np.radians(1.0)) * focal_px
     assert effect.largest_radius_px() == pytest.approx(2999.9 * limit_px, rel=1e-5)
