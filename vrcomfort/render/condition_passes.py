@@ -10,6 +10,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.defocus import radius_limit_px
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
 from vrcomfort.render.focus_probes import screen_tangents
@@ -50,6 +51,7 @@ class ConditionPasses:
         self.focus: FocusPass | FixedFocus | None = None
         self._depth_of_field: DepthOfFieldPass | None = None
         self._motion_blur: MotionBlurPass | None = None
+        self.max_blur_px = 0.0
         self.colour = self.scene.colour
         effects = [self._add_depth_of_field, self._add_motion_blur]
         if condition.effect_order == "motion_blur_first":
@@ -78,6 +80,7 @@ class ConditionPasses:
             infinity_m=condition.focus.infinity_m,
         )
         self.colour = self._depth_of_field.target
+        self.max_blur_px = max(self.max_blur_px, radius_limit_px(settings, self._size_px))
 
     def _add_motion_blur(self, condition: Condition, near_m: float) -> None:  # noqa: ARG002
         settings = condition.motion_blur
@@ -93,12 +96,7 @@ class ConditionPasses:
             size_px=self._size_px,
         )
         self.colour = self._motion_blur.target
-
-    @property
-    def max_blur_px(self) -> float:
-        """Return the largest radius (or half streak) that the last frame could have."""
-        blurs = (self._depth_of_field, self._motion_blur)
-        return max((blur.limit_px for blur in blurs if blur is not None), default=0.0)
+        self.max_blur_px = max(self.max_blur_px, self._motion_blur.limit_px)
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
@@ -149,6 +147,8 @@ class ConditionPasses:
             self._depth_of_field.render(
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
+            streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
+            self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
 
     def _blur_motion(self, eye: PlacedEye) -> None:  # noqa: ARG002 - one of two interchangeable steps
         if self._motion_blur is not None:
