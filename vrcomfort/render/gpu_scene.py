@@ -29,6 +29,7 @@ from vrcomfort.render.vertex_data import (
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
+DepthArrays = list[moderngl.VertexArray | None]
 
 _ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
 _PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
@@ -65,7 +66,7 @@ class GpuScene:
         self._surfaces = [factory.make(key) for key in self._list.keys]
         self._factory = factory
         self._depth_arrays = [surface.depth for surface in self._surfaces]
-        self._semantic_arrays: list[moderngl.VertexArray | None] | None = None
+        self._semantic_arrays: DepthArrays | None = None
         self._prepare_rows()
         self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
@@ -197,14 +198,9 @@ class GpuScene:
         seen = self._seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
         in_use = self._level_in_use(origin_m) & self._shadow_row if shadow else self._in_use
         rows = np.flatnonzero(seen & in_use & self._chosen(movement) & ~self._blended_row)
-        if not len(rows):
-            return 0
-        order = rows[np.argsort(self._list.key[rows], kind="stable")]
-        self._upload(order, origin_m, previous=False)
-        self._look_through(clip_from_relative)
-        for batch in batches(self._list.key, order):
-            self._draw_depth_batch(batch.key, batch, self._depth_arrays, cull=not shadow)
-        return self._triangles(order)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._depth_arrays, cull=not shadow
+        )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
@@ -212,11 +208,20 @@ class GpuScene:
             self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
         seen = self._seen(culling.planes(clip_from_relative), origin_m)
         rows = np.flatnonzero(seen & self._in_use & ~self._blended_row)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._semantic_arrays, cull=True
+        )
+
+    def _draw_depth_rows(
+        self, rows: Rows, clip: Array, origin_m: Array, arrays: DepthArrays, *, cull: bool
+    ) -> int:
+        if not len(rows):
+            return 0
         order = rows[np.argsort(self._list.key[rows], kind="stable")]
         self._upload(order, origin_m, previous=False)
-        self._look_through(clip_from_relative)
+        self._look_through(clip)
         for batch in batches(self._list.key, order):
-            self._draw_depth_batch(batch.key, batch, self._semantic_arrays, cull=True)
+            self._draw_depth_batch(batch.key, batch, arrays, cull=cull)
         return self._triangles(order)
 
     def draw_depth_views(
@@ -293,14 +298,7 @@ class GpuScene:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
         self.draws += 1
 
-    def _draw_depth_batch(
-        self,
-        key: int,
-        batch: Batch,
-        arrays: list[moderngl.VertexArray | None],
-        *,
-        cull: bool,
-    ) -> None:
+    def _draw_depth_batch(self, key: int, batch: Batch, arrays: DepthArrays, *, cull: bool) -> None:
         surface, array = self._surfaces[key], arrays[key]
         if array is None:
             return
