@@ -9,7 +9,7 @@ from vrcomfort.render import gl, shaders
 
 
 class PeakPass:
-    """Keeps the greatest length of `texels.xy` over all calls in one pixel; `read` waits for the GPU."""
+    """Keeps the greatest length of `texels.xy` over all calls; `read` waits for the GPU."""
 
     def __init__(self, ctx: moderngl.Context, texels: moderngl.Texture) -> None:
         self._ctx = ctx

@@ -11,7 +11,6 @@ from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.peak import PeakPass
 
-
 LEAST_TILE_PX = 16
 MOST_TILES = 4
 """Tiles that the longest half streak may cross: more are finer, and more to look at."""
