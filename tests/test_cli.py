@@ -174,6 +174,11 @@ def test_bad_poses_are_refused(run: Run, tmp_path: Path, pose: str) -> None:
     assert_refused(result, "--pose", "X,Y,Z,YAW,PITCH,ROLL")
 
 
+def test_poses_far_from_everything_are_refused(run: Run, tmp_path: Path) -> None:
+    result = run("render", "--scene", "temple", "--pose", "1e300,0,0,0,0,0", "--out", tmp_path)
+    assert_refused(result, "--pose", "1000 km")
+
+
 def test_condition_without_protocol_is_refused(run: Run, tmp_path: Path) -> None:
     result = run("render", "--scene", "temple", "--condition", "dof_on", "--out", tmp_path)
     assert_refused(result, "--protocol")

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from vrcomfort.cli.live import LiveLab, open_window
-from vrcomfort.cli.wiring import describe_machine
+from vrcomfort.cli.wiring import describe_machine, require_eye_tracker
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -42,6 +42,7 @@ def desktop_lab(
         from vrcomfort.session.panel_screen import PanelScreen
 
         headset = DesktopHeadset(ctx, window, settings)
+        require_eye_tracker(protocol, headset.details)
         renderer = StereoRenderer(ctx, settings.image_size_px)
         owned.callback(renderer.release)
         machine = replace(
@@ -49,8 +50,9 @@ def desktop_lab(
             runtime="desktop window",
             timing_trust="low: a window's frames pass through the desktop's compositor",
         )
-        panel = PanelRespondent(PanelScreen(headset), keyboard=True)
-        yield LiveLab(headset, renderer, panel, machine)
+        screen = PanelScreen(headset)
+        panel = PanelRespondent(screen, keyboard=True)
+        yield LiveLab(headset, renderer, panel, screen, machine)
 
 
 def _settings(

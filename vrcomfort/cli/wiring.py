@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -123,6 +124,33 @@ def pick_condition(
         given = f"no condition {condition!r}" if condition else "--condition is missing"
         raise InputError(f"{given}; protocol {study.name} has: {', '.join(names)}")
     return study, study.condition(condition)
+
+
+def require_eye_tracker(protocol: Protocol, details: Mapping[str, str]) -> None:
+    """Refuse a headset without an eye tracker where a condition needs one.
+
+    Parameters
+    ----------
+    details
+        The headset's own; ``eye_tracker`` is "yes" where it has one.
+
+    Raises
+    ------
+    InputError
+        Before anybody is asked anything; says what to do.
+    """
+    needing = [
+        condition.name
+        for condition in protocol.conditions
+        if condition.depth_of_field is not None
+        and condition.focus.method == "gaze"
+        and condition.focus.without_gaze == "stop"
+    ]
+    if needing and details.get("eye_tracker") != "yes":
+        raise InputError(
+            f"focus follows the gaze in {', '.join(needing)}, and this headset has no eye tracker; "
+            'use one that has, or write without_gaze = "nine_ray" under [conditions.focus]'
+        )
 
 
 def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:

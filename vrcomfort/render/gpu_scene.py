@@ -63,8 +63,11 @@ class GpuScene:
         features = {**lighting.features(scene.environment), **(defines or {})}
         factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)
         self._surfaces = [factory.make(key) for key in self._list.keys]
-        self._depth_programs = factory.depth_programs
+        self._factory = factory
+        self._depth_arrays = [surface.depth for surface in self._surfaces]
+        self._semantic_arrays: list[moderngl.VertexArray | None] | None = None
         self._prepare_rows()
+        self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
 
     def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
@@ -90,6 +93,7 @@ class GpuScene:
         self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
         self._thing[:, 0] = table.ambient
         self._thing[:, 1] = self._locked_row
+        self._thing[:, 3] = table.semantic_weight
         world = self._poses.world_from_node(0.0, Pose())
         self._centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
         self._thing[:, 2] = lighting.lamp_bits(self.scene, self._centers, self._halves)
@@ -129,7 +133,7 @@ class GpuScene:
         self._thing[rows, 2] = bits
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
-        return self._list.level_in_use(np.linalg.norm(self._node_centers - viewpoint_m, axis=1))
+        return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
 
     @property
     def moves(self) -> bool:
@@ -155,7 +159,7 @@ class GpuScene:
         """
         seen = self._seen(culling.planes(clip_from_relative), eye_m)
         rows = np.flatnonzero(seen & self._in_use & (self._blended_row == blended))
-        distance = np.linalg.norm(self._centers - eye_m, axis=1)
+        distance = culling.lengths(self._centers - eye_m)
         order = (
             rows[np.argsort(-distance[rows], kind="stable")]
             if blended
@@ -199,7 +203,20 @@ class GpuScene:
         self._upload(order, origin_m, previous=False)
         self._look_through(clip_from_relative)
         for batch in batches(self._list.key, order):
-            self._draw_depth_batch(self._surfaces[batch.key], batch, cull=not shadow)
+            self._draw_depth_batch(batch.key, batch, self._depth_arrays, cull=not shadow)
+        return self._triangles(order)
+
+    def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
+        """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
+        if self._semantic_arrays is None:
+            self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
+        seen = self._seen(culling.planes(clip_from_relative), origin_m)
+        rows = np.flatnonzero(seen & self._in_use & ~self._blended_row)
+        order = rows[np.argsort(self._list.key[rows], kind="stable")]
+        self._upload(order, origin_m, previous=False)
+        self._look_through(clip_from_relative)
+        for batch in batches(self._list.key, order):
+            self._draw_depth_batch(batch.key, batch, self._semantic_arrays, cull=True)
         return self._triangles(order)
 
     def draw_depth_views(
@@ -214,7 +231,7 @@ class GpuScene:
         begin_view
             Called with the number of each view before it is drawn, to set its viewport.
         """
-        seen = culling.visible_in_views(clips_from_relative, self._centers - origin_m, self._halves)
+        seen = self._seen(culling.planes(clips_from_relative), origin_m)
         view, row = np.nonzero(seen & self._in_use & ~self._blended_row)
         key = self._list.key[row] + view * len(self._surfaces)
         order = np.argsort(key, kind="stable")
@@ -226,12 +243,12 @@ class GpuScene:
                 begun = number
                 begin_view(number)
                 self._look_through(clips_from_relative[number])
-            self._draw_depth_batch(self._surfaces[surface], batch, cull=True)
+            self._draw_depth_batch(surface, batch, self._depth_arrays, cull=True)
         return self._triangles(row)
 
     def _look_through(self, clip_from_relative: Array) -> None:
         matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
-        for program in self._depth_programs:
+        for program in self._factory.depth_programs:
             cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
     def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
@@ -240,7 +257,7 @@ class GpuScene:
         return self._moving_row if movement == "moving" else ~self._moving_row
 
     def _triangles(self, rows: Rows) -> int:
-        return int(self._list.commands["index_count"][rows].sum()) // 3
+        return int(self._triangles_of_row[rows].sum())
 
     def _seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
         return culling.visible(planes, self._centers - origin_m, self._halves)
@@ -276,15 +293,23 @@ class GpuScene:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
         self.draws += 1
 
-    def _draw_depth_batch(self, surface: Surface, batch: Batch, *, cull: bool) -> None:
-        if surface.depth is None:
+    def _draw_depth_batch(
+        self,
+        key: int,
+        batch: Batch,
+        arrays: list[moderngl.VertexArray | None],
+        *,
+        cull: bool,
+    ) -> None:
+        surface, array = self._surfaces[key], arrays[key]
+        if array is None:
             return
         if surface.masked:
             self._materials.bind(surface.material)
             for unit, texture in surface.textures[:1]:
                 texture.use(unit)
         self._cull(surface, cull=cull)
-        surface.depth.render_indirect(self._commands, count=batch.length, first=batch.first)
+        array.render_indirect(self._commands, count=batch.length, first=batch.first)
         self.draws += 1
 
     def _cull(self, surface: Surface, *, cull: bool) -> None:

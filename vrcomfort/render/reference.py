@@ -34,10 +34,11 @@ class Accumulated:
 class Reference:
     """Accumulates lens and shutter samples of one eye by brute force.
 
-    The lens has the circle of confusion of the condition's depth of field; with law ``dioptre``
-    each sample is the exact shear of a thin lens without r_max; with ``linear`` it
-    is exact at vertices only. The shutter is centred on the frame and poses are extrapolated at
-    constant velocity, less the motion that the previous pose has cancelled.
+    The lens has the circle of confusion of the condition's depth of field; with the laws in
+    dioptres (``dioptre``, ``eye``, ``thin_lens``) each sample is the exact shear of a thin lens
+    without r_max; with ``linear`` it is exact at vertices only. Peripheral blur is left out. The
+    shutter is centred on the frame and poses are extrapolated at constant velocity, less the motion
+    that the previous pose has cancelled.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ class Reference:
         self._size_px = size_px
         effect = condition.depth_of_field
         self._pass = ScenePass(
-            ctx, scene, size_px, velocity=False, lens_law=effect.law if effect else None
+            ctx, scene, size_px, velocity=False, lens_law=defocus.lens_law(effect)
         )
         shifts = np.random.default_rng(seed).random((2, 3))
         self._sets = [low_discrepancy(max(1, samples // 2), shift) for shift in shifts]
@@ -108,16 +109,11 @@ class Reference:
         effect = self._condition.depth_of_field
         if effect is None:
             return None
-        limit_px = defocus.radius_limit_px(effect, self._size_px)
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
         x, y = concentric_disc(sample)
-        return Lens(
-            position=(float(x), float(y) * focal_y / focal_x),  # round in angle, not in pixels
-            focus_m=focus_m,
-            infinity_m=self._condition.focus.infinity_m,
-            px_per_defocus=limit_px / defocus.full_blur(effect),
-            radius_limit_px=limit_px,
-        )
+        position = (float(x), float(y) * focal_y / focal_x)  # round in angle, not in pixels
+        infinity_m = self._condition.focus.infinity_m
+        return defocus.lens(effect, position, focal_x, self._size_px, focus_m, infinity_m)
 
     def _note(self) -> str:
         effect = self._condition.depth_of_field
@@ -125,7 +121,13 @@ class Reference:
             return "no lens"
         if effect.law == "linear":
             return "law linear: the lens is exact at vertices only"
-        return "law dioptre: the lens is exact; r_max does not limit it"
+        if effect.peripheral is not None:
+            return (
+                f"law {effect.law}: peripheral blur is left out, and r_max does not limit the lens"
+            )
+        if effect.law == "thin_lens" and effect.distance_offset_m > 0:
+            return "law thin_lens with a distance offset: the lens is exact at vertices only"
+        return f"law {effect.law}: the lens is exact; r_max does not limit it"
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:
