@@ -146,8 +146,11 @@ def turn(rng, most_rad=np.pi):
     return axis_angle(rng.normal(size=3), rng.choice([0.0, 1e-4, 1.0]) * rng.uniform(0, most_rad))
 
 
-def frames(rng, length=3):
-    """Return frames whose head and avatar jump by up to kilometres and turn by up to 180°."""
+def frames(rng, *, tracked, length=3):
+    """Return frames whose head and avatar jump by up to kilometres and turn by up to 180°.
+
+    `tracked`: each has a gaze, valid or not.
+    """
     made = []
     for index in range(length):
         head = Pose(rng.normal(size=3) * rng.choice([0.0, 1e-3, 0.3]), turn(rng))
@@ -163,7 +166,7 @@ def frames(rng, length=3):
                 views=tuple(View(head @ eye, fov(rng)) for eye in eyes),
                 avatar_pose=avatar,
                 discontinuity=index == 0 or rng.random() < 0.1,
-                gaze=gaze if rng.random() < 0.8 else None,
+                gaze=gaze if tracked else None,
             )
         )
     return made
