@@ -8,6 +8,7 @@ one row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Literal, cast
 
 import moderngl
@@ -62,7 +63,9 @@ class GpuScene:
         self._commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
         self._materials = MaterialBuffer(ctx, scene.materials)
         features = {**lighting.features(scene.environment), **(defines or {})}
-        factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)
+        # Not a method of this object: buffers must go with it, not when cycles are collected.
+        arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
+        factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
         self._surfaces = [factory.make(key) for key in self._list.keys]
         self._factory = factory
         self._depth_arrays = [surface.depth for surface in self._surfaces]
@@ -71,17 +74,14 @@ class GpuScene:
         self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
 
-    def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
+    def _vertex_content(self) -> list[tuple[Any, ...]]:
         content: list[tuple[Any, ...]] = [
             (self._vertices, VERTEX_FORMAT, *VERTEX_NAMES),
             (self._rows, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
         ]
         if self._previous_rows is not None:
             content.append((self._previous_rows, "4f4 4f4 4f4/i", *_PREVIOUS_NAMES))
-        # Without a fragment shader moderngl would take the program for one that feeds points back.
-        return self._ctx.vertex_array(
-            program, content, self._indices, skip_errors=True, mode=moderngl.TRIANGLES
-        )
+        return content
 
     def _prepare_rows(self) -> None:
         """Compute what never changes: boxes and lamps of what does not move, kinds of surfaces."""
@@ -319,3 +319,13 @@ class GpuScene:
 
 
 _ALPHA_TO_COVERAGE = 0x809E
+
+
+def _vertex_array(
+    ctx: moderngl.Context,
+    content: list[tuple[Any, ...]],
+    indices: moderngl.Buffer,
+    program: moderngl.Program,
+) -> moderngl.VertexArray:
+    # Without a fragment shader moderngl would take the program for one that feeds points back.
+    return ctx.vertex_array(program, content, indices, skip_errors=True, mode=moderngl.TRIANGLES)
