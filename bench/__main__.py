@@ -8,14 +8,13 @@ from pathlib import Path
 
 import moderngl
 
-from bench import accuracy, effects, python_time
+from bench import effects, python_time
 from bench.table import Result, write
 from vrcomfort.render.gl import create_context
 
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
     "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
-    "accuracy": lambda ctx, options: accuracy.measure(ctx, samples=options.samples),
 }
 
 
@@ -24,7 +23,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="folder to write to")
     parser.add_argument("--only", choices=sorted(BENCHMARKS), help="run one of them")
-    parser.add_argument("--samples", type=int, default=2048, help="of each reference")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each kind")
     parser.add_argument("--frames", type=int, default=300, help="frames for Python's own time")
     arguments = parser.parse_args()

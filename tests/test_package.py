@@ -23,6 +23,7 @@ from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff.timing import CopyFloor
 
 assert "_data" in str(data_folder("shaders")), data_folder("shaders")
 assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
@@ -37,8 +38,9 @@ for law in ("linear", "dioptre"):
         name="all", depth_of_field=DepthOfField(law=law), motion_blur=MotionBlur()
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
-    Reference(context, scene, condition, (16, 16), samples=2)
+    Reference(context, scene, condition, (16, 16))
 EyePainter(context)  # reads its own pair
+CopyFloor(context, (16, 16))
 print(*read, "picture.vert", "picture.frag")
 """
 
