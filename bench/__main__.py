@@ -15,7 +15,14 @@ from vrcomfort.render.gl import create_context
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
     "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
+    "openxr": lambda ctx, options: _openxr(ctx, options),
 }
+
+
+def _openxr(ctx: moderngl.Context, options: argparse.Namespace) -> Result:
+    from bench import openxr
+
+    return openxr.measure(ctx, frames=options.frames)
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 
 import moderngl
 import numpy as np
@@ -31,7 +32,7 @@ def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
     rows = []
     for name in SCENES:
         scene = load_scene(name)
-        seconds = _seconds(ctx, scene, rounds)
+        seconds = frame_seconds(ctx, scene, CONDITIONS, rounds=rounds)
         ratios = seconds / seconds[:, :1]
         for index, condition in enumerate(CONDITIONS):
             low, median, high = np.percentile(ratios[:, index], [5, 50, 95])
@@ -54,16 +55,23 @@ def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
     return Result("Cost of the effects", rows, notes)
 
 
-def _seconds(ctx: moderngl.Context, scene: Scene, rounds: int) -> NDArray[np.float64]:
-    """Return (rounds, conditions) seconds per stereo frame."""
+def frame_seconds(
+    ctx: moderngl.Context,
+    scene: Scene,
+    conditions: Sequence[Condition],
+    *,
+    rounds: int,
+    size_px: tuple[int, int] = SIZE_PX,
+) -> NDArray[np.float64]:
+    """Return (rounds, conditions) seconds per stereo frame, the conditions in turn on each."""
     renderers = []
-    for condition in CONDITIONS:
-        renderer = StereoRenderer(ctx, SIZE_PX)
+    for condition in conditions:
+        renderer = StereoRenderer(ctx, size_px)
         renderer.begin(scene, condition)
         renderers.append(renderer)
     times = [
         [_frame_seconds(ctx, renderer, pair) for renderer in renderers]
-        for pair in pairs(scene, SIZE_PX, rounds + 1)
+        for pair in pairs(scene, size_px, rounds + 1)
     ]
     return np.array(times[1:])  # the first frame compiles shaders
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from bench.clocked import Clock, clocked_opengl
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.headset.playback import PlaybackHeadset
@@ -22,8 +20,6 @@ from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES
 
 SIZE_PX = (64, 80)
 """Small, so that a software rasteriser takes little: Python's time does not depend on it."""
-
-_CLASSES = ("Buffer", "Context", "Framebuffer", "Program", "Texture", "Uniform", "VertexArray")
 
 
 def measure(ctx: moderngl.Context, *, frames: int) -> Result:
@@ -63,52 +59,13 @@ def _python_seconds(
         max_frames=frames + 1,
     )
     seconds = []
-    with _clocked_opengl() as inside:
-        start_s = time.thread_time()
+    clock = Clock()
+    with clocked_opengl(clock):
+        clock.lap()
         for frame in headset.frames():
             rendered = renderer.render(frame, frame.index / REFRESH_HZ)
             headset.submit(frame, rendered.eyes)
-            now_s = time.thread_time()
-            seconds.append(now_s - start_s - inside())
+            seconds.append(clock.lap().python_s)
             ctx.finish()
-            inside()
-            start_s = time.thread_time()
+            clock.lap()
     return np.array(seconds[1:])  # the first frame compiles shaders
-
-
-@contextmanager
-def _clocked_opengl() -> Iterator[Callable[[], float]]:
-    """Clock moderngl's methods; yields what returns the seconds in them since it was last asked."""
-    spent_s = [0.0, 0]  # seconds, and how deep calls are nested
-    kept = [
-        (owner, name, method)
-        for owner in (getattr(moderngl, name) for name in _CLASSES if hasattr(moderngl, name))
-        for name, method in vars(owner).items()
-        if callable(method) and not name.startswith("__")
-    ]
-    for owner, name, method in kept:
-        setattr(owner, name, _clocked(method, spent_s))
-
-    def taken() -> float:
-        seconds, spent_s[0] = spent_s[0], 0.0
-        return seconds
-
-    try:
-        yield taken
-    finally:
-        for owner, name, method in kept:
-            setattr(owner, name, method)
-
-
-def _clocked(method: Callable[..., Any], spent_s: list[float]) -> Callable[..., Any]:
-    def call(*arguments: Any, **options: Any) -> Any:
-        spent_s[1] += 1
-        start_s = time.thread_time()
-        try:
-            return method(*arguments, **options)
-        finally:
-            spent_s[1] -= 1
-            if not spent_s[1]:
-                spent_s[0] += time.thread_time() - start_s
-
-    return call

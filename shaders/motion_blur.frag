@@ -13,6 +13,8 @@
 //
 // Fronts are looked for along the longest streak around. Where that is p's own streak as well,
 // one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
+// Most tiles need none of that: where the streaks change slowly from pixel to pixel, all taps move
+// along with p, nothing is uncovered, and a plain average along p's streak is the same to the bit.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
 // Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
@@ -32,59 +34,98 @@ vec4 p = texelFetch(streaks, pixel, 0);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
+// By how much another streak may differ from p's and still count as moving along with it.
+float tolerance_px = 0.25 + 0.1 * length(p.xy);
+
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
 float in_front(vec4 q) {
     float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
-    float tolerance_px = 0.25 + 0.1 * length(p.xy);
     return nearer * clamp(length(q.xy - p.xy) / tolerance_px - 1.0, 0.0, 1.0);
 }
 
-// Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along: there,
-// taps are whole pixels, twice as many.
-void gather(vec2 half_streak, bool for_back, bool for_front, bool whole_pixels) {
+// Where taps lie on a streak through p. Where sharp and moving things meet, a filtered tap would
+// carry half a sharp pixel along: there, taps are whole pixels, twice as many.
+struct Walk {
+    int pairs;  // taps to each side; the middle one is p itself
+    float spacing;
+    vec2 direction;
+    bool whole_pixels;
+};
+
+Walk walk_along(vec2 half_streak, bool whole_pixels) {
     float reach = length(half_streak);
-    // An odd number, so that the middle one is p itself.
     int pairs = int(ceil(reach * samples_per_px * (whole_pixels ? 2.0 : 1.0)));
-    float spacing = 2.0 * reach / float(2 * pairs + 1);
-    vec2 direction = half_streak / reach;
-    vec2 centre = vec2(pixel) + 0.5;
-    vec2 texel = 1.0 / vec2(last + 1);
-    for (int i = -pairs; i <= pairs; ++i) {
-        float along = float(i) * spacing;
-        vec2 at = centre + along * direction;
-        vec4 q = texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
-        if (whole_pixels) at = floor(at) + 0.5;
-        vec3 c = texture(colour, at * texel).rgb;
-        float is_front = in_front(q);
-        if (for_back)
-            back += (1.0 - is_front) * vec4(c, 1.0);
-        // q sweeps over p if it moves this way far enough; its rim is one spacing soft.
-        float sweep = abs(dot(q.xy, direction));
-        float covers = clamp((sweep - abs(along)) / spacing + 0.5, 0.0, 1.0);
-        if (for_front && i != 0)
-            front += is_front * covers * min(spacing / max(2.0 * sweep, 1e-3), 1.0) * vec4(c, 1.0);
+    return Walk(pairs, 2.0 * reach / float(2 * pairs + 1), half_streak / reach, whole_pixels);
+}
+
+vec2 place(Walk walk, int i) {
+    return vec2(pixel) + 0.5 + (float(i) * walk.spacing) * walk.direction;
+}
+
+vec3 colour_at(vec2 at, bool whole_pixels) {
+    vec2 where = whole_pixels ? floor(at) + 0.5 : at;
+    return textureLod(colour, where / vec2(last + 1), 0.0).rgb;
+}
+
+vec4 streak_at(vec2 at) {
+    return texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
+}
+
+// Nothing in front anywhere near: the average along p's streak.
+void gather_plain(Walk walk) {
+    for (int i = -walk.pairs; i <= walk.pairs; ++i)
+        back += vec4(colour_at(place(walk, i), walk.whole_pixels), 1.0);
+}
+
+// p's own surface and what is behind it; what is in front is left out.
+void gather_back(Walk walk) {
+    for (int i = -walk.pairs; i <= walk.pairs; ++i) {
+        vec2 at = place(walk, i);
+        back += (1.0 - in_front(streak_at(at))) * vec4(colour_at(at, walk.whole_pixels), 1.0);
+    }
+}
+
+// What sweeps over p: q does if it moves this way far enough; its rim is one spacing soft.
+void gather_front(Walk walk) {
+    for (int i = -walk.pairs; i <= walk.pairs; ++i) {
+        vec2 at = place(walk, i);
+        vec4 q = streak_at(at);
+        float sweep = abs(dot(q.xy, walk.direction));
+        float covers = clamp((sweep - abs(float(i)) * walk.spacing) / walk.spacing + 0.5, 0.0, 1.0);
+        float share = in_front(q) * covers * min(walk.spacing / max(2.0 * sweep, 1e-3), 1.0);
+        if (share > 0.0)
+            front += share * vec4(colour_at(at, walk.whole_pixels), 1.0);
     }
 }
 
 void main() {
-    vec3 tile = texelFetch(longest, pixel / TILE, 0).xyz;
+    vec4 tile = texelFetch(longest, pixel / TILE, 0);
     vec2 around = tile.xy;
+    float reach = length(around);
     blurred = texelFetch(colour, pixel, 0);
-    if (dot(around, around) < LEAST_PX * LEAST_PX)
+    if (reach < LEAST_PX)
         return;
-    bool moves = dot(p.xy, p.xy) >= LEAST_PX * LEAST_PX;
-    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
-    bool together = moves && apart < 0.25 + 0.05 * length(around);
-    bool whole_pixels = tile.z < 0.25 * length(around);
-    if (moves)
-        gather(p.xy, true, together, whole_pixels);
-    else
-        back = vec4(blurred.rgb, 1.0);
-    if (!together)
-        gather(around, false, true, whole_pixels);
-    if (front.a <= 0.0 && !moves)
+    bool moves = length(p.xy) >= LEAST_PX;
+    // Between p and the farthest tap lie at most sqrt(2) * reach + 2 steps from pixel to pixel.
+    bool smooth_motion = tile.w * (1.4143 * reach + 2.0) <= tolerance_px;
+    if (smooth_motion && !moves)
         return;
+    bool whole_pixels = tile.z < 0.25 * reach;
+    Walk own = walk_along(p.xy, whole_pixels);
+    if (smooth_motion) {
+        gather_plain(own);
+    } else {
+        if (moves)
+            gather_back(own);
+        else
+            back = vec4(blurred.rgb, 1.0);
+        float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
+        bool together = moves && apart < 0.25 + 0.05 * reach;
+        gather_front(together ? own : walk_along(around, whole_pixels));
+        if (front.a <= 0.0 && !moves)
+            return;
+    }
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
 }

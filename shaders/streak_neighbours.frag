@@ -1,20 +1,45 @@
 #version 450 core
-// The longest half streak among a tile and its eight neighbours (NeighborMax): a tile is as wide
-// as the longest half streak, so nothing from further away can reach it.
+// What can reach a tile (McGuire et al. 2012, NeighborMax): the longest half streak around it, of
+// those that are long enough to come here.
 //
 // Input:  tiles of streak_tiles.frag.
-// Output: xy = longest half streak around, px; z = length of the shortest around.
+// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = length of
+//         the shortest, and w = steepness of the steepest, within that reach.
+#include "velocity.glsl"
+
 uniform sampler2D tiles;
+uniform float radius_limit_px;
 
 out vec4 longest;
 
+ivec2 tile = ivec2(gl_FragCoord.xy);
+ivec2 last = textureSize(tiles, 0) - 1;
+
+// Pixels between this tile and the one `step` away: 0 for neighbours.
+float gap_px(ivec2 step) {
+    return float(max(max(abs(step.x), abs(step.y)) - 1, 0) * TILE);
+}
+
+vec4 at(ivec2 step) {
+    return texelFetch(tiles, clamp(tile + step, ivec2(0), last), 0);
+}
+
 void main() {
-    ivec2 last = textureSize(tiles, 0) - 1;
-    longest = vec4(0.0, 0.0, 1e4, 0.0);
-    for (int y = -1; y <= 1; ++y)
-        for (int x = -1; x <= 1; ++x) {
-            vec4 t = texelFetch(tiles, clamp(ivec2(gl_FragCoord.xy) + ivec2(x, y), ivec2(0), last), 0);
-            longest.xy = dot(t.xy, t.xy) > dot(longest.xy, longest.xy) ? t.xy : longest.xy;
+    vec2 around = vec2(0.0);
+    for (int y = -REACH; y <= REACH; ++y)
+        for (int x = -REACH; x <= REACH; ++x) {
+            vec2 s = shorten(at(ivec2(x, y)).xy, radius_limit_px);
+            bool comes_here = length(s) >= gap_px(ivec2(x, y));
+            around = comes_here && dot(s, s) > dot(around, around) ? s : around;
+        }
+    float reach = length(around);
+    longest = vec4(around, 1e4, 0.0);
+    for (int y = -REACH; y <= REACH; ++y)
+        for (int x = -REACH; x <= REACH; ++x) {
+            if (reach < gap_px(ivec2(x, y)))
+                continue;
+            vec4 t = at(ivec2(x, y));
             longest.z = min(longest.z, t.z);
+            longest.w = max(longest.w, t.w);
         }
 }

@@ -9,7 +9,7 @@
 
 uniform sampler2D velocity;
 uniform sampler2D depth;
-uniform float shutter_fraction;
+uniform float shutter_fraction;  // of the frame period, times the scale of the frame
 uniform float radius_limit_px;
 
 out vec4 streak;

@@ -51,7 +51,7 @@ def depth_of_field(ctx, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, ey
     return rgb_of(effect.target)
 
 
-def motion_blur_pass(ctx, rgb, distance_m, velocity, **settings):
+def motion_blur_pass(ctx, rgb, distance_m, velocity, *, step=None, **settings):
     size_px = rgb.shape[1], rgb.shape[0]
     colour, depth = textures(ctx, rgb, distance_m)
     buffer = gl.color_texture(ctx, size_px, components=2)
@@ -66,7 +66,7 @@ def motion_blur_pass(ctx, rgb, distance_m, velocity, **settings):
         settings=MotionBlur(**settings),
         size_px=size_px,
     )
-    effect.render()
+    effect.render(step=step)
     return effect
 
 

@@ -172,6 +172,9 @@ class Scripted:
     def rating(self, elapsed_s: float) -> int | None:
         return self.rates if elapsed_s >= self.asked_s + 0.5 else None
 
+    def resting(self, _left_s: float) -> bool:
+        return False
+
     def rest(self, duration_s: float) -> None:
         self.rested_s = duration_s
 

@@ -75,12 +75,59 @@ def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> N
 def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
     _, out, _ = run("plan", "carnegie_2015", "--json")
     needed = {
-        (row["scene"], row["condition"], row["name"]): row["needed"] for row in json.loads(out)
+        (row["scene"], row["condition"], row["name"]): row["needed"]
+        for row in json.loads(out)["passes"]
     }
     assert needed["temple", "dof_on", "depth_of_field"]
     assert not needed["temple", "dof_off", "depth_of_field"]
     assert not needed["temple", "dof_off", "focus"]
     assert not needed["mountain", "dof_on", "velocity"]
+
+
+def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
+    run: Run, tmp_path: Path
+) -> None:
+    from vrcomfort.protocol.quality import quality_table
+    from vrcomfort.resources import data_folder
+
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    lens = "[conditions.depth_of_field]"
+    file.write_text(text.replace(lens, f"{lens}\nrings = 7", 1), encoding="utf-8")
+    code, out, _ = run("plan", file, "--size", "64x48", "--json")
+    answer = json.loads(out)
+    costs = {row["condition"]: row for row in answer["costs"]}
+    assert code == 0
+    assert (costs["plain"]["cost_ratio"], costs["plain"]["flip"]) == (1.0, None)
+    assert costs["dof"]["quality"] == "own settings"
+    assert (costs["dof"]["cost_ratio"], costs["dof"]["psnr_db"]) == (None, None)
+    shipped = {(row.level, row.effects, row.scene): row for row in quality_table().figures}
+    assert costs["both"]["cost_ratio"] == shipped["balanced", "both", "temple"].cost_ratio
+    assert answer["measured"]["device"]
+    memory = {name: row["gpu_megabytes"]["total"] for name, row in costs.items()}
+    assert memory["both"] > memory["motion"] > memory["plain"] > 0
+    _, small, _ = run("plan", file, "--size", "32x48", "--json")
+    halved = json.loads(small)["costs"][0]["gpu_megabytes"]
+    # Half as wide: of the targets all but the shadow map shrinks, of the scene nothing.
+    assert halved["image"] == costs["plain"]["gpu_megabytes"]["image"]
+    assert halved["target"] < costs["plain"]["gpu_megabytes"]["target"]
+
+
+def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    from vrcomfort.errors import InputError
+    from vrcomfort.render import gl
+
+    def fail() -> None:
+        raise InputError("no OpenGL 4.5 context could be made")
+
+    monkeypatch.setattr(gl, "create_context", fail)
+    monkeypatch.setenv("COLUMNS", "100")
+    code, out, _ = run("plan", "carnegie_2015")
+    words = " ".join(out.split())
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 100
+    assert "GPU memory is not known: no OpenGL 4.5 context could be made" in words
+    assert "nothing is out of focus without depth of field" in words
 
 
 def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
@@ -125,6 +172,11 @@ def test_bad_sizes_are_refused(run: Run, tmp_path: Path, size: str) -> None:
 def test_bad_poses_are_refused(run: Run, tmp_path: Path, pose: str) -> None:
     result = run("render", "--scene", "temple", "--pose", pose, "--out", tmp_path)
     assert_refused(result, "--pose", "X,Y,Z,YAW,PITCH,ROLL")
+
+
+def test_poses_far_from_everything_are_refused(run: Run, tmp_path: Path) -> None:
+    result = run("render", "--scene", "temple", "--pose", "1e300,0,0,0,0,0", "--out", tmp_path)
+    assert_refused(result, "--pose", "1000 km")
 
 
 def test_condition_without_protocol_is_refused(run: Run, tmp_path: Path) -> None:

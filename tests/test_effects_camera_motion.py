@@ -1,10 +1,19 @@
 """Motion blur's previous eye: what each mode cancels, to the last digit."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrcomfort.geometry import Fov, Pose, axis_angle, clip_from_view, quaternion_multiply, rotate
+from vrcomfort.geometry import (
+    Fov,
+    Pose,
+    axis_angle,
+    clip_from_view,
+    focal_length_px,
+    quaternion_multiply,
+    rotate,
+)
 from vrcomfort.optics.motion import velocity_px
 from vrcomfort.render.camera_motion import camera_motion, extrapolated_eye_pose, previous_eye_pose
 
@@ -109,13 +118,39 @@ def test_a_head_locked_point_never_moves(avatar, head, offset, point):
 
 
 def test_the_per_eye_form_leaves_the_lever_arm():
-    """ERRATUM of the 2020 text: at 0.5 m and 90 degrees per frame, focal 320 px, tens of pixels."""
+    """The 2020 text's own form: 20 px at 0.5 m for 90 degrees, where the focal length is 320 px.
+
+    The left eye, 31.5 mm from the head's centre, was as far behind it and is now beside it.
+    """
     heads = (Pose(orientation=axis_angle([0, 1, 0], np.pi / 2)), Pose())
     left = Pose(np.array([-0.0315, 0, 0]))
     now, previous = eyes("rotation_cancelled_eye", Pose(), heads, left)
-    assert np.linalg.norm(velocity(now, previous, 0.5)) > 10
-    now, previous = eyes("full", Pose(), (heads[0], heads[0]), left)
+    focal_px = focal_length_px(FOV, SIZE_PX)[0]
+    found = velocity(now, previous, 0.5, tangent=(0.0, 0.0)) * 320 / focal_px
+    assert found[0] == pytest.approx(320 * 0.0315 / (0.5 + 0.0315), abs=1e-3)
+    assert abs(found[0]) == pytest.approx(20, abs=1.1)
+    assert np.all(velocity(*eyes("rotation_cancelled", Pose(), heads, left), 0.5) == 0)
+
+
+@given(pose, pose, pose, pose, eye)
+def test_objects_only_ignores_every_camera(avatar, avatar_before, head, head_before, offset):
+    now, previous = eyes("objects_only", avatar, (head_before, head), offset, avatar_before)
     assert previous == now
+
+
+@given(turn, turn, eye, st.integers(-1, 1), st.floats(0.05, 100))
+def test_a_runtimes_rounded_positions_leave_hundredths_of_a_pixel(
+    orientation, rotation, offset, ulps, distance
+):
+    """Float32 positions 30 m from the origin jitter by 2 um: 0.03 px at 5 cm, focal 400 px."""
+    place = np.float32([30, 1.6, -30])
+    moved = place + ulps * np.spacing(place)
+    heads = (
+        Pose(moved.astype(float), quaternion_multiply(rotation, orientation)),
+        Pose(place.astype(float), orientation),
+    )
+    found = velocity(*eyes("rotation_cancelled", Pose(), heads, offset), distance, np.float32)
+    assert np.linalg.norm(found) <= 0.06 * 0.05 / distance + 1e-4
 
 
 @given(pose, pose)

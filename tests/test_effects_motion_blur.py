@@ -2,8 +2,13 @@
 
 import numpy as np
 import pytest
-from effects_parts import motion_blur, motion_blur_pass
+from effects_parts import motion_blur, motion_blur_pass, rgb_of
 
+from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.protocol.conditions import TurnRamp
+from vrcomfort.render.head_step import HeadStep
+
+METHODS = pytest.mark.parametrize("method", ["reconstruction", "per_pixel"])
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 10.0}
 """At 128 px: half streaks of at most 12.8 px."""
 
@@ -17,33 +22,39 @@ def columns(width=128, height=96):
     return np.arange(width)[None, :].repeat(height, axis=0)
 
 
-def test_what_does_not_move_is_copied_exactly(ctx, rng):
+@METHODS
+def test_what_does_not_move_is_copied_exactly(ctx, rng, method):
     rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
-    blurred = motion_blur(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 0.0, **WHOLE)
+    blurred = motion_blur(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 0.0, method=method, **WHOLE)
     np.testing.assert_array_equal(blurred.view("i2"), rgb.view("i2"))
 
 
-def test_a_closed_shutter_copies_exactly(ctx, rng):
+@METHODS
+def test_a_closed_shutter_copies_exactly(ctx, rng, method):
     rgb = rng.uniform(0, 9, (37, 61, 3)).astype("f2")
-    blurred = motion_blur(ctx, rgb, 1.0, 30.0, shutter_fraction=0.0)
+    blurred = motion_blur(ctx, rgb, 1.0, 30.0, shutter_fraction=0.0, method=method)
     np.testing.assert_array_equal(blurred, rgb)
 
 
-def test_a_constant_image_stays_constant(ctx, rng):
+@METHODS
+def test_a_constant_image_stays_constant(ctx, rng, method):
     rgb = np.tile(np.array([0.3, 1.7, 900.0], "f2"), (96, 128, 1))
     velocity = rng.normal(0, 10, (96, 128, 2))
-    blurred = motion_blur(ctx, rgb, rng.uniform(0.3, 9, (96, 128)), velocity, **WHOLE)
+    blurred = motion_blur(
+        ctx, rgb, rng.uniform(0.3, 9, (96, 128)), velocity, method=method, **WHOLE
+    )
     assert np.abs(blurred.view("i2").astype(int) - rgb.view("i2")).max() <= 1
 
 
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("speed_px", [4.0, 12.0, 20.0])
-def test_an_edge_becomes_a_ramp_as_long_as_the_streak(ctx, axis, speed_px):
+@METHODS
+def test_an_edge_becomes_a_ramp_as_long_as_the_streak(ctx, axis, speed_px, method):
     position = columns() if axis == 0 else columns(96, 128).T
     middle = position.shape[1 - axis] // 2
     rgb = np.where(position < middle, 1.0, 0.0)[..., None].repeat(3, axis=-1)
     velocity = speed_px * np.eye(2)[axis]
-    blurred = motion_blur(ctx, rgb, 2.0, velocity, **WHOLE)[..., 0].astype(float)
+    blurred = motion_blur(ctx, rgb, 2.0, velocity, method=method, **WHOLE)[..., 0].astype(float)
     profile = blurred[48] if axis == 0 else blurred[:, 64]
     offset = np.arange(len(profile)) - (middle - 0.5)
     expected = np.clip(0.5 - offset / speed_px, 0, 1)
@@ -52,9 +63,10 @@ def test_an_edge_becomes_a_ramp_as_long_as_the_streak(ctx, axis, speed_px):
 
 
 @pytest.mark.parametrize("shutter_fraction", [0.25, 0.5])
-def test_the_shutter_sets_the_length(ctx, shutter_fraction):
+@METHODS
+def test_the_shutter_sets_the_length(ctx, shutter_fraction, method):
     rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
-    settings = WHOLE | {"shutter_fraction": shutter_fraction}
+    settings = WHOLE | {"shutter_fraction": shutter_fraction, "method": method}
     line = motion_blur(ctx, rgb, 2.0, [32.0, 0.0], samples=32, **settings)[48, :, 0].astype(float)
     x = np.arange(128) - 64
     assert line.sum() == pytest.approx(1, rel=0.02)
@@ -84,6 +96,42 @@ def test_a_moving_foreground_sweeps_over_a_still_background(ctx):
     np.testing.assert_allclose(blurred[48].sum(axis=-1), 1, atol=2e-3)
 
 
+def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
+    """What the reconstruction is for: these are the plain gather's halo and its hard edge."""
+    bar = np.abs(columns() - 63.5) < 16
+    rgb = np.where(bar[..., None], [1.0, 0, 0], [0, 0, 1.0])
+    distance = np.where(bar, 0.5, 5.0)
+    plain = {**WHOLE, "method": "per_pixel", "samples": 20}
+    behind = motion_blur(ctx, rgb, distance, np.where(bar[..., None], 0, [20.0, 0]), **plain)
+    # 2 px outside the bar, 7.5 of the 20 px of the streak lie on it.
+    assert behind[48, 63 - 18, 0] == pytest.approx(7.5 / 20, abs=1 / 20)
+    before = motion_blur(ctx, rgb, distance, np.where(bar[..., None], [20.0, 0], 0), **plain)
+    np.testing.assert_array_equal(before[48, :48], [[0, 0, 1]] * 48)
+    assert before[48, 48, 0] == pytest.approx(0.5, abs=0.05)
+
+
+def turning(deg_s):
+    """Return a step of a head that turns at this speed, its stage turning the other way."""
+    turn = Pose(orientation=axis_angle([0, 1, 0], np.radians(deg_s / 90)))
+    return HeadStep(Pose(), turn, Pose(), turn.inverse(), 1 / 90)
+
+
+def test_streaks_fade_while_the_head_turns(ctx, rng):
+    fade = TurnRamp(from_deg_s=60, to_deg_s=180)
+    rgb = rng.uniform(0, 1, (40, 60, 3)).astype("f2")
+    lengths = {}
+    for deg_s in (0, 60, 90, 120, 180, 400):
+        effect = motion_blur_pass(
+            ctx, rgb, 2.0, [8.0, 0.0], step=turning(deg_s), fade_with_turning=fade, **WHOLE
+        )
+        lengths[deg_s] = effect.longest_half_streak_px()
+        if deg_s >= 180:
+            np.testing.assert_array_equal(rgb_of(effect.target), rgb)
+    assert lengths == pytest.approx({0: 4, 60: 4, 90: 3, 120: 2, 180: 0, 400: 0}, rel=1e-3)
+    cut = motion_blur_pass(ctx, rgb, 2.0, [8.0, 0.0], fade_with_turning=fade, **WHOLE)
+    assert cut.longest_half_streak_px() == pytest.approx(4, rel=1e-3)
+
+
 def test_the_limit_shortens_and_says_so(ctx, rng):
     rgb = rng.uniform(0, 1, (96, 128, 3))
     effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], **WHOLE)
@@ -99,14 +147,15 @@ def test_the_limit_shortens_and_says_so(ctx, rng):
 
 def test_the_longest_streak_is_remembered_over_frames(ctx, rng):
     effect = motion_blur_pass(ctx, rng.uniform(0, 1, (20, 30, 3)), 2.0, [8.0, 0.0], **WHOLE)
-    velocity = effect._passes[0]._inputs[0][1]
+    velocity = effect._streaks._streaks._inputs[0][1]
     velocity.write(np.zeros((20, 30, 2), "f2").tobytes())
     effect.render()
     assert effect.longest_half_streak_px() == pytest.approx(4, rel=1e-3)
 
 
 @pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17), (131, 67)])
-def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px):
+@METHODS
+def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, method):
     width, height = size_px
     rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
     rgb[rng.random((height, width)) < 0.3] = 65504
@@ -114,14 +163,17 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px):
     for distance in (np.inf, 0.02, np.where(far > 10, np.inf, far)):
         for speed in (1e-6, 1.0, 1e2, 1e5, np.inf, np.nan):
             velocity = speed * rng.normal(0, 1, (height, width, 2))
-            out = motion_blur(ctx, rgb, distance, velocity, max_radius_percent=20.0)
+            out = motion_blur(ctx, rgb, distance, velocity, max_radius_percent=20.0, method=method)
             assert np.isfinite(out).all()
             assert out.max() <= 65504
             assert out.min() >= 0
 
 
-def test_the_same_input_gives_the_same_bytes(ctx, rng):
+@METHODS
+def test_the_same_input_gives_the_same_bytes(ctx, rng, method):
     rgb, distance = rng.uniform(0, 1, (50, 70, 3)), rng.uniform(0.4, 5, (50, 70))
     velocity = rng.normal(0, 6, (50, 70, 2))
-    first, second = (motion_blur(ctx, rgb, distance, velocity, **WHOLE) for _ in range(2))
+    first, second = (
+        motion_blur(ctx, rgb, distance, velocity, method=method, **WHOLE) for _ in range(2)
+    )
     assert first.tobytes() == second.tobytes()

@@ -34,6 +34,6 @@ def test_the_ssq_is_answered_by_controller_clicks(ctx: moderngl.Context, tmp_pat
         settings = OpenXrSettings(image_size_px=(16, 16))
         with OpenXrHeadset(ctx, settings, before_wait=rehearsal.before_frame) as headset:
             rehearsal.screen = PanelScreen(headset)
-            person = PanelRespondent(rehearsal.screen, watch=rehearsal.watch)
+            person = PanelRespondent(rehearsal.screen, watch=rehearsal.watch, chose=rehearsal.chose)
             person.ask(Form(ssq, "baseline"), lambda item, value, _: heard.append((item, value)))
     assert heard == [(item.name, value) for item, value in zip(ssq.items, script, strict=True)]

@@ -84,7 +84,9 @@ def run(
             load_scene=lambda _: None,
             headset_for=lambda _, __: headset,
             renderer=FlatRenderer(ctx),
-            respondent=PanelRespondent(rehearsal.screen, watch=rehearsal.watch),
+            respondent=PanelRespondent(
+                rehearsal.screen, watch=rehearsal.watch, chose=rehearsal.chose
+            ),
             clock=session.WallClock(),
             **kwargs,
         )
@@ -109,14 +111,14 @@ def test_a_session_records_the_fed_poses_and_the_scripted_answers(
     nearest = [int(np.argmin(np.abs(fed - position).max(axis=1))) for position in seen]
     assert np.abs(fed[nearest] - seen).max() <= 1e-6
     assert nearest == sorted(nearest)
-    assert len(frames) >= 2 * 30
+    assert len(frames) == read(tmp_path, "trials.csv")["frames"].sum() > 10
 
     asked = read(tmp_path, "questionnaires.csv")
     assert asked["timepoint"].value_counts().to_dict() == {"baseline": 16, "post": 32}
     ratings = read(tmp_path, "ratings.csv")
-    given = [*asked["response"], *ratings["response"]]
-    said = rehearsal.said
-    assert sorted(map(int, given)) == sorted(said)
+    given = [*asked["response"], *(ratings["response"][ratings["missed"] == 0])]
+    assert sorted(map(int, given)) == sorted(rehearsal.said)
+    assert rehearsal.said == answers[: len(rehearsal.said)]
     assert asked["response"].astype(int).tolist()[:16] == answers[:16]
     assert set(read(tmp_path, "trials.csv")["status"]) == {"completed"}
     assert "session_state" in set(read(tmp_path, "events.csv")["name"])
@@ -136,7 +138,7 @@ def test_a_runtime_that_dies_leaves_every_row_up_to_then(
             run(ctx, rehearsal, tmp_path, progress=watch)
     assert len(read(tmp_path, "questionnaires.csv")) == 16
     shown = len(read(tmp_path, "frames.csv"))
-    assert shown >= 15
+    assert shown == read(tmp_path, "trials.csv")["frames"].sum() > 2
     assert read(tmp_path, "trials.csv")["abort_code"].tolist() == ["runtime_lost"]
 
     with fresh_monado(tmp_path) as monado, monado.feed() as feed:

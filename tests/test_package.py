@@ -14,9 +14,12 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 
 COMPILE_EVERY_SHADER = """
+from typing import get_args
+
 import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur
 from vrcomfort.render import shaders
 from vrcomfort.render.gl import create_context
 from vrcomfort.render.gltf import load_scene
@@ -39,6 +42,13 @@ for law in ("linear", "dioptre"):
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
     Reference(context, scene, condition, (16, 16))
+fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
+for method in ("reconstruction", "per_pixel"):
+    condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
+for kernel in get_args(Kernel):
+    condition = Condition(name="kernel", depth_of_field=DepthOfField(kernel=kernel))
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
 print(*read, "picture.vert", "picture.frag")

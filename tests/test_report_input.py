@@ -182,6 +182,16 @@ def test_plan_for_other_conditions_is_an_error(tmp_path):
         build_report(source, plan=plan, out=tmp_path / "o")
 
 
+def test_misspelt_levels_of_a_factor_are_an_error(tmp_path):
+    plan = write_plan(
+        tmp_path / "p.toml",
+        '[[anova]]\nname = "blur"\ncolumn = "condition"\nlevels = { a = "off", bb = "on" }\n',
+    )
+    source = foreign(tmp_path / "questionnaires.csv", SCORES)
+    with pytest.raises(InputError, match=r"level `bb` of condition in factor `blur`; .* a, b"):
+        build_report(source, plan=plan, out=tmp_path / "o")
+
+
 @pytest.mark.parametrize(
     "plan", sorted(data_folder("analysis").glob("*.toml")), ids=lambda p: p.stem
 )

@@ -240,6 +240,18 @@ def test_too_few_people_are_said_and_not_tested(tmp_path, people):
     assert ("too few for a test" in page) == (people == 1)
 
 
+def test_a_condition_that_nobody_finished_is_said_and_not_tested(tmp_path):
+    study = Study(tmp_path / "study")
+    study.describe("carnegie_2015", dof_off="No blur", dof_on="Blur")
+    for name in ("P1", "P2", "P3"):
+        study.session(name, 1, 2, [("dof_off", "temple", 5), ("dof_on", "mountain", None)])
+        study.person(name, "off")
+    results = report(study.folder, tmp_path / "o")
+    assert {t["not_tested"] for t in results["tests"]} == {"0 complete pairs: too few for a test"}
+    assert results["crossover"][0]["not_tested"] == "nobody finished both conditions"
+    assert "too few for a test" in (tmp_path / "o" / "index.html").read_text("utf-8")
+
+
 def test_one_condition_is_described_and_not_compared(tmp_path):
     scores = {f"P{i}": {"only": i} for i in range(4)}
     results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")

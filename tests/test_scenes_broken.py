@@ -82,7 +82,28 @@ def nothing_to_draw(path):
     file.save(path, meshes=[{"primitives": [file.triangle() | {"mode": 1}]}])
 
 
+def missing_mesh(path):
+    file = Gltf()
+    file.save(path, meshes=[{"primitives": [file.triangle()]}], nodes=[{"mesh": 3}])
+
+
+def missing_child(path):
+    file = Gltf()
+    file.save(
+        path, meshes=[{"primitives": [file.triangle()]}], nodes=[{"mesh": 0, "children": [7]}]
+    )
+
+
+def compressed_geometry(path):
+    file = Gltf()
+    file.root["extensionsRequired"] = ["KHR_draco_mesh_compression"]
+    file.save(path, meshes=[{"primitives": [file.triangle()]}])
+
+
 BROKEN = {
+    missing_mesh: "number 3 of its meshes, but has 1",
+    missing_child: "number 7 of its nodes, but has 1",
+    compressed_geometry: "needs KHR_draco_mesh_compression",
     truncated: "cut off",
     no_json_chunk: "JSON chunk",
     old_version: "not glTF 2.0",

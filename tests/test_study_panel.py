@@ -13,9 +13,10 @@ from hypothesis import strategies as st
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
 from vrcomfort.questionnaire import INSTRUMENTS, Instrument
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
-from vrcomfort.respondent.panel import DWELL_S, PanelRespondent, Pointing
+from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Page, Painter, Picture
+from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.rehearsal import aim_at
 
 SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
@@ -42,6 +43,9 @@ class ScriptedScreen:
 
     def pointing(self) -> Pointing:
         return self._now
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Stay."""
 
     def next_frame(self) -> None:
         self.frames += 1

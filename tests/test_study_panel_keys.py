@@ -13,10 +13,11 @@ from vrcomfort.headset.base import Frame
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.respondent.base import Form, Withdrew
-from vrcomfort.respondent.panel import PanelRespondent, Pointing
+from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_keys import KeyChoice, beside
 from vrcomfort.respondent.panel_layout import Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.panel_screen import PanelScreen
 
 SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
@@ -40,6 +41,9 @@ class TypingScreen:
 
     def pointing(self) -> Pointing:
         return self._now
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Stay."""
 
     def next_frame(self) -> None:
         self._now = next(self._doings)

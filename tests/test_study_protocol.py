@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from study_parts import PROTOCOL, tiny_protocol
 
+from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol, parse_protocol
 from vrcomfort.protocol.locate import locate
@@ -100,6 +101,21 @@ def test_carnegie_2015_has_the_numbers_of_the_paper():
         ("post", "after_trial", 0),
         ("recovery", "session_end", 900),
     ]
+
+
+def test_motion_blur_2020_has_the_articles_camera_forms():
+    protocol = load_protocol("motion_blur_2020")
+    modes = {c.name: c.motion_blur.mode for c in protocol.conditions if c.motion_blur}
+    assert modes == {
+        "full": "full",
+        "objects": "objects_only",
+        "translation": "rotation_cancelled",
+        "translation_faded": "rotation_cancelled",
+    }
+    assert protocol.condition("off").motion_blur is None
+    assert protocol.condition("translation_faded").motion_blur.fade_with_turning
+    for sequence in build_design(protocol).plan(20):
+        assert [len(session) for session in sequence.sessions] == [1] * 5
 
 
 def test_carnegie_2015_reverses_scenes_and_keeps_the_place_of_blur():

@@ -245,7 +245,7 @@ def test_a_rating_typed_too_late_answers_no_question():
 def test_a_person_may_withdraw_in_a_rest():
     person, _ = terminal(Typist(), iter(["w"]).__next__)
     with pytest.raises(Withdrew, match="between exposures"):
-        person.rest(900.0)
+        person.resting(900.0)
 
 
 def test_the_terminal_does_not_name_the_condition():

@@ -6,18 +6,53 @@ Transforms are named target-from-source: ``clip_from_view @ view_from_world``.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array: TypeAlias = NDArray[np.float64]
+from vrcomfort.rotations import (
+    ROUNDING,
+    Array,
+    axis_angle,
+    normalize,
+    product,
+    quaternion_multiply,
+    rotate,
+    rotated,
+    rotation_matrix,
+    slerp,
+    unit_quaternion,
+    yaw_pitch_roll,
+)
+
+__all__ = [
+    "Array",
+    "Fov",
+    "Gaze",
+    "Pose",
+    "Quad",
+    "View",
+    "axis_angle",
+    "clip_from_view",
+    "focal_length_px",
+    "interpolate_pose",
+    "normalize",
+    "principal_point_px",
+    "quaternion_multiply",
+    "rotate",
+    "rotation_matrix",
+    "slerp",
+    "unit_quaternion",
+    "yaw_pitch_roll",
+]
 
 
 def _frozen(values: ArrayLike, size: int) -> Array:
     array = np.array(values, dtype=np.float64).reshape(size)
-    array.flags.writeable = False
+    array.setflags(write=False)
     return array
 
 
@@ -40,12 +75,26 @@ class Pose:
         object.__setattr__(self, "position", _frozen(self.position, 3))
         object.__setattr__(self, "orientation", _frozen(unit_quaternion(self.orientation), 4))
 
+    @classmethod
+    def of(cls, position: Sequence[float], orientation: Sequence[float]) -> Pose:
+        """Make a pose from plain numbers, in a tenth of the time: a frame has dozens of poses."""
+        x, y, z, w = orientation
+        square = x * x + y * y + z * z + w * w
+        if abs(square - 1.0) >= ROUNDING:
+            length = math.sqrt(square)
+            orientation = (x / length, y / length, z / length, w / length)
+        pose = object.__new__(cls)
+        pose.__dict__["position"] = place = np.array(position)
+        pose.__dict__["orientation"] = turn = np.array(orientation)
+        place.setflags(write=False)
+        turn.setflags(write=False)
+        return pose
+
     def __matmul__(self, other: Pose) -> Pose:
         """Compose: ``a_from_c = a_from_b @ b_from_c``."""
-        return Pose(
-            self.position + rotate(self.orientation, other.position),
-            quaternion_multiply(self.orientation, other.orientation),
-        )
+        turn, (x, y, z) = self.orientation.tolist(), self.position.tolist()
+        dx, dy, dz = rotated(*turn, *other.position.tolist())
+        return Pose.of((x + dx, y + dy, z + dz), product(*turn, *other.orientation.tolist()))
 
     def __eq__(self, other: object) -> bool:
         return (
@@ -59,8 +108,9 @@ class Pose:
 
     def inverse(self) -> Pose:
         """Return source-from-target."""
-        inverse = self.orientation * [-1.0, -1.0, -1.0, 1.0]
-        return Pose(-rotate(inverse, self.position), inverse)
+        x, y, z, w = self.orientation.tolist()
+        back_x, back_y, back_z = rotated(-x, -y, -z, w, *self.position.tolist())
+        return Pose.of((-back_x, -back_y, -back_z), (-x, -y, -z, w))
 
     def matrix(self) -> Array:
         """Return target-from-source as a (4, 4) matrix."""
@@ -90,8 +140,7 @@ class Fov:
     @property
     def tangents(self) -> tuple[float, float, float, float]:
         """Return the tangents of (left, right, up, down)."""
-        left, right, up, down = np.tan([self.left, self.right, self.up, self.down])
-        return float(left), float(right), float(up), float(down)
+        return math.tan(self.left), math.tan(self.right), math.tan(self.up), math.tan(self.down)
 
     @classmethod
     def symmetric(cls, *, vertical_rad: float, aspect: float) -> Fov:
@@ -155,120 +204,6 @@ class Quad:
         return (float(right), float(down)) if inside else None
 
 
-def normalize(vector: ArrayLike) -> Array:
-    """Return (..., n) vectors scaled to unit length."""
-    array = np.asarray(vector, dtype=np.float64)
-    unit: Array = array / np.linalg.norm(array, axis=-1, keepdims=True)
-    return unit
-
-
-def unit_quaternion(quaternion: ArrayLike) -> Array:
-    """Return the (4,) quaternion scaled to unit length, unchanged where only rounding is missing.
-
-    Normalising twice may differ from normalising once in the last bit; so a pose that was
-    written to a file and read back would not be the same pose.
-    """
-    q = np.asarray(quaternion, dtype=np.float64)
-    return q if abs(float(q @ q) - 1.0) < 1e-14 else normalize(q)
-
-
-def quaternion_multiply(a: ArrayLike, b: ArrayLike, /) -> Array:
-    """Return the Hamilton product of (..., 4) quaternions (x, y, z, w): `b` is applied first."""
-    ax, ay, az, aw = _parts(a)
-    bx, by, bz, bw = _parts(b)
-    return _joined(
-        [
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-            aw * bw - ax * bx - ay * by - az * bz,
-        ]
-    )
-
-
-def rotate(quaternion: ArrayLike, vector: ArrayLike, /) -> Array:
-    """Rotate (..., 3) vectors by (..., 4) unit quaternions."""
-    x, y, z, w = _parts(quaternion)
-    vx, vy, vz = _parts(vector)
-    tx, ty, tz = 2.0 * (y * vz - z * vy), 2.0 * (z * vx - x * vz), 2.0 * (x * vy - y * vx)
-    return _joined(
-        [
-            vx + w * tx + (y * tz - z * ty),
-            vy + w * ty + (z * tx - x * tz),
-            vz + w * tz + (x * ty - y * tx),
-        ]
-    )
-
-
-def _parts(vectors: ArrayLike) -> list[Any]:
-    """Return the n components of (..., n) vectors: arrays, or numbers for a single vector.
-
-    Numbers are ten times as fast as arrays of one, and a frame has a hundred poses.
-    """
-    array = np.asarray(vectors, dtype=np.float64)
-    parts: list[Any] = array.tolist() if array.ndim == 1 else list(np.moveaxis(array, -1, 0))
-    return parts
-
-
-def _joined(parts: list[Any]) -> Array:
-    """Return the (..., n) vectors that have these components."""
-    return np.array(parts) if isinstance(parts[0], float) else np.stack(parts, axis=-1)
-
-
-def rotation_matrix(quaternion: ArrayLike, /) -> Array:
-    """Return the (..., 3, 3) rotation matrix of (..., 4) unit quaternions."""
-    x, y, z, w = _parts(quaternion)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-        [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-        [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-    ]
-    if isinstance(x, float):
-        return np.array(rows)
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
-
-
-def axis_angle(axis: ArrayLike, angle_rad: ArrayLike, /) -> Array:
-    """Return the (..., 4) quaternion of a right-handed turn about a (..., 3) axis."""
-    half = np.asarray(angle_rad, dtype=np.float64)[..., None] / 2
-    return np.concatenate([normalize(axis) * np.sin(half), np.cos(half)], axis=-1)
-
-
-def yaw_pitch_roll(yaw_rad: float, pitch_rad: float, roll_rad: float) -> Array:
-    """Return the quaternion of a head that turns left, then up, then rolls to its left.
-
-    Intrinsic turns, each about the axis that the turn before left behind: +Y, +X, +Z.
-    """
-    yaw = axis_angle([0.0, 1.0, 0.0], yaw_rad)
-    pitch = axis_angle([1.0, 0.0, 0.0], pitch_rad)
-    roll = axis_angle([0.0, 0.0, 1.0], roll_rad)
-    return quaternion_multiply(quaternion_multiply(yaw, pitch), roll)
-
-
-def slerp(a: ArrayLike, b: ArrayLike, t: ArrayLike, /) -> Array:
-    """Interpolate (..., 4) unit quaternions along the shorter arc; `t` outside [0, 1] extrapolates.
-
-    Notes
-    -----
-    Shoemake, "Animating rotation with quaternion curves", SIGGRAPH 1985.
-    """
-    a = np.asarray(a, dtype=np.float64)
-    b = np.asarray(b, dtype=np.float64)
-    t = np.asarray(t, dtype=np.float64)[..., None]
-    cosine = np.sum(a * b, axis=-1, keepdims=True)
-    b = np.where(cosine < 0, -b, b)
-    # atan2 of half chords keeps its accuracy at both ends, where arccos loses half the digits.
-    theta = 2 * np.arctan2(
-        np.linalg.norm(a - b, axis=-1, keepdims=True), np.linalg.norm(a + b, axis=-1, keepdims=True)
-    )
-    sine = np.sin(theta)
-    near = theta < 1e-9
-    safe = np.where(near, 1.0, sine)
-    weight_a = np.where(near, 1.0 - t, np.sin((1.0 - t) * theta) / safe)
-    weight_b = np.where(near, t, np.sin(t * theta) / safe)
-    return normalize(weight_a * a + weight_b * b)
-
-
 def interpolate_pose(a: Pose, b: Pose, t: float) -> Pose:
     """Interpolate two poses: positions linearly, orientations by `slerp`; extrapolates too."""
     return Pose(a.position + (b.position - a.position) * t, slerp(a.orientation, b.orientation, t))
@@ -281,14 +216,15 @@ def clip_from_view(fov: Fov, near_m: float) -> Array:
     linear in depth and the sky needs no special case.
     """
     left, right, up, down = fov.tangents
-    matrix = np.zeros((4, 4))
-    matrix[0, 0] = 2 / (right - left)
-    matrix[0, 2] = (right + left) / (right - left)
-    matrix[1, 1] = 2 / (up - down)
-    matrix[1, 2] = (up + down) / (up - down)
-    matrix[2, 3] = near_m
-    matrix[3, 2] = -1.0
-    return matrix
+    width, height = right - left, up - down
+    return np.array(
+        [
+            [2 / width, 0.0, (right + left) / width, 0.0],
+            [0.0, 2 / height, (up + down) / height, 0.0],
+            [0.0, 0.0, 0.0, near_m],
+            [0.0, 0.0, -1.0, 0.0],
+        ]
+    )
 
 
 def focal_length_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float]:

@@ -2,7 +2,8 @@
 //
 // Every amount is a RADIUS in pixels of image width; negative in front of the focus distance,
 // positive behind it. NumPy twins: vrcomfort/optics/circle_of_confusion.py, where the formulas are
-// derived. Source: Carnegie & Rhee 2015, Algorithm 1.
+// derived. Sources: Carnegie & Rhee 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al.
+// 2008.
 
 const float PI = 3.14159265358979;
 
@@ -13,23 +14,49 @@ float head_depth_slope(vec4 tangents, vec3 head_forward_in_view, vec2 uv) {
     return dot(head_forward_in_view.xy, tangent) - head_forward_in_view.z;
 }
 
-// Signed radius of a reverse-Z depth (0 = sky), within ±radius_limit_px. near = near_m * slope.
+// Signed radius of a reverse-Z depth (0 = sky), without a limit. near = near_m * slope.
 // Metres of defocus are (near + (offset - focus) * z) / z: infinite distances are never formed.
-// A focus that is not a number counts as infinity. LAW_DIOPTRE selects the law at compile time.
-float signed_radius_px(float depth, float near, float focus_m, float offset_m, float infinity_m,
-                       float px_per_defocus, float radius_limit_px) {
+// A focus that is not a number counts as infinity. LAW_DIOPTRE selects the laws whose radius is
+// proportional to |1/f - 1/d| (dioptre, thin_lens, eye) at compile time; without it, |f - d|.
+float unlimited_radius_px(float depth, float near, float focus_m, float offset_m, float infinity_m,
+                          float px_per_defocus, float radius_limit_px) {
     const float LEAST = 1e-9;  // metres; keeps pixels beside or behind the head in front of it
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
     float z = max(depth, max(near, LEAST) / (infinity_m - offset_m));
     float defocus = fma(offset_m - focus, z, near);  // one rounding: near focus all digits cancel
 #ifdef LAW_DIOPTRE
-    defocus /= focus * max(fma(offset_m, z, near), LEAST);
-    float px = px_per_defocus;
+    return defocus / (focus * max(fma(offset_m, z, near), LEAST)) * px_per_defocus;
 #else
-    defocus /= z;
-    float px = min(px_per_defocus, radius_limit_px / focus);  // a far focus keeps a far range sharp
+    // A far focus keeps a far range sharp.
+    return defocus / z * min(px_per_defocus, radius_limit_px / focus);
 #endif
-    return clamp(defocus * px, -radius_limit_px, radius_limit_px);
+}
+
+// The same, within ±radius_limit_px.
+float signed_radius_px(float depth, float near, float focus_m, float offset_m, float infinity_m,
+                       float px_per_defocus, float radius_limit_px) {
+    float radius = unlimited_radius_px(depth, near, focus_m, offset_m, infinity_m, px_per_defocus,
+                                       radius_limit_px);
+    return clamp(radius, -radius_limit_px, radius_limit_px);
+}
+
+// Distance at which a lens of this focal length is focused: never at or inside that length, where
+// f_d - f is 0. Potmesil & Chakravarty 1982.
+const float CLOSEST_FOCUS = 1.001;  // in focal lengths
+float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
+    float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
+    return max(focus, CLOSEST_FOCUS * focal_length_m);
+}
+
+// Peripheral blur on top of a signed radius (Hillaire et al. 2008, Eq. 5 and 6): it makes discs
+// wider and changes neither their sign nor their order in depth. cos_angle: between the pixel and
+// the head's forward axis; unit_px: radius where 1 / cos_angle - 1 is 1.
+float add_peripheral_px(float radius_px, float cos_angle, float unit_px, float exponent,
+                        float radius_limit_px) {
+    const float LEAST = 1e-3;  // 90 degrees and beyond: the radius is at its limit long before
+    float more = unit_px * pow(1.0 / clamp(cos_angle, LEAST, 1.0) - 1.0, exponent);
+    float sum = min(abs(radius_px) + more, radius_limit_px);
+    return radius_px < 0.0 ? -sum : sum;
 }
 
 // Coverage of a point by a disc whose rim falls from 1 to 0 over softness_px. At radius 0.5 and

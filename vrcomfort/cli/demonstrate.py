@@ -8,8 +8,8 @@ from typing import Annotated
 
 import typer
 
+from vrcomfort.cli.simulate import simulate_study
 from vrcomfort.cli.still import PoseText, still
-from vrcomfort.cli.study import simulate_study
 from vrcomfort.cli.terminal import Quiet, Seed, console, output_folder, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol

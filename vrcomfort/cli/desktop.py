@@ -49,8 +49,9 @@ def desktop_lab(
             runtime="desktop window",
             timing_trust="low: a window's frames pass through the desktop's compositor",
         )
-        panel = PanelRespondent(PanelScreen(headset), keyboard=True)
-        yield LiveLab(headset, renderer, panel, machine)
+        screen = PanelScreen(headset)
+        panel = PanelRespondent(screen, keyboard=True)
+        yield LiveLab(headset, renderer, panel, screen, machine)
 
 
 def _settings(

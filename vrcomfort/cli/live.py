@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
+    from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
 
     class LiveHeadset(Headset, Shape):
@@ -41,13 +43,14 @@ class LiveLab:
 
     Parameters
     ----------
-    panel
-        A respondent who answers in the headset.
+    panel, screen
+        A respondent who answers in the headset, and where the questions stand.
     """
 
     headset: LiveHeadset
     renderer: StereoRenderer
     panel: Respondent
+    screen: PanelScreen
     machine: Machine
 
     def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
@@ -89,7 +92,6 @@ def live_lab(
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.session.panel_screen import PanelScreen
 
     with ExitStack() as owned:
@@ -109,9 +111,6 @@ def live_lab(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         screen = PanelScreen(headset)
-        if rehearsal is not None:
-            rehearsal.screen = screen
-        watch = rehearsal.watch if rehearsal else _nobody
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,
@@ -123,9 +122,8 @@ def live_lab(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        yield LiveLab(
-            headset, renderer, PanelRespondent(screen, watch=watch, keyboard=mirror), machine
-        )
+        person = _person(screen, rehearsal, keyboard=mirror)
+        yield LiveLab(headset, renderer, person, screen, machine)
 
 
 def open_window(
@@ -187,5 +185,12 @@ def _read_answers(path: Path) -> list[int]:
     return numbers
 
 
-def _nobody(page: object) -> None:
-    """Watch over no page: a person answers."""
+def _person(screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool) -> PanelRespondent:
+    """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent.panel import PanelRespondent
+
+    if rehearsal is None:
+        return PanelRespondent(screen, keyboard=keyboard)
+    rehearsal.screen = screen
+    watch, chose = rehearsal.watch, rehearsal.chose
+    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard)

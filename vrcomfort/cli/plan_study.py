@@ -8,9 +8,17 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from vrcomfort.cli.terminal import Json, ProtocolArgument, Seed, answer, console
+from vrcomfort.cli.terminal import (
+    Json,
+    ProtocolArgument,
+    Seed,
+    Size,
+    answer,
+    console,
+    parse_size,
+)
 from vrcomfort.design import Audit, Design, FactorAudit, audit, build_design
-from vrcomfort.protocol import Condition, Protocol, Sequence, load_protocol
+from vrcomfort.protocol import Sequence, load_protocol
 
 
 def register(app: typer.Typer) -> None:
@@ -44,27 +52,23 @@ def design(
     )
 
 
-def plan(protocol: ProtocolArgument, as_json: Json = False) -> None:
-    """Show which passes each condition needs in each scene, and why.
+def plan(protocol: ProtocolArgument, size: Size = "1832x1920", as_json: Json = False) -> None:
+    """Show which passes each condition needs in each scene and why, and what it costs.
+
+    GPU memory is what is allocated here, for both eyes at --size. Cost and error are those shipped
+    for the condition's settings, where they have been measured.
 
     - `vrcomfort plan carnegie_2015`
-    - `vrcomfort plan my_study.toml --json`
+    - `vrcomfort plan my_study.toml --size 2064x2208 --json`
     """
-    from vrcomfort.render.gltf import load_scene
-    from vrcomfort.render.plan import plan_passes
+    from vrcomfort.cli import plan_table
 
     study = load_protocol(protocol)
-    rows = [
-        {"scene": name, "condition": condition.name, **asdict(step)}
-        for name in study.scenes
-        for scene in [load_scene(study.scene_source(name))]
-        for condition in study.conditions
-        for step in plan_passes(scene, condition)
-    ]
+    found = plan_table.planned(study, parse_size(size))
     if as_json:
-        answer(rows)
+        answer(found.as_data())
     else:
-        _show_plan(rows, study)
+        plan_table.show(found, study)
 
 
 def _design_as_data(sequences: list[Sequence], counted: Audit) -> dict[str, Any]:
@@ -131,19 +135,3 @@ def _audit_table(title: str, factor: FactorAudit) -> Table:
     for level, places in factor.positions.items():
         table.add_row(level, str(factor.first[level]), *map(str, places))
     return table
-
-
-def _show_plan(rows: list[dict[str, Any]], study: Protocol) -> None:
-    for condition in study.conditions:
-        table = Table(title=_title(condition), title_justify="left")
-        for column in ("scene", "pass", "", "why"):
-            table.add_column(column, overflow="fold")
-        for row in rows:
-            if row["condition"] == condition.name:
-                mark = "[green]drawn[/]" if row["needed"] else "left out"
-                table.add_row(row["scene"], row["name"], mark, row["reason"])
-        console().print(table)
-
-
-def _title(condition: Condition) -> str:
-    return f"{condition.name}: {condition.label}" if condition.label else condition.name

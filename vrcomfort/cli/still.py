@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""
 
+FARTHEST_M = 1e6
+"""Beyond it no scene has anything, and squares of distances leave single precision."""
+
 EYES = ("left", "right")
 
 
@@ -55,6 +58,11 @@ class PoseText:
             raise InputError(
                 f"{self.option} {self.text!r} is not a pose; write X,Y,Z,YAW,PITCH,ROLL "
                 "in metres and degrees, for example 0,1.6,0,30,-5,0"
+            )
+        if max(map(abs, numbers[:3])) > FARTHEST_M:
+            raise InputError(
+                f"{self.option} {self.text!r} is more than {FARTHEST_M / 1e3:.0f} km from the "
+                "scene's origin; positions are metres"
             )
         return Pose(np.array(numbers[:3]), yaw_pitch_roll(*np.radians(numbers[3:])))
 

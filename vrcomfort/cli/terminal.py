@@ -34,9 +34,20 @@ Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's imag
 ProtocolArgument = Annotated[
     str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
 ]
+StudyFolder = Annotated[
+    Path, typer.Option("--out", help="The study folder; made if it is not there.")
+]
+TraceOption = Annotated[
+    Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
+]
+ExposureOption = Annotated[
+    float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
+]
 RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
 ]
+
+EXIT_ABORTED = 130
 
 _errors = Console(stderr=True, highlight=False, soft_wrap=True)
 

@@ -171,6 +171,9 @@ class DesktopHeadset:
         """Return what keys and mouse do in the present frame; the mouse is the right hand."""
         return self._inputs
 
+    def allow_absence(self, duration_s: float) -> None:
+        """Do nothing: a window waits for as long as it is open."""
+
     def tick(self, hand: int) -> None:
         """Do nothing: a mouse cannot tick."""
 
@@ -194,7 +197,7 @@ class DesktopHeadset:
         self._notice_focus()
         self._look(keys, passed_s)
         self._inputs = Inputs(
-            right=HandInput(aim=self._cursor_ray(), select=window.clicked), keys=keys
+            right=HandInput(self._cursor_ray(), select=window.clicked, held=window.held), keys=keys
         )
         paused = window.hidden
         self._cut |= self._paused and not paused

@@ -17,6 +17,8 @@ class HandInput:
         stage-from-aim: it points along −Z. None where the controller is off or not tracked.
     select, back, stop
         True in the one frame in which the button goes down.
+    held
+        True as long as the button of `select` is down.
     thumbstick
         (right, forward), each −1 to 1.
     """
@@ -25,6 +27,7 @@ class HandInput:
     select: bool = False
     back: bool = False
     stop: bool = False
+    held: bool = False
     thumbstick: tuple[float, float] = (0.0, 0.0)
 
 

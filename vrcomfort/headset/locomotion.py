@@ -96,6 +96,10 @@ class Locomotion:
         self.avatar = spawn @ floor_under(head).inverse()
         return True
 
+    def relocate(self, new_from_old: Pose) -> None:
+        """Take note that the stage's origin has moved: nobody moves in the world by that."""
+        self.avatar = self.avatar @ new_from_old.inverse()
+
     def step(self, head: Pose, wish: Wish, duration_s: float) -> None:
         """Walk and turn for one frame.
 

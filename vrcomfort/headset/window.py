@@ -129,6 +129,11 @@ class Window:
         return bool(glfw.get_window_attrib(self._handle, glfw.FOCUSED))
 
     @property
+    def held(self) -> bool:
+        """Return whether the left mouse button is held."""
+        return bool(glfw.get_mouse_button(self._handle, glfw.MOUSE_BUTTON_LEFT))
+
+    @property
     def looks_aside(self) -> bool:
         """Return whether the right mouse button is held."""
         return bool(glfw.get_mouse_button(self._handle, glfw.MOUSE_BUTTON_RIGHT))
@@ -146,8 +151,7 @@ class Window:
 
     @property
     def _dragging(self) -> bool:
-        held = glfw.get_mouse_button(self._handle, glfw.MOUSE_BUTTON_LEFT)
-        return self._drag_turns and bool(held)
+        return self._drag_turns and self.held
 
     def capture(self, captured: bool) -> None:
         """Hide the cursor and let the mouse turn the head, or give the cursor back."""

@@ -2,6 +2,9 @@
 
 NumPy twins, in float64, of ``shaders/include/coc.glsl``. Every amount is a **radius** in pixels of
 image width. Signs: negative in front of the focus distance, positive behind it.
+
+Laws of the radius: `linear` in metres of defocus; all others are proportional to |1/f − 1/d| and
+differ in how many pixels a dioptre is worth (`px_per_dioptre`).
 """
 
 from __future__ import annotations
@@ -15,6 +18,12 @@ from numpy.typing import ArrayLike
 from vrcomfort.geometry import Array, Fov
 
 Law: TypeAlias = Literal["linear", "dioptre"]
+
+CLOSEST_FOCUS = 1.001
+"""In focal lengths: no lens focuses at or inside its focal length."""
+
+LEAST_COSINE = 1e-3
+"""Stands for 90° and beyond in peripheral blur, which diverges there."""
 
 
 def max_radius_px(percent: float, width_px: int) -> float:
@@ -90,6 +99,119 @@ def signed_radius_px(
     else:
         defocus = defocus / (focus * np.maximum(n + offset_m * z, 1e-6 * near_m))
     return np.clip(defocus * (radius_limit_px / full_blur), -radius_limit_px, radius_limit_px)
+
+
+def lens_focus_m(focus_m: float, focal_length_m: float) -> float:
+    """Return the distance at which a lens of this focal length can be focused, from it.
+
+    At f_d = f the image would lie at infinity and inside there is none, so that
+    ``CLOSEST_FOCUS · focal_length_m`` is the nearest focus.
+    """
+    return max(focus_m, CLOSEST_FOCUS * focal_length_m)
+
+
+def eye_px_per_dioptre(pupil_mm: float, focal_px: float) -> float:
+    """Return the radius of an eye's circle of confusion per dioptre of defocus.
+
+    The diameter is the pupil's angle at the distance of the defocus, pupil_m · |1/f − 1/d| rad.
+    """
+    return pupil_mm / 2000 * focal_px
+
+
+def thin_lens_px_per_dioptre(
+    aperture_m: float, focal_length_m: float, focal_px: float, focus_m: float
+) -> float:
+    """Return the radius of a camera lens's circle of confusion per dioptre of defocus.
+
+    Parameters
+    ----------
+    aperture_m
+        Diameter of the opening.
+    focal_px
+        Focal length of the image: one `focal_length_m` on the sensor is so many pixels.
+    focus_m
+        From the lens.
+
+    Notes
+    -----
+    On the sensor the diameter is a·f·|f_d − z| / (z·(f_d − f)): Potmesil & Chakravarty 1982;
+    Hillaire et al. 2008, Eq. 1; Mantiuk et al. 2011, Eq. 1. With focal_px / f pixels per metre that
+    is a·focal_px · f_d/(f_d − f) · |1/z − 1/f_d|.
+    """
+    focus = lens_focus_m(focus_m, focal_length_m)
+    return aperture_m / 2 * focal_px / (1 - focal_length_m / focus)
+
+
+def lens_radius_px(
+    depth: ArrayLike,
+    /,
+    *,
+    px_per_dioptre: float,
+    focus_m: float,
+    near_m: float,
+    radius_limit_px: float,
+    slope: ArrayLike = 1.0,
+    offset_m: float = 0.0,
+    infinity_m: float = 30_000.0,
+    focal_length_m: float = 0.0,
+    distance_offset_m: float = 0.0,
+) -> Array:
+    """Return (...,) signed radii of `eye` (without the last two) and `thin_lens`, limited.
+
+    Parameters
+    ----------
+    px_per_dioptre
+        For `thin_lens` that of the lens focused at infinity: ``aperture_m / 2 · focal_px``.
+    distance_offset_m
+        Added to the distances of focus and point alike: how far the lens is behind the head
+        centre (Mantiuk et al. 2011: 60 cm between eyes and screen).
+
+    The other parameters are those of :func:`signed_radius_px`.
+    """
+    focus = lens_focus_m(min(focus_m, infinity_m) + distance_offset_m, focal_length_m)
+    px = px_per_dioptre / (1 - focal_length_m / focus)
+    if px == 0.0 or radius_limit_px == 0.0:
+        return np.zeros(np.broadcast(np.asarray(depth), np.asarray(slope)).shape)
+    return signed_radius_px(
+        depth,
+        law="dioptre",
+        focus_m=focus,
+        near_m=near_m,
+        radius_limit_px=radius_limit_px,
+        full_blur=radius_limit_px / px,
+        slope=slope,
+        offset_m=offset_m + distance_offset_m,
+        infinity_m=infinity_m + distance_offset_m,
+    )
+
+
+def with_peripheral_px(
+    radius_px: ArrayLike,
+    cos_angle: ArrayLike,
+    /,
+    *,
+    unit_px: float,
+    exponent: float,
+    radius_limit_px: float,
+) -> Array:
+    """Return (...,) signed radii with peripheral blur on top; signs and their order stay.
+
+    Parameters
+    ----------
+    cos_angle
+        (...,) cosine of the angle between the pixel and the head's forward axis.
+    unit_px
+        Radius where 1/cos − 1 is 1, at 60°.
+
+    Notes
+    -----
+    Hillaire et al. 2008, Eq. 5 and 6: min(D_max, DoF + (1/(z·p) − 1)^n). It diverges at 90°, where
+    the cosine is taken as `LEAST_COSINE`.
+    """
+    radius = np.asarray(radius_px, dtype=np.float64)
+    cosine = np.clip(np.asarray(cos_angle, dtype=np.float64), LEAST_COSINE, 1.0)
+    total = np.minimum(np.abs(radius) + unit_px * (1 / cosine - 1) ** exponent, radius_limit_px)
+    return np.where(radius < 0, -total, total)
 
 
 def disc_weight(distance_px: ArrayLike, radius_px: ArrayLike, softness_px: float = 1.0, /) -> Array:

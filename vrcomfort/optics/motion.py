@@ -1,14 +1,16 @@
-"""Motion on the image: velocity, shutter and streaks.
+"""Motion on the image: velocity, shutter and streaks; and how fast a head goes.
 
 NumPy twins, in float64, of ``shaders/include/velocity.glsl``.
 """
 
 from __future__ import annotations
 
+from math import atan2, degrees
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import Array, Pose
 
 SPEED_LIMIT_PX = 16_384.0
 """No velocity is longer than this, so that half floats hold it; far above every streak limit."""
@@ -61,3 +63,21 @@ def half_streak_px(
     """
     reach = np.asarray(velocity, dtype=np.float64) * (shutter_fraction / 2)
     return shorten(reach, radius_limit_px)
+
+
+def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
+    """Return how fast a frame turns, in degrees per second; 0 where no time has passed."""
+    *xyz, w = (before.inverse() @ now).orientation
+    half_turn_rad = atan2(float(np.linalg.norm(xyz)), abs(float(w)))
+    return degrees(2 * half_turn_rad) / seconds if seconds > 0 else 0.0
+
+
+def speed_m_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
+    """Return how fast a frame's origin moves, in metres per second; 0 where no time has passed."""
+    moved_m = float(np.linalg.norm(now.position - before.position))
+    return moved_m / seconds if seconds > 0 else 0.0
+
+
+def ramp(value: float, /, start: float, end: float) -> float:
+    """Return 0 up to `start`, 1 from `end` on, and what is linear between."""
+    return min(max((value - start) / (end - start), 0.0), 1.0)

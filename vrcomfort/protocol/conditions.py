@@ -6,17 +6,25 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
+from vrcomfort.protocol.quality import Quality, filled
 from vrcomfort.protocol.settings_file import Name
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
 
 
-Kernel = Literal["vrcomfort"]
+Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
+"""Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
+two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
+
+CameraMode = Literal[
+    "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
+]
 
 
 class Settings(BaseModel):
@@ -46,13 +54,27 @@ class Focus(Settings):
     """Distance taken for the sky (the paper's d_max)."""
 
 
+class Peripheral(Settings):
+    """Blur that grows from the centre of the image outwards (Hillaire et al. 2008, Eq. 5 and 6).
+
+    The diameter is ``unit_diameter_arcmin · (1/cos θ − 1)^exponent`` at the angle θ from the head's
+    forward axis, on top of that of depth of field.
+    """
+
+    exponent: Annotated[float, Field(ge=1, le=8)] = 2.0
+    """n of Eq. 5."""
+    unit_diameter_arcmin: NotNegative = 59.0
+    """Diameter at 60°, where 1/cos θ − 1 is 1: the paper's largest one, 11 px of 1280 over 90°."""
+
+
 class DepthOfField(Settings):
     """Circle of confusion and the kernel that spreads it; amounts are radii."""
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
-    law: Literal["linear", "dioptre"] = "linear"
-    """`linear`: radius ∝ |d_f − d| (the paper); `dioptre`: radius ∝ |1/d_f − 1/d| (a thin lens)."""
+    law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
+    """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
+    defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Positive = 10.0
@@ -60,20 +82,96 @@ class DepthOfField(Settings):
     farther than this takes its place."""
     full_blur_dioptre: Positive = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
+    aperture_m: NotNegative = 0.007
+    """Diameter of the opening of `thin_lens`."""
+    focal_length_m: Positive = 0.017
+    """Focal length of `thin_lens` (ours: that of the eye; no source prints it)."""
+    distance_offset_m: NotNegative = 0.0
+    """How far `thin_lens` is behind the head centre: added to the distances of focus and point."""
+    pupil_mm: Annotated[float, Field(ge=0, le=20)] = 4.0
+    """Diameter of the pupil of `eye`."""
+    max_diameter_arcmin: Positive | None = None
+    """Largest diameter as an angle in the middle of the image, besides `max_radius_percent`."""
+    peripheral: Peripheral | None = None
+    """Peripheral blur on top; both together stay within the largest diameter."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3
-    """Rings of samples in the widest discs, 8·k on ring k: speed against smoothness."""
+    """Rings of samples in the widest discs of `vrcomfort`, 8·k on ring k: speed against smoothness.
+    The other kernels have the fixed numbers of their sources."""
+
+    @property
+    def pinhole(self) -> bool:
+        """Return whether the lens has no opening: everything is in focus."""
+        opening = {"eye": self.pupil_mm, "thin_lens": self.aperture_m}
+        return opening.get(self.law, 1.0) == 0.0
+
+
+class TurnRamp(Settings):
+    """Grows from 0 at one speed of turning to 1 at another, linearly."""
+
+    from_deg_s: NotNegative
+    to_deg_s: Positive
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        _check_order("deg_s", self.from_deg_s, self.to_deg_s)
+        return self
+
+
+class MoveRamp(Settings):
+    """Grows from 0 at one speed of moving to 1 at another, linearly."""
+
+    from_m_s: NotNegative
+    to_m_s: Positive
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        _check_order("m_s", self.from_m_s, self.to_m_s)
+        return self
+
+
+def _check_order(unit: str, start: float, end: float) -> None:
+    if end <= start:
+        message = "`to_{unit}` must be more than `from_{unit}`"
+        raise PydanticCustomError("ramp_order", message, {"unit": unit})
 
 
 class MotionBlur(Settings):
     """Velocity-buffer motion blur, per eye (Chapman 2020; McGuire et al. 2012)."""
 
-    mode: Literal["full", "head_cancelled", "rotation_cancelled"] = "rotation_cancelled"
+    method: Literal["reconstruction", "per_pixel"] = "reconstruction"
+    """`reconstruction`: knows who hides whom (McGuire 2012, Guertin 2013); `per_pixel`: a plain
+    gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
+    mode: CameraMode = "rotation_cancelled"
+    """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
-    """Part of the frame period during which the shutter is open, centred on the frame's pose."""
+    """Part of the frame period during which the shutter is open, centred on the frame's pose. A
+    film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""
     max_radius_percent: Annotated[float, Field(gt=0, le=20)] = 5.0
     """Longest half streak, as a percentage of one eye's image width (logged when it clamps)."""
     samples: Annotated[int, Field(ge=2, le=64)] = 8
-    """Samples along 16 px of a streak; longer ones take proportionally more."""
+    """`reconstruction`: samples along 16 px of a streak, longer ones take proportionally more;
+    `per_pixel`: samples along every streak."""
+    fade_with_turning: TurnRamp | None = None
+    """Shortens all streaks while the head turns, to nothing at `to_deg_s` ("globally reduce the
+    blur scale when the head is rotating", Chapman 2020, who gives no speeds)."""
+
+
+class SpeedBlur(Settings):
+    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+
+    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
+    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
+    here it is an angle. Both ramps may be there: the larger wins; one that is absent does not
+    count. It comes after the other effects.
+    """
+
+    speed_of: Literal["head", "avatar", "both"] = "both"
+    """`head`: of the tracked head in its room; `avatar`: of locomotion alone, as in Budhiraja et
+    al.; `both`: of the head in the scene."""
+    turning: TurnRamp | None = None
+    moving: MoveRamp | None = None
+    max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
+    """Standard deviation of the Gaussian at full strength, in the middle of the image."""
 
 
 class Condition(Settings):
@@ -81,7 +179,15 @@ class Condition(Settings):
 
     name: Name
     label: str = ""
+    quality: Quality | None = None
+    """Speed against accuracy: gives the effects' settings that are not written here."""
     focus: Focus = Focus()
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
+    speed_blur: SpeedBlur | None = None
     effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_what_the_level_says(cls, data: Any) -> Any:
+        return filled(data)

@@ -3,7 +3,7 @@
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.reader import Rows, read_rows
-from vrcomfort.records.recorder import Recorder, session_folder
+from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
@@ -17,6 +17,7 @@ from vrcomfort.records.rows import (
 from vrcomfort.records.study import (
     completed_sessions,
     enrol,
+    enrolled,
     only_run,
     open_study,
     read_participants,
@@ -41,9 +42,11 @@ __all__ = [
     "TrialRow",
     "completed_sessions",
     "enrol",
+    "enrolled",
     "facts_of_run",
     "only_run",
     "open_study",
+    "overwriting",
     "read_manifest",
     "read_participants",
     "read_rows",

@@ -85,11 +85,7 @@ class Recorder:
         self._files: dict[str, io.TextIOWrapper] = {}
         self._gap: _Gap | None = None
         if not resumed and self.folder.exists() and any(self.folder.iterdir()):
-            message = f"session {session} of {participant} has been recorded and is never"
-            raise InputError(
-                f"{message} overwritten; choose another participant, session or study folder",
-                file=self.folder,
-            )
+            raise overwriting(self.folder, participant, session)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
             for row_type in SESSION_ROWS:
@@ -108,10 +104,10 @@ class Recorder:
             stream.write(csv_line(row_type.columns()))
             stream.flush()
 
-    def write(self, *rows: Row, sync: bool = False) -> None:
+    def write(self, *rows: Row) -> None:
         """Append rows; rows of one call may belong to different files.
 
-        With `sync`, and always for questionnaires and trials, they are on the disk at return.
+        Rows of questionnaires and trials are on the disk at return.
 
         Raises
         ------
@@ -121,8 +117,27 @@ class Recorder:
         self.write_soon(*rows)
         if not all(isinstance(row, FrameRow) for row in rows):
             self.flush()
-        for name in {row.FILE for row in rows if sync or isinstance(row, _SYNCED)}:
+        for name in {row.FILE for row in rows if isinstance(row, _SYNCED)}:
             self._sync(name)
+
+    def replace(self, old: Row, new: Row) -> None:
+        """Put a row in the place of one that was written before; it is on the disk at return.
+
+        Whatever happens meanwhile, the file has one of the two.
+
+        Raises
+        ------
+        InputError
+            If the disk is full or refuses; the old row stays.
+        """
+        self.flush()  # now nobody else writes
+        file = self.folder / old.FILE
+        self._files[old.FILE].close()
+        try:
+            before, _, after = _read(file).rpartition(self._line(old))
+            replace_text(file, before + self._line(new) + after)
+        finally:
+            self._files[old.FILE] = file.open("a", encoding="utf-8", newline="")
 
     def write_soon(self, *rows: Row) -> None:
         """Append rows without waiting: what happens between two frames."""
@@ -163,13 +178,16 @@ class Recorder:
     def _append(self, row: Row) -> None:
         try:
             stream = self._files[row.FILE]
-            cells = list(row.cells())
-            if self._resumed:
-                cells[row.columns().index("resumed")] = 1
-            stream.write(csv_line(map(cell_text, cells)))
+            stream.write(self._line(row))
             stream.flush()
         except OSError as error:
             raise refused(self.folder / row.FILE, error) from error
+
+    def _line(self, row: Row) -> str:
+        cells = list(row.cells())
+        if self._resumed:
+            cells[row.columns().index("resumed")] = 1
+        return csv_line(map(cell_text, cells))
 
     def _sync(self, name: str) -> None:
         try:
@@ -217,6 +235,11 @@ class Recorder:
             self.close()
 
 
+def _read(file: Path) -> str:
+    with file.open(encoding="utf-8", newline="") as stream:  # line ends as they are
+        return stream.read()
+
+
 def csv_line(cells: Iterable[str]) -> str:
     """Return one CSV line with its line end."""
     line = io.StringIO()
@@ -241,6 +264,13 @@ def replace_text(file: Path, text: str) -> None:
         draft.replace(file)
     except OSError as error:
         raise refused(file, error) from error
+
+
+def overwriting(folder: Path, participant: str, session: int) -> InputError:
+    """Return the error for a session that is there already."""
+    message = f"session {session} of {participant} has been recorded and is never overwritten"
+    remedy = "choose another participant, session or study folder"
+    return InputError(f"{message}; {remedy}", file=folder)
 
 
 def refused(file: Path, error: OSError) -> InputError:

@@ -113,6 +113,22 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     return [ParticipantRow(**row) for row in found.rows]
 
 
+def enrolled(study: Path, participant: str) -> ParticipantRow | None:
+    """Return the participant's row, or None for somebody new.
+
+    Raises
+    ------
+    InputError
+        If they have withdrawn or been excluded.
+    """
+    for row in read_participants(study):
+        if row.participant == participant:
+            if row.status in {"withdrawn", "excluded"}:
+                raise InputError(f"participant {participant} is {row.status} from this study")
+            return row
+    return None
+
+
 def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     """Return the participant's row, enrolling them in the least filled sequence if they are new.
 
@@ -123,12 +139,10 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     """
     check_name(participant)
     with _changing_participants(study):
+        there = enrolled(study, participant)
+        if there is not None:
+            return there
         rows = read_participants(study)
-        for row in rows:
-            if row.participant == participant:
-                if row.status in {"withdrawn", "excluded"}:
-                    raise InputError(f"participant {participant} is {row.status} from this study")
-                return row
         sequence = design.assign(Enrolment(row.sequence, row.status) for row in rows)
         row = ParticipantRow(participant, sequence.name, "enrolled", now())
         _write_participants(study, [*rows, row])

@@ -10,6 +10,7 @@ import numpy as np
 from vrcomfort.geometry import Array, Fov, Pose, clip_from_view, rotation_matrix
 
 LensLaw = Literal["linear", "dioptre"]
+"""Radius per metre of defocus, or per dioptre (all lenses)."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Lens:
         Radius of the circle of confusion per metre (or dioptre) of defocus.
     radius_limit_px
         No circle of confusion has a larger radius.
+    distance_offset_m
+        How far the lens is behind the head centre; `focus_m` and `infinity_m` are from the lens.
     """
 
     position: tuple[float, float]
@@ -35,6 +38,7 @@ class Lens:
     infinity_m: float
     px_per_defocus: float
     radius_limit_px: float
+    distance_offset_m: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose, interpolate_pose, rotation_matrix
+from vrcomfort.protocol.conditions import CameraMode
 
-Mode: TypeAlias = Literal["full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye"]
 Float32: TypeAlias = NDArray[np.float32]
 
 
 def previous_eye_pose(
-    mode: Mode,
+    mode: CameraMode,
     *,
     world_from_stage: Pose,
     stage_from_head: Pose,
@@ -32,7 +32,12 @@ def previous_eye_pose(
       pure head rotation gives zero velocity at every depth; translation and locomotion are kept.
     - ``rotation_cancelled_eye``: as Chapman's "Comfort and motion blur in VR" (2020) has it, each
       eye about itself: the lever arm from head to eye leaves a velocity.
+    - ``objects_only``: no camera moves, locomotion neither (Chapman's first form: the previous
+      view is the present one).
     """
+    eye = world_from_stage @ stage_from_head @ head_from_eye
+    if mode == "objects_only":
+        return eye
     previous_head = {
         "full": previous_stage_from_head,
         "head_cancelled": stage_from_head,
@@ -42,7 +47,6 @@ def previous_eye_pose(
     previous_eye = previous_world_from_stage @ previous_head @ head_from_eye
     if mode != "rotation_cancelled_eye":
         return previous_eye
-    eye = world_from_stage @ stage_from_head @ head_from_eye
     return Pose(previous_eye.position, eye.orientation)
 
 

@@ -14,10 +14,12 @@ from vrcomfort.render.defocus import radius_limit_px
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
 from vrcomfort.render.frames import EyeImages, FrameToRender
+from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.render.speed_blur import SpeedBlurPass
 from vrcomfort.render.tone_map import ToneMapPass
 
 
@@ -27,6 +29,8 @@ class PlacedEye(NamedTuple):
     head_from_eye: Pose
     camera: EyeCamera
     previous: PreviousCamera | None
+    step: HeadStep | None = None
+    """How the head got here; None where the frame before has nothing to do with this one."""
 
 
 class ConditionPasses:
@@ -45,11 +49,12 @@ class ConditionPasses:
         self._ctx = ctx
         self._size_px = size_px
         self.names = tuple(item.name for item in plan_passes(scene, condition) if item.needed)
-        velocity = plan.velocity(condition).needed
+        velocity = plan.velocity(scene, condition).needed
         self.scene = ScenePass(ctx, scene, size_px, velocity=velocity, samples=samples)
         self.focus: FocusPass | FixedFocus | None = None
         self._depth_of_field: DepthOfFieldPass | None = None
         self._motion_blur: MotionBlurPass | None = None
+        self._speed_blur: SpeedBlurPass | None = None
         self.max_blur_px = 0.0
         self.colour = self.scene.colour
         effects = [self._add_depth_of_field, self._add_motion_blur]
@@ -57,6 +62,7 @@ class ConditionPasses:
             effects.reverse()
         for add in effects:
             add(condition, near_m)
+        self._add_speed_blur(condition)
         self._blur_first = condition.effect_order == "motion_blur_first"
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
@@ -97,9 +103,30 @@ class ConditionPasses:
         self.colour = self._motion_blur.target
         self.max_blur_px = max(self.max_blur_px, self._motion_blur.limit_px)
 
+    def _add_speed_blur(self, condition: Condition) -> None:
+        settings = condition.speed_blur
+        if settings is None or not plan.speed_blur(condition).needed:
+            return
+        self._speed_blur = SpeedBlurPass(
+            self._ctx, colour=self.colour, settings=settings, size_px=self._size_px
+        )
+        self.colour = self._speed_blur.target
+
+    def warm_up(self) -> None:
+        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+        for effect in (self._motion_blur, self._speed_blur):
+            if effect is not None:
+                effect.warm_up()
+
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
-        return () if self._motion_blur is None else self._motion_blur.clamps()
+        blurs = (self._depth_of_field, self._motion_blur)
+        return tuple(clamp for blur in blurs if blur is not None for clamp in blur.clamps())
+
+    def forget(self) -> None:
+        """Count no frame so far among those that :meth:`clamps` tells of."""
+        if self._depth_of_field is not None:
+            self._depth_of_field.forget()
 
     def find_focus(self, frame: FrameToRender, world_from_head: Pose) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
@@ -122,6 +149,8 @@ class ConditionPasses:
         steps = [self._blur_defocus, self._blur_motion]
         for step in reversed(steps) if self._blur_first else steps:
             step(eye)
+        if self._speed_blur is not None:
+            self._speed_blur.render(fov=camera.fov, step=eye.step)
         self.tone_maps[index].render()
         return EyeImages(
             camera,
@@ -139,6 +168,6 @@ class ConditionPasses:
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
 
-    def _blur_motion(self, eye: PlacedEye) -> None:  # noqa: ARG002 - one of two interchangeable steps
+    def _blur_motion(self, eye: PlacedEye) -> None:
         if self._motion_blur is not None:
-            self._motion_blur.render()
+            self._motion_blur.render(still=self.scene.still, step=eye.step)

@@ -7,10 +7,16 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 
+_SIDES = np.array(
+    [[1, 0, 0, 1], [-1, 0, 0, 1], [0, 1, 0, 1], [0, -1, 0, 1], [0, 0, -1, 1]], dtype=np.float64
+)
+"""Planes from the rows x, y, z, w of a projection: left, right, bottom, top, near."""
+
 
 def planes(clip_from_source: Array, *, near: bool = True) -> Array:
-    """Return (5, 4) planes of a frustum; a point is inside where ``plane · (x, y, z, 1) >= 0``.
+    """Return (..., 5, 4) planes of (..., 4, 4) projections.
 
+    A point is inside where ``plane · (x, y, z, 1) >= 0``.
     Left, right, bottom, top, near: reverse-Z with infinite far plane has no sixth.
     `near=False` leaves the near plane out, for targets that clamp depth instead of clipping.
 
@@ -19,33 +25,35 @@ def planes(clip_from_source: Array, *, near: bool = True) -> Array:
     Gribb & Hartmann, "Fast extraction of viewing frustum planes" (2001): −w ≤ x ≤ w becomes
     (row_w ± row_x) · p ≥ 0. Near is z ≤ w here.
     """
-    x, y, z, w = clip_from_source
-    return np.stack([w + x, w - x, w + y, w - y, *([w - z] if near else [])])
+    return np.asarray((_SIDES if near else _SIDES[:4]) @ clip_from_source)
 
 
 def visible(planes: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
-    """Return (n,) False for the axis-aligned boxes that lie wholly outside of one plane.
+    """Return False for the axis-aligned boxes that lie wholly outside of one plane.
 
     Parameters
     ----------
     planes
-        (k, 4) in the frame of the boxes.
+        (k, 4) in the frame of the boxes, or (views, k, 4) for several frusta.
     centers, halves
         (n, 3) centres and half extents. A box that only its corner planes would exclude is kept.
+
+    Returns
+    -------
+    ndarray
+        (n,), or (views, n) for several frusta.
     """
-    normals = planes[:, :3]
-    reach = centers @ normals.T + halves @ np.abs(normals).T + planes[:, 3]
-    inside: NDArray[np.bool_] = np.all(reach >= 0, axis=1)
-    return inside
+    flat = planes.reshape(-1, 4)
+    normals = flat[:, :3]
+    reach = normals @ centers.T
+    reach += np.abs(normals) @ halves.T
+    inside = (reach >= -flat[:, 3:]).reshape(*planes.shape[:-1], -1)
+    return np.asarray(inside.all(axis=-2))
 
 
-def visible_in_views(clips_from_source: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
-    """Return (views, n): `visible` for each of (views, 4, 4) projections, near planes included."""
-    x, y, z, w = np.moveaxis(clips_from_source, 1, 0)
-    sides = np.stack([w + x, w - x, w + y, w - y, w - z], axis=1)
-    normals = sides[..., :3]
-    reach = centers @ normals.swapaxes(1, 2) + halves @ np.abs(normals).swapaxes(1, 2)
-    return np.asarray(np.all(reach + sides[:, None, :, 3] >= 0, axis=2))
+def lengths(vectors: Array) -> Array:
+    """Return (n,) lengths of (n, 3) vectors."""
+    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
 
 
 def transformed_boxes(

@@ -52,3 +52,11 @@ class DepthOfFieldPass:
         focal_x, focal_y = focal_length_px(fov, self._size_px)
         self._defocus.render(fov=fov, near_m=near_m, head_from_eye=head_from_eye)
         self._kernel.render(focal_y / focal_x)
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return what the largest radius has cut off so far, in words; waits for the GPU."""
+        return self._defocus.clamps()
+
+    def forget(self) -> None:
+        """Count no frame so far among those that :meth:`clamps` tells of."""
+        self._defocus.forget()

@@ -6,7 +6,9 @@ what the GPU reads: rows of ``DrawElementsIndirectCommand``.
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -109,14 +111,20 @@ class DrawList:
 
     def node_centers(self, centers: Array, halves: Array, nodes: int) -> Array:
         """Return (nodes, 3) centres of the world boxes around the finest level of each node."""
-        lower = np.full((nodes, 3), np.inf)
-        upper = np.full((nodes, 3), -np.inf)
-        base = self.base_level
-        np.minimum.at(lower, self.node[base], (centers - halves)[base])
-        np.maximum.at(upper, self.node[base], (centers + halves)[base])
-        empty = ~np.isfinite(lower).all(axis=1)
-        lower[empty] = upper[empty] = 0.0
-        return np.asarray((lower + upper) / 2)
+        found = np.zeros((nodes, 3))
+        rows, first = self._finest
+        if len(rows):
+            center, half = centers[rows], halves[rows]
+            lower = np.minimum.reduceat(center - half, first)
+            upper = np.maximum.reduceat(center + half, first)
+            found[self.node[rows[first]]] = (lower + upper) / 2
+        return found
+
+    @cached_property
+    def _finest(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the rows of the finest levels, and where among them each node begins."""
+        rows = np.flatnonzero(self.base_level)  # rows of a node stand together
+        return rows, np.flatnonzero(np.diff(self.node[rows], prepend=-1))
 
 
 def batches(keys: NDArray[np.intp], order: NDArray[np.intp]) -> list[Batch]:
@@ -124,12 +132,9 @@ def batches(keys: NDArray[np.intp], order: NDArray[np.intp]) -> list[Batch]:
     ordered = keys[order]
     if not len(ordered):
         return []
-    starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
-    counts = np.diff(np.append(starts, len(ordered)))
-    return [
-        Batch(int(ordered[first]), int(first), int(count))
-        for first, count in zip(starts, counts, strict=True)
-    ]
+    starts = [0, *(np.flatnonzero(ordered[1:] != ordered[:-1]) + 1).tolist()]
+    ends = [*starts[1:], len(ordered)]
+    return list(map(Batch, ordered[starts].tolist(), starts, map(operator.sub, ends, starts)))
 
 
 def front_to_back(

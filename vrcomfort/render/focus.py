@@ -231,7 +231,7 @@ class _Readback:
     def __init__(self, ctx: moderngl.Context, near_m: float, infinity_m: float) -> None:
         self._near_m = near_m
         self._infinity_m = infinity_m
-        self._free = [ctx.buffer(reserve=(RAYS + 4) * 4, dynamic=True) for _ in range(LATENCY + 1)]
+        self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
         self._pending: deque[tuple[int, moderngl.Buffer]] = deque()
 
     def record(

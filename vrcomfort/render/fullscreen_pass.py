@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 import moderngl
@@ -24,7 +24,7 @@ class FullscreenPass:
     size_px
         (width, height) of the target.
     inputs
-        Texture for each sampler uniform.
+        Texture for each sampler uniform; several for an array of samplers.
     constants
         Uniforms that never change; a name that the shader does not use is an error.
     filtered
@@ -39,7 +39,7 @@ class FullscreenPass:
         fragment: str,
         *,
         size_px: tuple[int, int],
-        inputs: Mapping[str, moderngl.Texture],
+        inputs: Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]],
         constants: Uniforms | None = None,
         defines: shaders.Defines | None = None,
         filtered: Collection[str] = (),
@@ -48,12 +48,14 @@ class FullscreenPass:
     ) -> None:
         self.target = gl.color_texture(ctx, size_px, components=components, dtype=dtype)
         self._triangle = shaders.fullscreen(ctx, fragment, defines)
-        self._inputs = tuple(enumerate(inputs.values()))
-        for unit, name in enumerate(inputs):
-            self._triangle.program[name] = unit
+        named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
+        self._inputs = tuple(enumerate(texture for _, texture in named))
+        for name in inputs:
+            units = tuple(unit for unit, (other, _) in enumerate(named) if other == name)
+            self._triangle.program[name] = units if len(units) > 1 else units[0]
         self._samplers = tuple(
             (unit, ctx.sampler(repeat_x=False, repeat_y=False))
-            for unit, name in enumerate(inputs)
+            for unit, (name, _) in enumerate(named)
             if name in filtered
         )
         if constants is not None:
@@ -81,3 +83,7 @@ class FullscreenPass:
                 member.write(value)
             else:
                 member.value = value
+
+
+def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
+    return (given,) if isinstance(given, moderngl.Texture) else given

@@ -15,6 +15,7 @@ from typing import Any
 import moderngl
 
 from vrcomfort.errors import InputError
+from vrcomfort.render import gpu_memory
 
 MINIMUM_VERSION = 450
 """OpenGL 4.5: the first with clip control."""
@@ -25,6 +26,7 @@ DEPTH_FUNC = ">"
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
+_SRGB8_ALPHA8, _TEXTURE_SAMPLES = 0x8C43, 0x9106
 
 
 def create_context() -> moderngl.Context:
@@ -82,11 +84,11 @@ def depth_texture(
         bind(_TEXTURE_2D_MULTISAMPLE, texture.glo)
         allocate = function(ctx, "glTexImage2DMultisample", *[ctypes.c_int] * 5, ctypes.c_ubyte)
         allocate(_TEXTURE_2D_MULTISAMPLE, samples, _DEPTH_COMPONENT32F, *size_px, 1)
-        return texture
+        return _entered(ctx, texture, 1, "f4")
     bind(_TEXTURE_2D, texture.glo)
     allocate = function(ctx, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
     allocate(_TEXTURE_2D, 0, _DEPTH_COMPONENT32F, *size_px, 0, _DEPTH_COMPONENT, _FLOAT, None)
-    return point_sampled(texture, comparison=False)
+    return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
 
 
 def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:
@@ -117,7 +119,50 @@ def color_texture(
     `dtype` is moderngl's: ``f2`` half float, ``f4`` float, ``f1`` 8-bit normalised.
     """
     texture = ctx.texture(size_px, components, dtype=dtype, samples=samples)
-    return texture if samples else point_sampled(texture)
+    return _entered(ctx, texture if samples else point_sampled(texture), components, dtype)
+
+
+def image_texture(
+    ctx: moderngl.Context, size_px: tuple[int, int], rgba: bytes, *, srgb: bool
+) -> moderngl.Texture:
+    """Return an 8-bit RGBA picture with mipmaps; `srgb` is decoded to linear when sampled."""
+    texture = ctx.texture(size_px, 4, rgba, internal_format=_SRGB8_ALPHA8 if srgb else None)
+    texture.build_mipmaps()
+    gpu_memory.ledger(ctx).add(texture, gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True))
+    return texture
+
+
+def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
+    """Return a buffer that holds `data` for good."""
+    return _entered_buffer(ctx, ctx.buffer(data))
+
+
+def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
+    """Return a buffer whose content changes from frame to frame."""
+    return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
+
+
+def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
+    entry = gpu_memory.Allocation("buffer", f"{made.size} bytes", made.size)
+    gpu_memory.ledger(ctx).add(made, entry)
+    return made
+
+
+def _entered(
+    ctx: moderngl.Context, target: moderngl.Texture, components: int, dtype: str
+) -> moderngl.Texture:
+    samples = _samples(ctx, target) if target.samples else 0
+    entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
+    gpu_memory.ledger(ctx).add(target, entry)
+    return target
+
+
+def _samples(ctx: moderngl.Context, texture: moderngl.Texture) -> int:
+    """Return how many samples the driver gave: at least as many as were asked for."""
+    given = ctypes.c_int()
+    ask = function(ctx, "glGetTextureLevelParameteriv", *[ctypes.c_uint] * 3, ctypes.c_void_p)
+    ask(texture.glo, 0, _TEXTURE_SAMPLES, ctypes.byref(given))
+    return given.value
 
 
 def point_sampled(texture: moderngl.Texture, *, comparison: bool | None = None) -> moderngl.Texture:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.render.gltf_file import STRUCTURE_ERRORS, read_gltf_file
-from vrcomfort.render.gltf_graph import read_graph
+from vrcomfort.render.gltf_graph import read_graph, refuse_compressed
 from vrcomfort.render.gltf_mesh import read_materials, read_meshes
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_defaults import with_defaults
@@ -64,6 +64,7 @@ def find_scene(name_or_path: str | Path) -> Path:
 def _read(path: Path) -> tuple[Scene, dict[str, tuple[int, ...]]]:
     """Return the scene as the glTF file has it, and the meshes of nodes outside its graph."""
     file = read_gltf_file(path)
+    refuse_compressed(file)
     unsupported: set[str] = set()
     materials, images = read_materials(file, unsupported)
     primitives, meshes = read_meshes(file, unsupported)

@@ -37,6 +37,16 @@ class GltfFile:
     root: dict[str, Any]
     binary: bytes | None
 
+    def item(self, key: str, index: int) -> dict[str, Any]:
+        """Return one item of the file's list called `key`."""
+        items = self.items(key)
+        if not 0 <= index < len(items):
+            raise InputError(
+                f"refers to number {index} of its {key}, but has {len(items)}; export it again",
+                file=self.path,
+            )
+        return items[index]
+
     def items(self, key: str) -> list[dict[str, Any]]:
         """Return the file's list called `key`, empty where there is none."""
         return list(self.root.get(key, []))
@@ -76,14 +86,14 @@ class GltfFile:
 
     def view(self, index: int) -> tuple[memoryview, int | None]:
         """Return the bytes of a buffer view and its stride."""
-        item = self.root["bufferViews"][index]
+        item = self.item("bufferViews", index)
         start = item.get("byteOffset", 0)
         data = memoryview(self.buffers[item["buffer"]])[start : start + item["byteLength"]]
         return data, item.get("byteStride")
 
     def accessor(self, index: int) -> NDArray[Any]:
         """Return an accessor as (count, width), float64 where it is normalised."""
-        item = self.root["accessors"][index]
+        item = self.item("accessors", index)
         width, dtype = WIDTH[item["type"]], np.dtype(COMPONENT[item["componentType"]])
         if "bufferView" in item:
             values = self._elements(item, dtype, item["count"], width).copy()
@@ -111,7 +121,7 @@ class GltfFile:
 
     def image(self, index: int) -> NDArray[np.uint8]:
         """Return an image as (height, width, 4) uint8."""
-        item = self.root["images"][index]
+        item = self.item("images", index)
         data = (
             self._fetch(item["uri"]) if "uri" in item else bytes(self.view(item["bufferView"])[0])
         )

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from vrcomfort.errors import InputError
 from vrcomfort.geometry import normalize
 from vrcomfort.render.animation import Animation, Channel
 from vrcomfort.render.gltf_file import GltfFile
@@ -20,6 +21,7 @@ Graph = tuple[
 _HANDLED = {
     "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization",
 }  # fmt: skip
+_COMPRESSED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}
 #: A lamp without a range ends where it gives this irradiance (W/m², our units).
 _FAINTEST = 0.01
 
@@ -35,7 +37,7 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
     items = file.items("nodes")
     nodes = [
-        _node(items[index], -1 if parent < 0 else place[parent], meshes, index)
+        _node(file, file.item("nodes", index), -1 if parent < 0 else place[parent], meshes, index)
         for index, parent in order
     ]
     animations = _animations(file, place, unsupported)
@@ -43,11 +45,21 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     marked = _mark_moving(nodes, moving)
     lights = _lights(file, place, marked, unsupported)
     stand_ins = {
-        item.get("name", f"node {index}"): meshes[item["mesh"]]
+        item.get("name", f"node {index}"): _mesh(file, meshes, item)
         for index, item in enumerate(items)
         if index not in place and "mesh" in item
     }
     return marked, animations, lights, stand_ins
+
+
+def refuse_compressed(file: GltfFile) -> None:
+    """Raise InputError where the vertices can only be had with an extension that is not here."""
+    needed = sorted(_COMPRESSED & set(file.root.get("extensionsRequired", [])))
+    if needed:
+        raise InputError(
+            f"needs {needed[0]}, which cannot be read; export it without mesh compression",
+            file=file.path,
+        )
 
 
 def _name_unsupported(file: GltfFile, unsupported: set[str]) -> None:
@@ -60,7 +72,7 @@ def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:
     items, scenes = file.items("nodes"), file.items("scenes")
     children = {child for item in items for child in item.get("children", [])}
     if scenes:
-        roots = scenes[file.root.get("scene", 0)].get("nodes", [])
+        roots = file.item("scenes", file.root.get("scene", 0)).get("nodes", [])
     else:
         roots = [index for index in range(len(items)) if index not in children]
     waiting = [(root, -1) for root in reversed(roots)]
@@ -71,10 +83,20 @@ def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:
             raise ValueError(f"node {index} has two parents")
         seen.add(index)
         yield index, parent
-        waiting += [(child, index) for child in reversed(items[index].get("children", []))]
+        waiting += [
+            (child, index) for child in reversed(file.item("nodes", index).get("children", []))
+        ]
 
 
-def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node:
+def _mesh(file: GltfFile, meshes: Meshes, item: dict[str, Any]) -> tuple[int, ...]:
+    if "mesh" not in item:
+        return ()
+    index: int = item["mesh"]
+    file.item("meshes", index)
+    return meshes[index]
+
+
+def _node(file: GltfFile, item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node:
     matrix = item.get("matrix")
     return Node(
         name=item.get("name", f"node {index}"),
@@ -84,7 +106,7 @@ def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node
         scale=np.array(item.get("scale", (1, 1, 1)), np.float64).reshape(3),
         # Column-major in the file.
         matrix=None if matrix is None else np.array(matrix, np.float64).reshape(4, 4).T,
-        mesh=meshes[item["mesh"]] if "mesh" in item else (),
+        mesh=_mesh(file, meshes, item),
     )
 
 

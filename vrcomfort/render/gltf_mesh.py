@@ -44,7 +44,7 @@ class _Textures:
         if info.get("texCoord", 0) != 0:
             self.unsupported.add(f"TEXCOORD_{info['texCoord']}")
             return None
-        texture = self.file.root["textures"][info["index"]]
+        texture = self.file.item("textures", info["index"])
         if "source" not in texture:
             self.unsupported.update(texture.get("extensions", {"textures without an image": {}}))
             return None
@@ -58,7 +58,7 @@ class _Textures:
     def _repeat(self, texture: dict[str, Any]) -> tuple[bool, bool]:
         if "sampler" not in texture:
             return True, True
-        sampler = self.file.root["samplers"][texture["sampler"]]
+        sampler = self.file.item("samplers", texture["sampler"])
         wraps = sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)
         if 33648 in wraps:
             self.unsupported.add("mirrored repeat (repeated instead)")
@@ -115,7 +115,7 @@ def _primitive(
         unsupported.add("points and lines")
         return None
     position = item["attributes"].get("POSITION")
-    if position is None or "bufferView" not in file.root["accessors"][position]:
+    if position is None or "bufferView" not in file.item("accessors", position):
         return None
     positions = file.accessor(position).astype(np.float32)
     indices = _triangles(file, item, len(positions), mode)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.render import culling, lighting, shaders
+from vrcomfort.render import culling, gl, lighting, shaders
 from vrcomfort.render.draw_list import COMMAND, Batch, DrawList, batches, front_to_back
 from vrcomfort.render.node_poses import NodePoses, relative_rows
 from vrcomfort.render.scene_data import Scene
@@ -54,19 +54,18 @@ class GpuScene:
         self._poses = NodePoses(scene)
         self._velocity = "VELOCITY" in (defines or {})
         rows = max(len(self._list.node), 1)
-        self._vertices = ctx.buffer(vertex_bytes(scene.primitives))
-        self._indices = ctx.buffer(index_bytes(scene.primitives))
-        self._rows = ctx.buffer(reserve=rows * 64, dynamic=True)
-        self._previous_rows = (
-            ctx.buffer(reserve=rows * 48, dynamic=True) if self._velocity else None
-        )
-        self._commands = ctx.buffer(reserve=rows * COMMAND.itemsize, dynamic=True)
+        self._vertices = gl.buffer(ctx, vertex_bytes(scene.primitives))
+        self._indices = gl.buffer(ctx, index_bytes(scene.primitives))
+        self._rows = gl.dynamic_buffer(ctx, rows * 64)
+        self._previous_rows = gl.dynamic_buffer(ctx, rows * 48) if self._velocity else None
+        self._commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
         self._materials = MaterialBuffer(ctx, scene.materials)
         features = {**lighting.features(scene.environment), **(defines or {})}
         factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)
         self._surfaces = [factory.make(key) for key in self._list.keys]
         self._depth_programs = factory.depth_programs
         self._prepare_rows()
+        self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
 
     def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
@@ -131,7 +130,7 @@ class GpuScene:
         self._thing[rows, 2] = bits
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
-        return self._list.level_in_use(np.linalg.norm(self._node_centers - viewpoint_m, axis=1))
+        return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
 
     @property
     def moves(self) -> bool:
@@ -157,7 +156,7 @@ class GpuScene:
         """
         seen = self._seen(culling.planes(clip_from_relative), eye_m)
         rows = np.flatnonzero(seen & self._in_use & (self._blended_row == blended))
-        distance = np.linalg.norm(self._centers - eye_m, axis=1)
+        distance = culling.lengths(self._centers - eye_m)
         order = (
             rows[np.argsort(-distance[rows], kind="stable")]
             if blended
@@ -216,7 +215,7 @@ class GpuScene:
         begin_view
             Called with the number of each view before it is drawn, to set its viewport.
         """
-        seen = culling.visible_in_views(clips_from_relative, self._centers - origin_m, self._halves)
+        seen = self._seen(culling.planes(clips_from_relative), origin_m)
         view, row = np.nonzero(seen & self._in_use & ~self._blended_row)
         key = self._list.key[row] + view * len(self._surfaces)
         order = np.argsort(key, kind="stable")
@@ -242,7 +241,7 @@ class GpuScene:
         return self._moving_row if movement == "moving" else ~self._moving_row
 
     def _triangles(self, rows: Rows) -> int:
-        return int(self._list.commands["index_count"][rows].sum()) // 3
+        return int(self._triangles_of_row[rows].sum())
 
     def _seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
         return culling.visible(planes, self._centers - origin_m, self._halves)

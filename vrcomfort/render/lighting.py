@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
-from vrcomfort.render import shaders
+from vrcomfort.render import gl, shaders
 from vrcomfort.render.scene_data import Environment, Scene
 
 LIGHT_BINDING = 1
@@ -51,7 +49,7 @@ class Light:
         self._block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
         _write_environment(self._block, scene.environment)
         self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
-        self._buffer = ctx.buffer(reserve=self._block.nbytes, dynamic=True)
+        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
 
     def update(self, eye_m: Array, shadow_from_world: Array | None, bias: Array | None) -> None:
         """Write and bind the block for an eye.
@@ -86,12 +84,12 @@ def lamp_bits(scene: Scene, centers: Array, halves: Array) -> NDArray[np.float32
 
     A float holds 16 bits exactly, and travels as an ordinary instance attribute.
     """
-    bits = np.zeros(len(centers))
-    for index, lamp in enumerate(scene.environment.point_lights):
-        beyond = np.maximum(np.abs(np.array(lamp.position) - centers) - halves, 0.0)
-        near = np.linalg.norm(beyond, axis=1) < lamp.range_m
-        bits += near * math.ldexp(1.0, index)
-    return bits.astype(np.float32)
+    lamps = scene.environment.point_lights
+    positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 1, 3)
+    ranges = np.array([lamp.range_m for lamp in lamps])[:, None]
+    beyond = np.maximum(np.abs(positions - centers) - halves, 0.0)
+    near = np.einsum("lni,lni->ln", beyond, beyond) < ranges**2
+    return np.asarray(2.0 ** np.arange(len(lamps)) @ near, dtype=np.float32)
 
 
 def _write_environment(block: NDArray[np.void], environment: Environment) -> None:

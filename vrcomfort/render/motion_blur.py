@@ -7,16 +7,18 @@ from typing import NamedTuple
 
 import moderngl
 
+from vrcomfort.optics.motion import ramp
 from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.render import gl
 from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.peak import PeakPass
+from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.streaks import Streaks
 
 STREAK_OF_SAMPLES_PX = 16.0
 """Length of streak that takes ``MotionBlur.samples`` samples."""
 
 
-class _Shutter(NamedTuple):
-    shutter_fraction: float
+class _Limit(NamedTuple):
     radius_limit_px: float
 
 
@@ -24,9 +26,12 @@ class _Sampling(NamedTuple):
     samples_per_px: float
 
 
-def streak_limit_px(settings: MotionBlur, size_px: tuple[int, int]) -> float:
-    """Return the longest half streak that `settings` allow at this image size."""
-    return settings.max_radius_percent / 100 * size_px[0]
+def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
+    """Return what all streaks are multiplied by, for how fast the head turns: 1 to 0."""
+    fade = settings.fade_with_turning
+    if fade is None or step is None:
+        return 1.0
+    return 1 - ramp(step.turn_deg_s("head"), fade.from_deg_s, fade.to_deg_s)
 
 
 class MotionBlurPass:
@@ -53,38 +58,44 @@ class MotionBlurPass:
         settings: MotionBlur,
         size_px: tuple[int, int],
     ) -> None:
-        self.limit_px = streak_limit_px(settings, size_px)
-        tile = max(8, ceil(self.limit_px))
-        streaks = FullscreenPass(
-            ctx,
-            "streaks.frag",
-            size_px=size_px,
-            inputs={"velocity": velocity, "depth": depth},
-            constants=_Shutter(settings.shutter_fraction, self.limit_px),
+        self._settings, self._colour = settings, colour
+        self._streaks = Streaks(
+            ctx, depth=depth, velocity=velocity, settings=settings, size_px=size_px
         )
-        x_pass, y_pass, neighbours = _tile_passes(ctx, streaks.target, tile)
-        gather = FullscreenPass(
-            ctx,
-            "motion_blur.frag",
-            size_px=size_px,
-            inputs={"colour": colour, "streaks": streaks.target, "longest": neighbours.target},
-            filtered={"colour"},
-            constants=_Sampling(settings.samples / STREAK_OF_SAMPLES_PX),
-            defines={"TILE": tile},
-        )
-        self._passes = (streaks, x_pass, y_pass, neighbours, gather)
-        self._peak = PeakPass(ctx, y_pass.target)
-        self.target = gather.target
+        self.limit_px = self._streaks.limit_px
+        make = {"reconstruction": _reconstruction, "per_pixel": _per_pixel}[settings.method]
+        self._gathers = make(ctx, colour, self._streaks, settings)
+        self._copy = gl.copier(ctx)
+        self.target = self._gathers[-1].target
 
-    def render(self) -> None:
-        """Blur the present image."""
-        for stage in self._passes:
+    def render(self, *, still: bool = False, step: HeadStep | None = None) -> None:
+        """Blur the present image.
+
+        Parameters
+        ----------
+        still
+            Nothing has moved since the frame before: the image is copied, bit by bit.
+        step
+            How the head got here, None after a cut.
+        """
+        scale = streak_scale(self._settings, step)
+        if still or scale == 0:
+            self._copy(self._colour, self.target)
+            return
+        self._draw(scale)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames in which nothing moves leave out."""
+        self._draw(0.0)
+
+    def _draw(self, scale: float) -> None:
+        self._streaks.render(scale)
+        for stage in self._gathers:
             stage.render()
-        self._peak.render()
 
     def longest_half_streak_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._peak.read()
+        return self._streaks.longest_px()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
@@ -97,29 +108,38 @@ class MotionBlurPass:
         )
 
 
-def _tile_passes(
-    ctx: moderngl.Context, streaks: moderngl.Texture, tile: int
-) -> tuple[FullscreenPass, FullscreenPass, FullscreenPass]:
-    width, height = streaks.size
-    columns, rows = ceil(width / tile), ceil(height / tile)
-    x_pass = FullscreenPass(
-        ctx,
-        "streak_tiles.frag",
-        size_px=(columns, height),
-        inputs={"source": streaks},
-        defines={"TILE": tile, "AXIS": 0},
-    )
-    y_pass = FullscreenPass(
-        ctx,
-        "streak_tiles.frag",
-        size_px=(columns, rows),
-        inputs={"source": x_pass.target},
-        defines={"TILE": tile, "AXIS": 1},
-    )
+def _reconstruction(
+    ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
+) -> tuple[FullscreenPass, ...]:
     neighbours = FullscreenPass(
         ctx,
         "streak_neighbours.frag",
-        size_px=(columns, rows),
-        inputs={"tiles": y_pass.target},
+        size_px=streaks.tiles.size,
+        inputs={"tiles": streaks.tiles},
+        constants=_Limit(streaks.limit_px),
+        defines={"TILE": streaks.tile_px, "REACH": ceil(streaks.limit_px / streaks.tile_px) + 1},
     )
-    return x_pass, y_pass, neighbours
+    gather = FullscreenPass(
+        ctx,
+        "motion_blur.frag",
+        size_px=colour.size,
+        inputs={"colour": colour, "streaks": streaks.points, "longest": neighbours.target},
+        filtered={"colour"},
+        constants=_Sampling(settings.samples / STREAK_OF_SAMPLES_PX),
+        defines={"TILE": streaks.tile_px},
+    )
+    return neighbours, gather
+
+
+def _per_pixel(
+    ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
+) -> tuple[FullscreenPass, ...]:
+    gather = FullscreenPass(
+        ctx,
+        "motion_blur_per_pixel.frag",
+        size_px=colour.size,
+        inputs={"colour": colour, "streaks": streaks.points},
+        filtered={"colour"},
+        defines={"SAMPLES": settings.samples},
+    )
+    return (gather,)

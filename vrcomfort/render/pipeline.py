@@ -4,7 +4,7 @@
 
     focus (head centre, once)
       |        per eye:
-      +--> scene --> depth of field --> motion blur --> tone map --> eyes
+      +--> scene --> depth of field --> motion blur --> speed blur --> tone map --> eyes
            colour    (either order)
            depth, velocity
 """
@@ -20,12 +20,14 @@ import moderngl
 
 from vrcomfort.geometry import Pose, View
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render import gpu_memory
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
 from vrcomfort.render.focus import FocusSample
 from vrcomfort.render.frames import EyeImages, FrameToRender, RenderedFrame
 from vrcomfort.render.gpu_timer import GpuTime, GpuTimer, make_gpu_timer
+from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import PlannedPass, plan_passes
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
@@ -49,6 +51,7 @@ class _Before(NamedTuple):
     head_pose: Pose
     avatar_pose: Pose
     scene_time_s: float
+    display_time_ns: int
 
 
 class StereoRenderer:
@@ -90,18 +93,33 @@ class StereoRenderer:
 
         Drivers compile when something is first drawn, so two frames are drawn that nobody sees.
         """
-        self.release()
-        self._scene = scene
-        self._condition = condition
-        self._passes = ConditionPasses(
-            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
-        )
+        self.build(scene, condition)
+        passes = self._built()
         for frame in looks_around(scene.spawn):
             self._draw(frame, 0.0, None)
+        passes.warm_up()
         self.drain()
+        passes.forget()
         self._before = None
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
+
+    def build(self, scene: Scene, condition: Condition) -> None:
+        """Build the passes as `begin` does, and draw nothing yet."""
+        self.release()
+        self._scene = scene
+        self._condition = condition
+        ledger = gpu_memory.ledger(self.ctx)
+        first = ledger.mark()
+        self._passes = ConditionPasses(
+            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
+        )
+        self._allocated = first, ledger.mark()
+
+    def memory(self) -> tuple[gpu_memory.Allocation, ...]:
+        """Return the textures and buffers of the present condition and scene."""
+        self._built()
+        return gpu_memory.ledger(self.ctx).between(*self._allocated)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""
@@ -155,7 +173,9 @@ class StereoRenderer:
             triangles += passes.scene.triangles
             if on_eye is not None:
                 on_eye(index, images)
-        self._before = _Before(frame.head_pose, frame.avatar_pose, scene_time_s)
+        self._before = _Before(
+            frame.head_pose, frame.avatar_pose, scene_time_s, frame.predicted_display_time_ns
+        )
         return RenderedFrame(
             eyes=(passes.tone_maps[0].target, passes.tone_maps[1].target),
             focus_samples=samples,
@@ -196,9 +216,15 @@ class StereoRenderer:
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
-        blur = self._condition.motion_blur
-        if before is None or blur is None:
+        if before is None:
             return PlacedEye(head_from_eye, camera, None)
+        seconds = (frame.predicted_display_time_ns - before.display_time_ns) / 1e9
+        step = HeadStep(
+            before.head_pose, frame.head_pose, before.avatar_pose, frame.avatar_pose, seconds
+        )
+        blur = self._condition.motion_blur
+        if blur is None:
+            return PlacedEye(head_from_eye, camera, None, step)
         pose = previous_eye_pose(
             blur.mode,
             world_from_stage=frame.avatar_pose,
@@ -207,4 +233,4 @@ class StereoRenderer:
             previous_world_from_stage=before.avatar_pose,
             previous_stage_from_head=before.head_pose,
         )
-        return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s))
+        return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s), step)

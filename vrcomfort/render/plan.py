@@ -22,15 +22,16 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
 
     A pass that is not needed has no texture, no program and no draw call.
     """
-    effects = [depth_of_field(condition), motion_blur(condition)]
+    effects = [depth_of_field(condition), motion_blur(scene, condition)]
     if condition.effect_order == "motion_blur_first":
         effects.reverse()
     return [
         shadow(scene),
         focus(condition),
         PlannedPass("scene", True, "always: colour and depth of both eyes"),
-        velocity(condition),
+        velocity(scene, condition),
         *effects,
+        speed_blur(condition),
         PlannedPass("tone_map", True, "always: linear light to display values"),
     ]
 
@@ -52,9 +53,9 @@ def focus(condition: Condition) -> PlannedPass:
     return PlannedPass("focus", True, "depth of field follows what is in front of the head")
 
 
-def velocity(condition: Condition) -> PlannedPass:
+def velocity(scene: Scene, condition: Condition) -> PlannedPass:
     """Plan the velocity image."""
-    needed = motion_blur(condition).needed
+    needed = motion_blur(scene, condition).needed
     return PlannedPass(
         "velocity",
         needed,
@@ -69,16 +70,37 @@ def depth_of_field(condition: Condition) -> PlannedPass:
         return PlannedPass("depth_of_field", False, "the condition has none")
     if settings.max_radius_percent == 0:
         return PlannedPass("depth_of_field", False, "its largest radius is zero")
+    if settings.peripheral is None and settings.pinhole:
+        return PlannedPass("depth_of_field", False, "its lens has no opening")
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
     return PlannedPass("depth_of_field", True, reason)
 
 
-def motion_blur(condition: Condition) -> PlannedPass:
-    """Plan motion blur; a shutter that never opens for long blurs nothing."""
+def motion_blur(scene: Scene, condition: Condition) -> PlannedPass:
+    """Plan motion blur; a shutter that never opens for long blurs nothing.
+
+    Locomotion and heads move at run time, so only a mode that ignores every camera can be known
+    to see nothing move; frames in which nothing moved are copied without any pass in every mode.
+    """
     settings = condition.motion_blur
     if settings is None:
         return PlannedPass("motion_blur", False, "the condition has none")
     if settings.shutter_fraction == 0:
         return PlannedPass("motion_blur", False, "its shutter is open for no time")
+    if settings.mode == "objects_only" and not any(node.moving for node in scene.nodes):
+        return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
     return PlannedPass("motion_blur", True, reason)
+
+
+def speed_blur(condition: Condition) -> PlannedPass:
+    """Plan the blur that grows with speed; without a ramp nothing makes it grow."""
+    settings = condition.speed_blur
+    if settings is None:
+        return PlannedPass("speed_blur", False, "the condition has none")
+    if settings.max_sigma_arcmin == 0:
+        return PlannedPass("speed_blur", False, "its largest sigma is zero")
+    if settings.turning is None and settings.moving is None:
+        return PlannedPass("speed_blur", False, "neither turning nor moving makes it grow")
+    reason = f"sigma up to {settings.max_sigma_arcmin:g} arcmin at full speed"
+    return PlannedPass("speed_blur", True, reason)

@@ -69,10 +69,11 @@ class Accumulator:
 class Reference:
     """Accumulates lens and shutter samples of one eye by brute force.
 
-    The lens has the circle of confusion of the condition's depth of field; with law ``dioptre``
-    each sample is the exact shear of a thin lens without r_max; with ``linear`` it
-    is exact at vertices only. The shutter is centred on the frame and poses are extrapolated at
-    constant velocity, less the motion that the previous pose has cancelled.
+    The lens has the circle of confusion of the condition's depth of field; with the laws in
+    dioptres (``dioptre``, ``eye``, ``thin_lens``) each sample is the exact shear of a thin lens
+    without r_max; with ``linear`` it is exact at vertices only. Peripheral blur is left out. The
+    shutter is centred on the frame and poses are extrapolated at constant velocity, less the motion
+    that the previous pose has cancelled.
 
     Parameters
     ----------
@@ -96,9 +97,10 @@ class Reference:
         self._lens_effect = (
             condition.depth_of_field if plan.depth_of_field(condition).needed else None
         )
-        self._shutter_effect = condition.motion_blur if plan.motion_blur(condition).needed else None
+        moving = plan.motion_blur(scene, condition).needed
+        self._shutter_effect = condition.motion_blur if moving else None
         self._seed = seed
-        law = self._lens_effect.law if self._lens_effect else None
+        law = defocus.lens_law(self._lens_effect)
         self._pass = ScenePass(ctx, scene, size_px, velocity=False, lens_law=law)
 
     def render(
@@ -166,11 +168,18 @@ class Reference:
     @property
     def note(self) -> str:
         """Return what the reference cannot do."""
-        if self._lens_effect is None:
+        effect = self._lens_effect
+        if effect is None:
             return "no lens"
-        if self._lens_effect.law == "linear":
+        if effect.law == "linear":
             return "law linear: the lens is exact at vertices only"
-        return "law dioptre: the lens is exact; r_max does not limit it"
+        if effect.peripheral is not None:
+            return (
+                f"law {effect.law}: peripheral blur is left out, and r_max does not limit the lens"
+            )
+        if effect.law == "thin_lens" and effect.distance_offset_m > 0:
+            return "law thin_lens with a distance offset: the lens is exact at vertices only"
+        return f"law {effect.law}: the lens is exact; r_max does not limit it"
 
     def _draw(
         self,
@@ -194,16 +203,11 @@ class Reference:
         effect = self._lens_effect
         if effect is None:
             return None
-        limit_px = defocus.radius_limit_px(effect, self._size_px)
         focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
         x, y = position
-        return Lens(
-            position=(float(x), float(y) * focal_y / focal_x),  # round in angle, not in pixels
-            focus_m=focus_m,
-            infinity_m=self._condition.focus.infinity_m,
-            px_per_defocus=limit_px / defocus.full_blur(effect),
-            radius_limit_px=limit_px,
-        )
+        round_in_angle = float(x), float(y) * focal_y / focal_x
+        infinity_m = self._condition.focus.infinity_m
+        return defocus.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:

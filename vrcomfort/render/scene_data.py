@@ -268,7 +268,8 @@ def _local(node: Node, index: int, moved: dict[tuple[int, str], Array]) -> Array
 
 def trs_matrix(translation: Array, rotation: Array, scale: Array) -> Array:
     """Return (4, 4) parent-from-node of a translation, a quaternion (x, y, z, w) and a scale."""
-    matrix = np.eye(4)
+    matrix = np.zeros((4, 4))
     matrix[:3, :3] = rotation_matrix(rotation) * scale
     matrix[:3, 3] = translation
+    matrix[3, 3] = 1.0
     return matrix

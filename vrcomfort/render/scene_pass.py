@@ -63,6 +63,8 @@ class ScenePass:
         )
         self._view = _ViewBlock(ctx, size_px)
         self.triangles = 0
+        self.still = True
+        """Whether nothing in the last image can have moved: every velocity is exactly 0."""
 
     @property
     def colour(self) -> moderngl.Texture:
@@ -99,6 +101,9 @@ class ScenePass:
             Where the eye counts as having been; without it all velocities are zero.
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
+        self.still = before.world_from_eye == camera.world_from_eye and (
+            before.time_s == time_s or not self.gpu.moves
+        )
         self.gpu.update(time_s, camera.head, before.time_s)
         eye_m = camera.world_from_eye.position
         if self._shadow is not None:
@@ -214,7 +219,7 @@ class _ViewBlock:
         self._block = np.zeros((), shaders.block_dtype("view.glsl", "View"))
         self._block["image_size_px"][:2] = size_px
         self._ndc_per_px = 2 / np.array(size_px)
-        self._buffer = ctx.buffer(reserve=self._block.nbytes, dynamic=True)
+        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
 
     def update(self, camera: EyeCamera, previous: PreviousCamera) -> None:
         """Write and bind the block."""
@@ -232,8 +237,9 @@ class _ViewBlock:
     def _write_lens(self, camera: EyeCamera) -> None:
         lens = camera.lens or PINHOLE
         head = camera.head
-        ahead_m = head.forward @ (camera.world_from_eye.position - head.position)
+        forward = head.forward
+        ahead_m = forward @ (camera.world_from_eye.position - head.position)
         offset = np.array(lens.position) * self._ndc_per_px
         self._block["lens"] = (*offset, lens.focus_m, lens.infinity_m)
         self._block["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
-        self._block["head_forward"] = (*head.forward, ahead_m)
+        self._block["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)

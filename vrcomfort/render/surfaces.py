@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.render import shaders
+from vrcomfort.render import gl, shaders
 from vrcomfort.render.draw_list import BatchKey
 from vrcomfort.render.scene_data import Material, Scene
 from vrcomfort.render.textures import TextureStore
@@ -55,7 +55,7 @@ class MaterialBuffer:
             _material_block(material, layout).tobytes().ljust(self._stride, b"\0")
             for material in materials
         )
-        self._buffer = ctx.buffer(data or bytes(self._stride))
+        self._buffer = gl.buffer(ctx, data or bytes(self._stride))
 
     def bind(self, material: int) -> None:
         """Make a material the one that shaders see."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import moderngl
 
+from vrcomfort.render import gl
 from vrcomfort.render.scene_data import Image
 
 ANISOTROPY = 8.0
@@ -11,8 +12,6 @@ ANISOTROPY = 8.0
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "SwiftShader")
 """Renderers on which anisotropic filtering costs more than all other shading (3 × measured)."""
-
-_SRGB8_ALPHA8 = 0x8C43
 
 
 class TextureStore:
@@ -51,11 +50,7 @@ def _upload(
     ctx: moderngl.Context, image: Image, *, srgb: bool, anisotropy: float
 ) -> moderngl.Texture:
     height, width = image.pixels.shape[:2]
-    internal_format = _SRGB8_ALPHA8 if srgb else None
-    texture = ctx.texture(
-        (width, height), 4, image.pixels.tobytes(), internal_format=internal_format
-    )
-    texture.build_mipmaps()
+    texture = gl.image_texture(ctx, (width, height), image.pixels.tobytes(), srgb=srgb)
     texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
     texture.repeat_x, texture.repeat_y = image.repeat
     texture.anisotropy = anisotropy

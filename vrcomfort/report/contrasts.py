@@ -38,18 +38,22 @@ def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def contrasts_of(plan: Plan, conditions: list[str]) -> list[Contrast]:
-    """Return the plan's contrasts, or every pair.
+def contrasts_of(plan: Plan, conditions: list[str], labels: dict[str, str]) -> list[Contrast]:
+    """Return the plan's contrasts, or every pair of the conditions in the data.
+
+    A condition of the study (`labels`) that nobody finished is compared all the same, so that the
+    report says why there is no test.
 
     Raises
     ------
     InputError
-        If the plan compares a condition that the data do not have.
+        If the plan compares a condition that neither the data nor the study have.
     """
+    there = list(dict.fromkeys([*conditions, *labels]))
     for contrast in plan.contrasts:
-        absent = [name for name in (contrast.a, contrast.b) if name not in conditions]
+        absent = [name for name in (contrast.a, contrast.b) if name not in there]
         if absent:
-            known = ", ".join(conditions)
+            known = ", ".join(there)
             raise InputError(
                 f"the analysis plan compares condition `{absent[0]}`; the data have {known}"
             )

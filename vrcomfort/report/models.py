@@ -10,6 +10,7 @@ from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import WEIGHTS
+from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import planned_exposures
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.crossover import crossover
@@ -61,6 +62,20 @@ def _anova(table: pd.DataFrame, plan: Plan) -> Result:
     }
 
 
+def check_levels(plan: Plan, table: pd.DataFrame, labels: dict[str, str]) -> None:
+    """Raise InputError where a factor of the plan renames a level that does not exist."""
+    for factor in plan.anova:
+        there = {str(value) for value in table[factor.column].unique()}
+        there |= set(labels) if factor.column == "condition" else set()
+        for level in factor.levels:
+            if there and level not in there:
+                known = ", ".join(sorted(there, key=natural))
+                raise InputError(
+                    f"the analysis plan renames level `{level}` of {factor.column} in factor "
+                    f"`{factor.name}`; the data have {known}"
+                )
+
+
 def _levels(table: pd.DataFrame, factor: Factor) -> pd.Series:
     return table[factor.column].map(lambda value: factor.levels.get(str(value), str(value)))
 
@@ -94,6 +109,8 @@ def run_crossover(table: pd.DataFrame, contrast: Contrast, outcome: str) -> Resu
 
 def _crossover(table: pd.DataFrame, contrast: Contrast) -> Result:
     pair = table[table["condition"].isin([contrast.a, contrast.b])]
+    if pair["condition"].nunique() < 2:
+        raise InputError("nobody finished both conditions")
     if (pair["position"] == 0).any():
         raise InputError("the data do not say in which order the conditions came")
     if pair["position"].nunique() != 2:

@@ -17,7 +17,13 @@ from vrcomfort.report.contrasts import (
     sensitivity,
 )
 from vrcomfort.report.exposures import ITEMS, score_exposures, unused_timepoints
-from vrcomfort.report.models import run_anova, run_crossover, run_friedman, run_mixed
+from vrcomfort.report.models import (
+    check_levels,
+    run_anova,
+    run_crossover,
+    run_friedman,
+    run_mixed,
+)
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import planned_exposures
 from vrcomfort.report.quality import quality
@@ -53,7 +59,9 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     """
     scored = score_exposures(study, plan)
     conditions = conditions_of(scored.table, study.labels)
-    contrasts = contrasts_of(plan, conditions)
+    contrasts = contrasts_of(plan, conditions, study.labels)
+    check_levels(plan, scored.table, study.labels)
+    named = [*conditions, *_unfinished(contrasts, conditions)]
     found = find_withdrawals(study)
     tests = run_tests(scored.table, plan, contrasts)
     analysed = _analysed(tests, scored.table)
@@ -64,7 +72,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "plan": plan.model_dump(mode="json"),
         "score_basis": scored.basis,
         "weights": dict(WEIGHTS),
-        "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in conditions],
+        "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
         "participants": {
             "n": len(everybody(study)),
             "analysed": analysed,
@@ -98,7 +106,7 @@ def _models(
     table: pd.DataFrame, plan: Plan, conditions: list[str], contrasts: list[Contrast]
 ) -> dict[str, list[dict[str, Any]]]:
     outcomes = plan.outcomes
-    reference = contrasts[0].b if len(contrasts) == 1 else next(iter(conditions), "")
+    reference = _reference(contrasts, conditions)
     several = outcomes if len(conditions) > 2 else ()
     return {
         "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
@@ -106,6 +114,19 @@ def _models(
         "crossover": [run_crossover(table, c, outcome) for c in contrasts for outcome in outcomes],
         "mixed_models": [run_mixed(table, plan, reference, outcome) for outcome in outcomes],
     }
+
+
+def _unfinished(contrasts: list[Contrast], conditions: list[str]) -> list[str]:
+    """Return the conditions that are compared although nobody finished them."""
+    compared = dict.fromkeys(name for each in contrasts for name in (each.a, each.b))
+    return [name for name in compared if name not in conditions]
+
+
+def _reference(contrasts: list[Contrast], conditions: list[str]) -> str:
+    """Return what the mixed model compares with: b of the only contrast, or the first."""
+    if len(contrasts) == 1 and contrasts[0].b in conditions:
+        return contrasts[0].b
+    return next(iter(conditions), "")
 
 
 def _analysed(tests: list[dict[str, Any]], table: pd.DataFrame) -> list[str]:

@@ -81,8 +81,17 @@ class Respondent(Protocol):
     def rating(self, elapsed_s: float) -> int | None:
         """Return the rating if it has been given by now; called every frame after `prompt`."""
 
+    def resting(self, left_s: float) -> bool:
+        """Live through a moment of a rest; return True if that took its time (a frame passed).
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops here.
+        """
+
     def rest(self, duration_s: float) -> None:
-        """Live through a rest without the headset.
+        """Take note that a rest is over.
 
         Raises
         ------

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import replace
 
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
@@ -17,58 +17,20 @@ from vrcomfort.respondent.panel_layout import (
     answer_cells,
     cell_at,
     question_cells,
+    rest_cells,
     review_cells,
     stop_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter, Picture
+from vrcomfort.respondent.panel_picture import Page, Painter
+from vrcomfort.respondent.pointing import Pointing, Screen
+
+UNABLE_S = 2.0
+"""So long nothing to point with may be out of sight before the panel says so."""
+
+NO_CONTROLLER = "No controller is seen: switch one on, or ask for help"
 
 DWELL_S = 1.2
 """So long a look must rest on a cell to choose it, where there is no controller."""
-
-
-@dataclass(frozen=True)
-class Pointing:
-    """What the participant does to the panel in one frame.
-
-    Parameters
-    ----------
-    point
-        Where they point, as fractions (right, down) of the panel; None beside it.
-    select, back, stop
-        True in the one frame in which the button goes down.
-    dwelling
-        True where they point with their eyes and have no button.
-    hand
-        Which controller points (0 left, 1 right).
-    arrow, digits, enter
-        Presses of arrow keys (right, down), number keys, and Enter in this frame.
-    """
-
-    point: tuple[float, float] | None = None
-    select: bool = False
-    back: bool = False
-    stop: bool = False
-    dwelling: bool = False
-    hand: int = 1
-    arrow: tuple[int, int] = (0, 0)
-    digits: str = ""
-    enter: bool = False
-
-
-class Screen(Protocol):
-    """A panel in a headset (or a window)."""
-
-    def show(self, picture: Picture | None) -> None:
-        """Show a picture from the next frame on, or nothing."""
-
-    def pointing(self) -> Pointing:
-        """Return what the participant does in the current frame."""
-
-    def next_frame(self) -> None:
-        """Let a frame pass: for questions outside of exposures."""
-
-    def tick(self, hand: int) -> None:
-        """Confirm an answer to the hand that gave it."""
 
 
 class PanelRespondent:
@@ -78,8 +40,9 @@ class PanelRespondent:
     ----------
     screen
         Where the questions stand.
-    watch
-        Called with each page that opens: a rehearsal's scripted participant looks on here.
+    watch, chose
+        Called with each page that opens, and with each cell that is chosen: a rehearsal's scripted
+        participant looks on here.
     keyboard
         The participant has one: each question says how to use it.
     """
@@ -92,18 +55,21 @@ class PanelRespondent:
         *,
         now_s: Callable[[], float] = time.monotonic,
         watch: Callable[[Page], None] = lambda _: None,
+        chose: Callable[[Cell], None] = lambda _: None,
         keyboard: bool = False,
     ) -> None:
         self._screen = screen
         self._now_s = now_s
-        self._watch = watch
+        self._watch, self._chose = watch, chose
         self._keyboard = keyboard
         self._keys = KeyChoice()
         self._pointed: Cell | None = None
         self._dwell: tuple[Cell | None, float] = (None, 0.0)
+        self._unable_since_s: float | None = None
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
         self._scale: Page | None = None
+        self._scale_asked_s = self._scale_timeout_s = 0.0
         self._rating: int | None = None
 
     def start_session(self, session: int) -> None:
@@ -113,8 +79,8 @@ class PanelRespondent:
         """Clear the view."""
         self._hide()
 
-    def endure(self, elapsed_s: float) -> None:  # noqa: ARG002 - real people keep their own time
-        """Take the stop button, and the rating that was asked for."""
+    def endure(self, elapsed_s: float) -> None:
+        """Take the stop button, and the rating that was asked for; a late one cannot be given."""
         pointing = self._screen.pointing()
         if pointing.stop:
             self._hide()
@@ -124,15 +90,17 @@ class PanelRespondent:
             if cell is not None and cell.act is Act.ANSWER:
                 self._rating = cell.value
                 self._hide()
+            elif elapsed_s - self._scale_asked_s > self._scale_timeout_s:
+                self._hide()
 
     def end_exposure(self, elapsed_s: float) -> None:  # noqa: ARG002
         """Clear the view."""
         self._hide()
 
-    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
         cells = answer_cells(question_cells(instrument, first=True))
-        self._rating = None
+        self._rating, self._scale_asked_s, self._scale_timeout_s = None, elapsed_s, timeout_s
         self._keys.forget()
         ends, hint = _ends(instrument), self._hint(instrument)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
@@ -142,8 +110,28 @@ class PanelRespondent:
         """Return the rating that has been given since `prompt`."""
         return self._rating
 
-    def rest(self, duration_s: float) -> None:
-        """Do nothing: a rest is spent without the headset."""
+    def resting(self, left_s: float) -> bool:
+        """Say how long the rest still is, while a frame passes; the participant may stop.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        self._screen.allow_absence(left_s)
+        minutes = math.ceil(left_s / 60)
+        words = f"{minutes} minutes" if minutes > 1 else "less than a minute"
+        question = f"You may take the headset off. It goes on in {words}."
+        page = Page("Rest", question, rest_cells())
+        self._screen.next_frame()
+        cell = self._step(page, self._screen.pointing())
+        if cell is not None:
+            self._stop_if_sure("withdrew between exposures")
+        return True
+
+    def rest(self, duration_s: float) -> None:  # noqa: ARG002
+        """Clear the view."""
+        self._hide()
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Ask item by item, then show all answers for correction.
@@ -206,10 +194,13 @@ class PanelRespondent:
             cell = self._wait(page)
             if cell.act is not Act.STOP:
                 return cell
-            sure = self._wait(Page("", "Do you want to stop the study?", stop_cells()))
-            if sure.act is Act.STOP:
-                self._hide()
-                raise Withdrew("withdrew at a question")
+            self._stop_if_sure("withdrew at a question")
+
+    def _stop_if_sure(self, note: str) -> None:
+        sure = self._wait(Page("", "Do you want to stop the study?", stop_cells()))
+        if sure.act is Act.STOP:
+            self._hide()
+            raise Withdrew(note)
 
     def _wait(self, page: Page) -> Cell:
         self._watch(page)
@@ -228,7 +219,8 @@ class PanelRespondent:
             self._keys.forget()  # whoever moves on pointing wants to point
         self._pointed = pointed
         self._keys.move(page.cells, pointing.arrow, pointing.digits, page.chosen)
-        self._draw(page, pointing.point, self._keys.cell or pointed)
+        shown = replace(page, hint=NO_CONTROLLER) if self._is_unable(pointing) else page
+        self._draw(shown, pointing.point, self._keys.cell or pointed)
         wanted = _by_button(page, pointing)
         if wanted is None and pointing.enter:
             wanted = self._keys.cell
@@ -236,7 +228,17 @@ class PanelRespondent:
             wanted = pointed
         if wanted is not None:
             self._screen.tick(pointing.hand)
+            self._chose(wanted)
         return wanted
+
+    def _is_unable(self, pointing: Pointing) -> bool:
+        """Return whether the participant has had nothing to point with for a while."""
+        if not pointing.unable:
+            self._unable_since_s = None
+            return False
+        if self._unable_since_s is None:
+            self._unable_since_s = self._now_s()
+        return self._now_s() - self._unable_since_s > UNABLE_S
 
     def _confirms(self, pointed: Cell, pointing: Pointing) -> bool:
         """Return whether the pointed cell is chosen: by a button, or by a look that rests."""

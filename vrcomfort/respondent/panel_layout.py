@@ -88,6 +88,11 @@ def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[
     return rows + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
+def rest_cells() -> list[Cell]:
+    """Return the cells of a rest."""
+    return _row([("Stop", Act.STOP)], FOOT_TOP_PX, FOOT_BOTTOM_PX)
+
+
 def stop_cells() -> list[Cell]:
     """Return the cells of the page that asks whether to stop."""
     choices = [("Yes, stop now", Act.STOP), ("No, go on", Act.BACK)]

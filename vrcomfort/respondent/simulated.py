@@ -132,6 +132,10 @@ class SimulatedRespondent:
         """Return the rating once it has been thought of."""
         return self._answer if elapsed_s >= self._answer_at_s else None
 
+    def resting(self, left_s: float) -> bool:  # noqa: ARG002 - see `rest`
+        """Wait."""
+        return False
+
     def rest(self, duration_s: float) -> None:
         """Recover."""
         self._limit = 0.0

@@ -77,9 +77,13 @@ class TerminalRespondent:
         """Return the rating that has been typed since `prompt`."""
         return self._rating
 
-    def rest(self, duration_s: float) -> None:
-        """Take what was typed meanwhile, and say that the rest is over."""
+    def resting(self, left_s: float) -> bool:  # noqa: ARG002 - the bar shows it
+        """Take what is typed: a withdrawal, at once."""
         self._clear_typed()
+        return False
+
+    def rest(self, duration_s: float) -> None:
+        """Say that the rest is over."""
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
 
     def _clear_typed(self) -> None:

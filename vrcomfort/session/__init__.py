@@ -2,7 +2,9 @@
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
 from vrcomfort.session.parts import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
-from vrcomfort.session.run import Outcome, run
+from vrcomfort.session.reserve import Reservation, reserve
+from vrcomfort.session.run import run
+from vrcomfort.session.work import Outcome
 
 __all__ = [
     "Clock",
@@ -12,7 +14,9 @@ __all__ = [
     "Progress",
     "ProgressCallback",
     "Renderer",
+    "Reservation",
     "VirtualClock",
     "WallClock",
+    "reserve",
     "run",
 ]

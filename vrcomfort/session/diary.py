@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.clock import Clock
 from vrcomfort.session.parts import Progress, ProgressCallback, Step
@@ -30,11 +31,13 @@ class Diary:
     clock: Clock
     progress: ProgressCallback
 
-    def event(
-        self, name: str, start_s: float | None = None, *, detail: str = "", sync: bool = False
-    ) -> None:
-        """Write an event that ends now; without a start it is a moment. `sync`: on the disk."""
-        self.recorder.write(self._event(name, start_s, detail), sync=sync)
+    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now; without a start it is a moment."""
+        self.recorder.write(self._event(name, start_s, detail))
+
+    def note(self, happened: HeadsetEvent) -> None:
+        """Write, between two frames, what happened to the headset."""
+        self.event_soon(happened.name, detail=happened.detail)
 
     def event_soon(self, name: str, *, detail: str = "") -> None:
         """Write a moment between two frames: nothing waits for the disk."""

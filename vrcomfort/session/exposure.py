@@ -112,7 +112,7 @@ class FrameLoop:
 
     def _note_events(self) -> None:
         for event in self.headset.take_events():
-            self.diary.event_soon(event.name, detail=event.detail)
+            self.diary.note(event)
 
     def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
         if self._scene_start_ns is None:

@@ -20,6 +20,9 @@ from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Ren
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row
 
+REST_SLICE_S = 0.2
+"""So often a rest looks up."""
+
 SessionStatus = Literal["completed", "withdrawn", "aborted"]
 
 
@@ -127,14 +130,17 @@ class SessionFlow:
             interview.hold(self._respondent, after_withdrawal=after_withdrawal)
 
     def _rest(self, duration_s: float) -> None:
-        """Wait; in slices, so that progress can be shown."""
+        """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
         clock = self._lab.clock
         start_s = clock.now_s()
-        while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
-            self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
-            clock.wait(min(left_s, 1.0))
-        self._respondent.rest(duration_s)
-        self._diary.event("rest", start_s)
+        try:
+            while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
+                self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
+                if not self._respondent.resting(left_s):
+                    clock.wait(min(left_s, REST_SLICE_S))
+            self._respondent.rest(duration_s)
+        finally:
+            self._diary.event("rest", start_s)
 
     def _trial(self, place: Place) -> None:
         """Expose, write the trial's row whatever happens, and ask how it was."""

@@ -12,8 +12,8 @@ from vrcomfort.session.diary import Diary, Place
 class Interview:
     """One questionnaire in the asking.
 
-    Each answer is an event at once, on the disk; the rows are written when the last correction has
-    been made, or when something cuts the questionnaire short.
+    Each answer is a row at once, on the disk before the next is asked; a correction takes the place
+    of the row before. Every answer as it was given is an event.
     """
 
     def __init__(self, diary: Diary, ask: Ask, place: Place) -> None:
@@ -33,17 +33,27 @@ class Interview:
             If the participant stops at a question.
         """
         self._tell()
-        form = Form(self._instrument, self._ask.timepoint, after_withdrawal)
-        try:
-            respondent.ask(form, self._heard)
-        finally:
-            rows = sorted(self._rows.values(), key=lambda row: row.order)
-            self._diary.recorder.write(*rows)
+        respondent.ask(Form(self._instrument, self._ask.timepoint, after_withdrawal), self._heard)
 
     def _heard(self, item: str, response: int | None, took_s: float) -> None:
         self._diary.clock.advance(took_s)
         answered_s = self._diary.clock.now_s()
-        self._rows[item] = QuestionnaireRow(
+        row = self._row(item, response, answered_s, round(max(answered_s - took_s, 0.0), 9))
+        before = self._rows.get(item)
+        if before is None:
+            self._diary.recorder.write(row)
+        else:
+            self._diary.recorder.replace(before, row)
+        self._rows[item] = row
+        said = "rather not say" if response is None else response
+        detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
+        self._diary.event("answer", detail=detail)
+        self._tell()
+
+    def _row(
+        self, item: str, response: int | None, answered_s: float, asked_s: float
+    ) -> QuestionnaireRow:
+        return QuestionnaireRow(
             participant=self._diary.participant,
             session=self._diary.session,
             period=self._place.period,
@@ -54,14 +64,10 @@ class Interview:
             instrument=self._ask.instrument,
             item=item,
             response=response,
-            asked_s=round(max(answered_s - took_s, 0.0), 9),
+            asked_s=asked_s,
             answered_s=answered_s,
             order=self._order[item],
         )
-        said = "rather not say" if response is None else response
-        detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
-        self._diary.event("answer", detail=detail, sync=True)
-        self._tell()
 
     def _tell(self) -> None:
         done, total = len(self._rows), len(self._order)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Protocol
 
@@ -10,12 +10,12 @@ import numpy as np
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.base import Frame
+from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
-from vrcomfort.respondent.panel import Pointing
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.respondent.pointing import Pointing
 
 DISTANCE_M = 1.25
 WIDTH_M = 1.04
@@ -52,6 +52,12 @@ class PanelHeadset(Protocol):
     def inputs(self) -> Inputs:
         """Return what hands and eyes do in the last frame."""
 
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return what happened since the last call."""
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Take note that nobody need look for so long."""
+
     def tick(self, hand: int) -> None:
         """Let a controller tick."""
 
@@ -60,12 +66,21 @@ class PanelHeadset(Protocol):
 
 
 class PanelScreen:
-    """A panel that appears before the participant, and then stays where it is."""
+    """A panel that appears before the participant, and then stays where it is.
+
+    Attributes
+    ----------
+    notice
+        Called with what happens to the headset while a question is open.
+    """
 
     def __init__(self, headset: PanelHeadset) -> None:
         self._headset = headset
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
+        self._picture: Picture | None = None
+        self._hand = 1
+        self.notice: Callable[[HeadsetEvent], None] = lambda _: None
 
     @property
     def quad(self) -> Quad | None:
@@ -79,6 +94,7 @@ class PanelScreen:
 
     def show(self, picture: Picture | None) -> None:
         """Show a picture, or take the panel away."""
+        self._picture = picture
         if picture is not None:
             if self._panel is None:
                 self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
@@ -88,7 +104,11 @@ class PanelScreen:
             self._panel = self._frames = None
 
     def pointing(self) -> Pointing:
-        """Return where a controller points, else where the eyes look; and what keys do."""
+        """Return where a controller points, else where the eyes look; and what keys do.
+
+        Of two controllers that point at the panel, the one that presses counts, else the one that
+        pressed last.
+        """
         inputs = self._headset.inputs()
         keys = inputs.keys
         return replace(
@@ -102,13 +122,15 @@ class PanelScreen:
 
     def _pointed(self, inputs: Inputs) -> Pointing:
         hands = inputs.hands
-        for number in (1, 0):
-            point = self._hit(hands[number].aim)
+        for number in sorted((self._hand, 1 - self._hand), key=lambda n: not hands[n].select):
+            point, hand = self._hit(hands[number].aim), hands[number]
             if point is not None:
-                return Pointing(point, hands[number].select, hand=number)
+                self._hand = number if hand.select else self._hand
+                return Pointing(point, hand.select, held=hand.held, hand=number)
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
-        return Pointing(point, dwelling=point is not None)
+        seen = any(hand.aim for hand in hands) or (gaze is not None and gaze.valid)
+        return Pointing(point, dwelling=point is not None, unable=not seen)
 
     def next_frame(self) -> None:
         """Let a frame pass that shows the panel alone.
@@ -127,10 +149,25 @@ class PanelScreen:
                 "are kept: run with --resume"
             )
         self._headset.submit(frame, None)
+        for event in self._headset.take_events():
+            self.notice(event)
+            if event.name == "recentered":
+                self._place_again()
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Let the participant take the headset off for so long."""
+        self._headset.allow_absence(duration_s)
 
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""
         self._headset.tick(hand)
+
+    def _place_again(self) -> None:
+        """Put the panel before the participant, who has been given a new straight ahead."""
+        if self._panel is not None:
+            self._panel.hide()
+            self._panel = None
+            self.show(self._picture)
 
     def _hit(self, ray: Pose | None) -> tuple[float, float] | None:
         return None if ray is None or self._panel is None else self._panel.quad.intersection(ray)

@@ -1,7 +1,8 @@
 """A rehearsal without a person: a trace moves the head, a script answers with the controllers.
 
 Everything takes the real way: poses and button presses enter the runtime, and come back through
-OpenXR to the session and to the panel.
+OpenXR to the session and to the panel. The scripted hand goes by what has come back, as a person
+goes by what they see; so a rehearsal ends the same on a slow machine.
 """
 
 from __future__ import annotations
@@ -13,12 +14,9 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Pose, Quad, normalize
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
-from vrcomfort.respondent.panel_layout import Act, Cell
+from vrcomfort.respondent.panel_layout import Act, Cell, cell_at
 from vrcomfort.respondent.panel_picture import Page
 from vrcomfort.session.panel_screen import PanelScreen
-
-AIM_FRAMES, PRESS_FRAMES = 3, 2
-"""So long the scripted hand aims before it presses, and keeps the button down."""
 
 REACH_M = 0.5
 """How far before the panel the hand is held."""
@@ -34,23 +32,24 @@ class Rehearsal:
     heads
         stage-from-head for each frame of an exposure; the head holds still at questions.
     answers
-        The answers to all questions, in the order in which they are asked.
+        The answers to all questions, in the order in which they are given: one that came too late
+        for its question is given to the next.
 
     Attributes
     ----------
     screen
         Where the questions stand; set it before the first one.
     fed, said
-        The head poses sent, and the answers decided on, so far.
+        The head poses sent, and the answers given, so far.
     """
 
     def __init__(self, feed: RemoteFeed, heads: Iterator[Pose], answers: Iterator[int]) -> None:
         self._feed = feed
         self._heads = heads
         self._answers = answers
+        self._answer = next(answers, None)
         self._head = next(heads)
         self._target: Cell | None = None
-        self._frame = 0
         self.screen: PanelScreen | None = None
         self.fed: list[Pose] = []
         self.said: list[int] = []
@@ -61,7 +60,6 @@ class Rehearsal:
             self._head = next(self._heads, self._head)
         self._feed.send(RemoteState(self._head, right=self._hand()))
         self.fed.append(self._head)
-        self._frame += 1
 
     def watch(self, page: Page) -> None:
         """Decide what to choose on a page that opens; give this to the `PanelRespondent`.
@@ -71,27 +69,39 @@ class Rehearsal:
         InputError
             If the script has too few answers, or one that the scale has not.
         """
-        self._target, self._frame = self._choice(page), 0
+        self._target = self._choice(page)
+
+    def chose(self, cell: Cell) -> None:
+        """Note that a choice has been taken; give this to the `PanelRespondent`, too."""
+        if cell.act is Act.ANSWER:
+            self.said.append(cell.value)
+            self._answer = next(self._answers, None)
+        self._target = None
 
     def _choice(self, page: Page) -> Cell:
         confirm = next((cell for cell in page.cells if cell.act is Act.CONFIRM), None)
         if confirm is not None:
             return confirm
-        answer = next(self._answers, None)
+        answer = self._answer
         cells = (cell for cell in page.cells if cell.act is Act.ANSWER and cell.value == answer)
         cell = next(cells, None)
         if cell is None:
             said = "has no more answers" if answer is None else f"answers {answer}"
             raise InputError(f"the script {said} at {page.question!r}; mend the script of answers")
-        self.said.append(cell.value)
         return cell
 
     def _hand(self) -> RemoteHand:
         quad = None if self.screen is None else self.screen.quad
         if quad is None or self._target is None:
             return RemoteHand(self._head @ Pose(np.array([0.2, -0.4, -0.3])))
-        pressed = AIM_FRAMES <= self._frame < AIM_FRAMES + PRESS_FRAMES
-        return RemoteHand(aim_at(quad, self._target.center), trigger=pressed)
+        return RemoteHand(aim_at(quad, self._target.center), trigger=self._is_ready(self._target))
+
+    def _is_ready(self, target: Cell) -> bool:
+        """Return whether the session has seen the hand point at `target`, its button up."""
+        if self.screen is None:
+            return False
+        seen = self.screen.pointing()
+        return cell_at([target], seen.point) is target and not seen.held
 
 
 def aim_at(quad: Quad, point: tuple[float, float]) -> Pose:

@@ -10,6 +10,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import (
     Interrupted,
+    overwriting,
     read_manifest,
     recorded_sessions,
     session_folder,
@@ -37,8 +38,8 @@ def choose_sessions(
         reverse.
     """
     unfinished = unfinished_sessions(study, participant)
+    done = set(recorded_sessions(study, participant)) - set(unfinished)
     if wanted is None:
-        done = set(recorded_sessions(study, participant)) - set(unfinished)
         numbers = [number for number in range(1, total + 1) if number not in done]
         if not numbers:
             raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
@@ -52,6 +53,8 @@ def choose_sessions(
         )
     if resume and not taken_up:
         raise InputError(f"no session of {participant} was interrupted; leave --resume out")
+    for number in done.intersection(numbers):
+        raise overwriting(session_folder(study, participant, number), participant, number)
     return Chosen(numbers, taken_up)
 
 

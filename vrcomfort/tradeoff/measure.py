@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
@@ -63,9 +64,12 @@ class _View(NamedTuple):
     margin_px: int
 
 
-def measure(case: Case, scope: Scope, store: Store) -> Measured:
-    """Draw and judge every method; those that are in the store are taken from there."""
-    todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
+def measure(
+    case: Case, scope: Scope, store: Store, todo: Sequence[Method] | None = None
+) -> Measured:
+    """Draw and judge methods (those of the scope); what is in the store is taken from there."""
+    if todo is None:
+        todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
     keys = {method.name: _key(case, scope, method) for method in todo}
     kept = {name: store.read(key) for name, key in keys.items()}
     reference_key = _key(case, scope, None)

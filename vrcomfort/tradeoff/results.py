@@ -38,7 +38,7 @@ def results(
 ) -> dict[str, Any]:
     """Return everything that was found, as JSON can say it."""
     rows = _rows(measured, times)
-    table = _table(rows)
+    table = means(rows)
     groups = _groups(table)
     return {
         "vrcomfort": __version__,
@@ -79,7 +79,7 @@ def _copy(found: CaseTime) -> Row:
     }
 
 
-def _table(rows: Sequence[Row]) -> list[Row]:
+def means(rows: Sequence[Row]) -> list[Row]:
     """Return one row for each scene, effect and method: means over poses and motions."""
     groups: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
@@ -91,7 +91,7 @@ def _mean_row(group: list[Row]) -> Row:
     first = group[0]
     row = {name: first[name] for name in ("scene", "effect", "method", "family", "step")}
     row["views"] = len(group)
-    row |= {name: _mean([each[name] for each in group]) for name in (*MEANS, *COSTS)}
+    row |= {name: _mean([each.get(name) for each in group]) for name in (*MEANS, *COSTS)}
     row |= {name: _quadratic([each[name] for each in group]) for name in QUADRATIC}
     row["psnr_db"] = _decibels(row["rms"])
     row["filter_psnr_db"] = _decibels(row["filter_rms"])

@@ -77,7 +77,8 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     These are those that ``shaders/defocus.frag`` computes, in float64.
     """
     settings = condition.depth_of_field
-    if settings is None:
+    law = defocus.lens_law(settings)
+    if settings is None or law is None:
         return np.zeros(shot.depth.shape)
     height, width = shot.depth.shape
     row, column = np.mgrid[:height, :width]
@@ -85,11 +86,11 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     uniforms = defocus.defocus_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
     return coc.signed_radius_px(
         shot.depth,
-        law=settings.law,
+        law=law,
         focus_m=condition.focus.fixed_m,
         near_m=shot.camera.near_m,
         radius_limit_px=defocus.radius_limit_px(settings, (width, height)),
-        full_blur=defocus.full_blur(settings),
+        full_blur=settings.full_blur_dioptre,
         slope=coc.head_depth_slope(shot.camera.fov, uniforms.head_forward_in_view, uv),
         offset_m=uniforms.offset_m,
         infinity_m=condition.focus.infinity_m,

@@ -13,6 +13,7 @@ from vrcomfort.headset.inputs import Gaze, HandInput, Inputs
 from vrcomfort.headset.openxr.bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.instance import Runtime, check
+from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.spaces import VALID, Stage
 
 TICK_NS = 30_000_000
@@ -55,14 +56,19 @@ class Actions:
             for name, action in self._actions.items()
             for hand, path in enumerate(self._hands)
         }
+        self._sync = native("xrSyncActions", usual=xr.Result.SESSION_NOT_FOCUSED)
+        self._state_of_pose = native("xrGetActionStatePose")
+        self._state_of_stick = native("xrGetActionStateVector2f")
+        self._state_of_button = native("xrGetActionStateBoolean")
+        self._pose, self._stick = xr.ActionStatePose(), xr.ActionStateVector2f()
+        self._button = xr.ActionStateBoolean()
         self._aims = [self._space(self._actions["aim"], hand) for hand in self._hands]
         self._gaze_space = None if self._gaze is None else self._space(self._gaze)
         self._sync_info = xr.ActionsSyncInfo(active_action_sets=[xr.ActiveActionSet(self._set, 0)])
 
     def sync(self) -> None:
         """Take the state of all buttons, once per frame."""
-        with suppress(xr.exception.SessionNotFocused):  # controllers read as inactive then
-            xr.sync_actions(self._session, self._sync_info)
+        self._sync(self._session, self._sync_info)  # not focused: controllers read as inactive
 
     def read(self, stage: Stage, time_ns: int) -> Inputs:
         """Return what hands and eyes do at `time_ns`."""
@@ -89,19 +95,25 @@ class Actions:
         xr.destroy_action_set(self._set)
 
     def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
-        active = xr.get_action_state_pose(self._session, self._get["aim", hand]).is_active
-        stick = xr.get_action_state_vector2f(self._session, self._get["move", hand]).current_state
+        self._state_of_pose(self._session, self._get["aim", hand], self._pose)
+        self._state_of_stick(self._session, self._get["move", hand], self._stick)
+        stick = self._stick.current_state
+        held, select = self._pressed("select", hand)
         return HandInput(
-            aim=stage.locate(self._aims[hand], time_ns) if active else None,
-            select=self._pressed("select", hand),
-            back=self._pressed("back", hand),
-            stop=self._pressed("stop", hand),
+            aim=stage.locate(self._aims[hand], time_ns) if self._pose.is_active else None,
+            select=select,
+            back=self._pressed("back", hand)[1],
+            stop=self._pressed("stop", hand)[1],
+            held=held,
             thumbstick=(stick.x, stick.y),
         )
 
-    def _pressed(self, name: str, hand: int) -> bool:
-        state = xr.get_action_state_boolean(self._session, self._get[name, hand])
-        return bool(state.current_state and state.changed_since_last_sync)
+    def _pressed(self, name: str, hand: int) -> tuple[bool, bool]:
+        """Return whether a button is down, and whether it has gone down since the last `sync`."""
+        state = self._button
+        self._state_of_button(self._session, self._get[name, hand], state)
+        down = bool(state.current_state)
+        return down, down and bool(state.changed_since_last_sync)
 
     def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
         if self._gaze_space is None:

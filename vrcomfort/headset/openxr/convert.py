@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
 import xr
 
 from vrcomfort.geometry import Fov, Pose, View
@@ -11,7 +10,7 @@ from vrcomfort.geometry import Fov, Pose, View
 def pose_from_xr(pose: xr.Posef) -> Pose:
     """Return the same pose in float64."""
     p, q = pose.position, pose.orientation
-    return Pose(np.array([p.x, p.y, p.z]), np.array([q.x, q.y, q.z, q.w]))
+    return Pose.of((p.x, p.y, p.z), (q.x, q.y, q.z, q.w))
 
 
 def pose_to_xr(pose: Pose) -> xr.Posef:

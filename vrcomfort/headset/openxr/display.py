@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Container
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,6 +66,15 @@ def request_refresh_rate(session: xr.Session, wanted_hz: float) -> None:
         rates = ", ".join(f"{rate:g}" for rate in offered) or "none"
         raise InputError(f"the headset has no {wanted_hz:g} Hz; it offers {rates} Hz")
     xr.request_display_refresh_rate_fb(session, nearest)
+
+
+def hidden_areas(
+    session: xr.Session, extensions: Container[str]
+) -> tuple[HiddenArea | None, HiddenArea | None]:
+    """Return what each eye never sees; None where it sees all, or the runtime does not tell."""
+    if VISIBILITY_MASK not in extensions:
+        return None, None
+    return hidden_area(session, 0), hidden_area(session, 1)
 
 
 def hidden_area(session: xr.Session, eye: int) -> HiddenArea | None:

@@ -68,6 +68,14 @@ def running() -> Iterator[None]:
         raise lost(str(error)) from error
 
 
+def asleep(patience_s: float) -> RuntimeLostError:
+    """Return the exception for a headset that nobody has looked into for too long."""
+    return RuntimeLostError(
+        f"the headset has shown nothing for {patience_s:g} s (it sleeps, or its runtime shows "
+        "something else); what was recorded up to here is kept: put it on, then run with --resume"
+    )
+
+
 def lost(reason: str) -> RuntimeLostError:
     """Return the exception for a runtime that is gone."""
     return RuntimeLostError(

@@ -14,11 +14,12 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.locomotion import Locomotion, wish_of
 from vrcomfort.headset.openxr import display, faults, layers
+from vrcomfort.headset.openxr.attendance import Attendance
 from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.settings import OpenXrSettings
-from vrcomfort.headset.openxr.tracking import Tracking
+from vrcomfort.headset.openxr.whereabouts import Whereabouts
 from vrcomfort.headset.timing import Timing, rate_runtime
 
 if TYPE_CHECKING:
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
 
 SECOND_NS = 1_000_000_000
 EXIT_FRAMES = 100
-"""So many empty frames at most, until the runtime lets a session go."""
+EXIT_S = 10.0
+"""So many empty frames, and so long at most, until the runtime lets a session go."""
 
 
 class OpenXrHeadset:
@@ -66,21 +68,24 @@ class OpenXrHeadset:
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
-        self._tracking = Tracking(self._xr.session, self._xr.stage, self._events.append)
+        self._where = Whereabouts(
+            self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
+        )
+        self._attendance = Attendance(self._xr.lifecycle, settings.patience_s, self._events.append)
+        self._wait_frame, self._begin_frame = native("xrWaitFrame"), native("xrBeginFrame")
+        self._frame_state = xr.FrameState()
+        self._end_frame = layers.FrameEnd(self._xr.session)
         self._open: Frame | None = None
         self._next_index = 0
         self._time_ns = self._period_ns = 0
         self._cut = True
-        self._paused = False
-        self._locomotion = Locomotion(settings.walking_speed_m_s)
         self._inputs: Inputs | None = None
         self._in_scene = False
 
     @property
     def name(self) -> str:
         """Return what the manifest calls this headset."""
-        runtime = self._xr.runtime
-        return f"openxr: {runtime.headset_name} ({runtime.name})"
+        return f"openxr: {self._xr.runtime.headset_name} ({self._xr.runtime.name})"
 
     @property
     def details(self) -> dict[str, str]:
@@ -123,9 +128,10 @@ class OpenXrHeadset:
         Raises
         ------
         RuntimeLostError
-            If the runtime goes away.
+            If the runtime goes away, or nobody looks into the headset for too long.
         """
         self._cut = True
+        self.allow_absence(0.0)
         while True:
             with faults.running():
                 frame = self._next_frame()
@@ -159,7 +165,11 @@ class OpenXrHeadset:
     @property
     def head_pose(self) -> Pose:
         """Return stage-from-head of the last frame."""
-        return self._tracking.head
+        return self._where.tracking.head
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Wait so much longer than usual for a participant who has taken the headset off."""
+        self._attendance.allow(duration_s)
 
     def inputs(self) -> Inputs:
         """Return what the participant's hands, eyes and keys do in the last frame."""
@@ -183,11 +193,14 @@ class OpenXrHeadset:
 
     def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
         """Put the floor point and heading of the participant on `spawn`, next frame."""
-        self._locomotion.send(spawn=spawn, floors=floors or Floors())
+        self._where.send(spawn, floors or Floors())
 
     def recenter(self) -> None:
-        """Make the floor under the head the stage's origin, and its heading straight ahead."""
-        self._xr.stage.recenter(self._tracking.head)
+        """Make the floor under the head the stage's origin, and its heading straight ahead.
+
+        The participant stays where they are in the world, and panels where they stand.
+        """
+        self._where.recenter()
         self._cut = True
         self._events.append(HeadsetEvent("recentered", "by the experimenter"))
 
@@ -199,10 +212,7 @@ class OpenXrHeadset:
 
     def hidden_areas(self) -> tuple[display.HiddenArea | None, display.HiddenArea | None]:
         """Return what the left and the right eye never see; None where that is nothing."""
-        if display.VISIBILITY_MASK not in self._xr.runtime.extensions:
-            return None, None
-        left, right = (display.hidden_area(self._xr.session, eye) for eye in (0, 1))
-        return left, right
+        return display.hidden_areas(self._xr.session, self._xr.runtime.extensions)
 
     def close(self) -> None:
         """End the session as the runtime likes it, and release everything."""
@@ -229,50 +239,43 @@ class OpenXrHeadset:
     def _next_frame(self) -> Frame | None:
         if self._open is not None:
             self._submit(self._open, None)
-        lifecycle = self._xr.lifecycle
-        self._cut = self._cut or not lifecycle.running
-        if not lifecycle.wait_until_running():
+        self._cut |= not self._xr.lifecycle.running
+        if not self._attendance.wait():
             return None
         if self._before_wait is not None:
             self._before_wait()
-        timing = xr.wait_frame(self._xr.session)
+        self._wait_frame(self._xr.session, None, self._frame_state)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
-        xr.begin_frame(self._xr.session)
+        self._begin_frame(self._xr.session, None)
         self._inputs = None
-        self._open = self._frame(timing)
+        self._open = self._frame(self._frame_state)
         return self._open
 
     def _frame(self, timing: xr.FrameState) -> Frame:
         time_ns = int(timing.predicted_display_time)
         passed_s, self._time_ns = (time_ns - self._time_ns) / SECOND_NS, time_ns
         self._period_ns = int(timing.predicted_display_period)
-        self._cut |= self._tracking.update(time_ns) or self._xr.lifecycle.recentered_by(time_ns)
-        head = self._tracking.head
-        self.inputs()  # kept: between frames a pose would be a guess
-        self._move(head, passed_s)
-        paused = not self._xr.lifecycle.seen
-        self._cut |= self._paused and not paused
+        self._cut |= self._where.update(time_ns)
+        inputs = self.inputs()  # kept: between frames a pose would be a guess
+        self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
+        self._cut |= self._attendance.update(inputs)
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
             period_ns=self._period_ns,
-            head_pose=head,
-            views=self._tracking.views,
-            avatar_pose=self._locomotion.avatar,
+            head_pose=self._where.tracking.head,
+            views=self._where.tracking.views,
+            avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
-            paused=paused,
+            paused=self._attendance.away,
         )
-        self._paused = paused
         self._next_index, self._cut = self._next_index + 1, False
         return frame
 
-    def _move(self, head: Pose, passed_s: float) -> None:
-        """Go to a new place, or walk: in a scene only, for nobody walks blindly."""
-        if self._locomotion.arrive(head):
-            self._cut = True
-        elif self._in_scene:
-            self._locomotion.step(head, wish_of(self.inputs()), passed_s)
+    def _relocate_panels(self, new_from_old: Pose) -> None:
+        for panel in self._panels:
+            panel.move(Quad(new_from_old @ panel.quad.pose, panel.quad.size_m))
 
     def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
         composed: list[layers.Layer] = []
@@ -280,10 +283,10 @@ class OpenXrHeadset:
         if frame.should_render:
             if eyes is not None:
                 self._xr.eyes.draw(eyes)
-                composed.append(self._xr.eyes.structure(space, self._tracking.xr_views))
+                composed.append(self._xr.eyes.structure(space, self._where.tracking.xr_views))
             composed += [layer for each in self._panels if (layer := each.structure(space))]
         self._open = None
-        layers.end_frame(self._xr.session, frame.predicted_display_time_ns, composed)
+        self._end_frame(frame.predicted_display_time_ns, composed)
 
     def _leave(self) -> None:
         """Give empty frames until the runtime has ended the session."""
@@ -292,6 +295,7 @@ class OpenXrHeadset:
         if not self._xr.lifecycle.running:
             return
         xr.request_exit_session(self._xr.session)
+        self._attendance.until(EXIT_S)
         for _ in range(EXIT_FRAMES):
             frame = self._next_frame()
             if frame is None:

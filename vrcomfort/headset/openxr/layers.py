@@ -14,12 +14,18 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Quad
 from vrcomfort.headset.openxr.convert import pose_to_xr
 from vrcomfort.headset.openxr.depth import DepthImages
+from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.swapchain import Canvas
 
 Eyes = tuple[moderngl.Texture, moderngl.Texture]
 Layer = Any
 MakeCanvas = Callable[[tuple[int, int]], Canvas]
 Mirror = Callable[[int, moderngl.Framebuffer], None]
+
+MOST_LAYERS = 16
+"""Every runtime takes so many."""
+
+_LayerPointer = ctypes.POINTER(xr.CompositionLayerBaseHeader)
 
 PANEL_FLAGS = (
     xr.CompositionLayerFlags.BLEND_TEXTURE_SOURCE_ALPHA_BIT
@@ -133,6 +139,12 @@ class PanelLayer:
         self.quad = quad
         self._canvas = make_canvas(size_px)
         self._shown: NDArray[np.uint8] | None = None
+        self._layer = xr.CompositionLayerQuad(
+            layer_flags=PANEL_FLAGS,
+            sub_image=self._canvas.sub_image,
+            pose=pose_to_xr(quad.pose),
+            size=xr.Extent2Df(*quad.size_m),
+        )
 
     def draw(self, picture: NDArray[np.uint8]) -> None:
         """Show `picture`, (height, width, 4) sRGB with straight alpha, top row first.
@@ -145,6 +157,10 @@ class PanelLayer:
             cast(moderngl.Texture, target.color_attachments[0]).write(picture[::-1].tobytes())
         self._shown = picture
 
+    def move(self, quad: Quad) -> None:
+        """Put the panel elsewhere, from the next frame on."""
+        self.quad = quad
+
     @property
     def picture(self) -> NDArray[np.uint8] | None:
         """Return what is on it."""
@@ -154,13 +170,8 @@ class PanelLayer:
         """Return the layer, or None before the first picture."""
         if self._shown is None:
             return None
-        return xr.CompositionLayerQuad(
-            layer_flags=PANEL_FLAGS,
-            space=space,
-            sub_image=self._canvas.sub_image,
-            pose=pose_to_xr(self.quad.pose),
-            size=xr.Extent2Df(*self.quad.size_m),
-        )
+        self._layer.space = space
+        return self._layer
 
     def hide(self) -> None:
         """Take the panel away, and release its images."""
@@ -168,13 +179,25 @@ class PanelLayer:
         self._canvas.release()
 
 
-def end_frame(session: xr.Session, display_time_ns: int, layers: list[Layer]) -> None:
-    """Give the frame to the runtime, from back to front."""
-    xr.end_frame(
-        session,
-        xr.FrameEndInfo(
-            display_time=display_time_ns,
-            environment_blend_mode=xr.EnvironmentBlendMode.OPAQUE,
-            layers=[ctypes.byref(layer) for layer in layers],
-        ),
-    )
+class FrameEnd:
+    """Gives frames to the runtime.
+
+    Parameters
+    ----------
+    session
+        OpenXR's handle.
+    """
+
+    def __init__(self, session: xr.Session) -> None:
+        self._session = session
+        self._end = native("xrEndFrame")
+        self._info = xr.FrameEndInfo(environment_blend_mode=xr.EnvironmentBlendMode.OPAQUE)
+        self._layers = (_LayerPointer * MOST_LAYERS)()
+        self._info._layers = self._layers
+
+    def __call__(self, display_time_ns: int, layers: list[Layer]) -> None:
+        """End the frame under way, with layers from back to front."""
+        for index, layer in enumerate(layers):
+            self._layers[index] = ctypes.cast(ctypes.byref(layer), _LayerPointer)
+        self._info.display_time, self._info.layer_count = display_time_ns, len(layers)
+        self._end(self._session, self._info)

@@ -13,9 +13,11 @@ import xr
 from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.instance import STEREO
+from vrcomfort.headset.openxr.native import native
 
 State = xr.SessionState
 POLL_S = 0.01
+_ANY_EVENT = xr.StructureType.EVENT_DATA_BUFFER.value
 SEEN = (State.VISIBLE, State.FOCUSED)
 
 
@@ -40,6 +42,8 @@ class Lifecycle:
         self.running = False
         self.ended = False
         self._recentered_at_ns: int | None = None
+        self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
+        self._event = xr.EventDataBuffer()
         kind = xr.StructureType
         self._handlers: dict[xr.StructureType, tuple[Any, Callable[[Any], None]]] = {
             kind.EVENT_DATA_SESSION_STATE_CHANGED: (
@@ -73,6 +77,11 @@ class Lifecycle:
         """Return whether the participant sees what is submitted."""
         return self.state in SEEN
 
+    @property
+    def focused(self) -> bool:
+        """Return whether the controllers are the session's, not those of the runtime's menu."""
+        return bool(self.state == State.FOCUSED)
+
     def wait_until_running(self, timeout_s: float = math.inf) -> bool:
         """Handle events until frames are wanted; return False where the session has ended.
 
@@ -100,10 +109,10 @@ class Lifecycle:
         RuntimeLostError
             If the runtime says that it is going away.
         """
+        event = self._event
         while True:
-            try:
-                event = xr.poll_event(self._instance)
-            except xr.EventUnavailable:
+            event._type, event._next = _ANY_EVENT, None
+            if self._poll_event(self._instance, event) != 0:
                 return
             kind, handle = self._handlers.get(event.type, (None, None))
             if kind is not None and handle is not None:

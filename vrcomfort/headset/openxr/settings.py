@@ -27,6 +27,9 @@ class OpenXrSettings:
         API layers to switch on, as validation does; what they say becomes events.
     image_timeout_s
         How long the runtime may take to give back an image before it counts as lost.
+    patience_s
+        How long the headset may sleep, or show something else, before the session is given up;
+        rests do not count.
     walking_speed_m_s
         Total speed of walking by thumb-stick.
     """
@@ -38,4 +41,5 @@ class OpenXrSettings:
     depth: bool = True
     api_layers: tuple[str, ...] = ()
     image_timeout_s: float = 5.0
+    patience_s: float = 600.0
     walking_speed_m_s: float = WALKING_SPEED_M_S

@@ -8,6 +8,7 @@ import xr
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.locomotion import floor_under
 from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
+from vrcomfort.headset.openxr.native import native
 
 Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
@@ -43,10 +44,13 @@ class Stage:
         self._origin = Pose(np.array([0.0, floor_m, 0.0]))
         self.space = self._reference(self._type, self._origin)
         self._head = self._reference(Space.VIEW, Pose())
+        self._locate = native("xrLocateSpace")
+        self._location = xr.SpaceLocation()
 
     def locate(self, space: xr.Space, time_ns: int) -> Pose | None:
         """Return stage-from-`space`, or None where it is not known."""
-        location = xr.locate_space(space, self.space, time_ns)
+        location = self._location
+        self._locate(space, self.space, time_ns, location)
         if location._location_flags & VALID != VALID:  # the enum costs 10 µs
             return None
         return pose_from_xr(location.pose)

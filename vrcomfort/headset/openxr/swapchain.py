@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
@@ -11,6 +12,7 @@ import xr
 from vrcomfort.errors import InputError
 from vrcomfort.headset.openxr.binding import make_current
 from vrcomfort.headset.openxr.faults import lost
+from vrcomfort.headset.openxr.native import native
 
 FORMATS = {0x8C43: "SRGB8_ALPHA8"}
 """Our images are sRGB-encoded in 8 bits: this format takes their bytes as they are."""
@@ -65,9 +67,11 @@ class Swapchain:
         self, session: xr.Session, size_px: tuple[int, int], image_format: int, timeout_s: float
     ) -> None:
         self.size_px = size_px
-        self._acquire_info = xr.SwapchainImageAcquireInfo()
         self._wait_info = xr.SwapchainImageWaitInfo(timeout=int(timeout_s * 1e9))
-        self._release_info = xr.SwapchainImageReleaseInfo()
+        self._acquire = native("xrAcquireSwapchainImage")
+        self._wait = native("xrWaitSwapchainImage", usual=xr.Result.TIMEOUT_EXPIRED)
+        self._release = native("xrReleaseSwapchainImage")
+        self._index = ctypes.c_uint32()
         self._handle = xr.create_swapchain(session, _create_info(size_px, image_format))
         images = xr.enumerate_swapchain_images(self._handle, xr.SwapchainImageOpenGLKHR)
         self.names = [int(image.image) for image in images]
@@ -84,15 +88,13 @@ class Swapchain:
         RuntimeLostError
             If the runtime gives none in time.
         """
-        index: int = xr.acquire_swapchain_image(self._handle, self._acquire_info)
+        self._acquire(self._handle, None, self._index)
+        if self._wait(self._handle, self._wait_info) != 0:
+            raise lost(f"it gave no image within {self._wait_info.timeout / 1e9:g} s")
         try:
-            xr.wait_swapchain_image(self._handle, self._wait_info)
-        except xr.exception.TimeoutExpired as error:
-            raise lost(f"it gave no image within {self._wait_info.timeout / 1e9:g} s") from error
-        try:
-            yield index
+            yield self._index.value
         finally:
-            xr.release_swapchain_image(self._handle, self._release_info)
+            self._release(self._handle, None)
 
     def release(self) -> None:
         """Give the images back for good."""

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import ctypes
+from collections.abc import Callable, Sequence
 
 import xr
 
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.headset.openxr.convert import view_from_xr
-from vrcomfort.headset.openxr.instance import STEREO
+from vrcomfort.headset.openxr.instance import EYES, STEREO
+from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.spaces import VALID, Stage
 
 UNKNOWN = View(Pose(), Fov(-0.7, 0.7, 0.7, -0.7))
@@ -43,23 +45,32 @@ class Tracking:
         self._session, self._stage, self._notify = session, stage, notify
         self._known = True
         self._where = xr.ViewLocateInfo(STEREO)
+        self._locate = native("xrLocateViews")
+        self._state, self._count = xr.ViewState(), ctypes.c_uint32()
         self.head = Pose()
         self.views = UNKNOWN, UNKNOWN
-        self.xr_views: tuple[xr.View, ...] = (xr.View(), xr.View())
+        self.xr_views: Sequence[xr.View] = _two_views()
+        self._next_views: Sequence[xr.View] = _two_views()
 
     def update(self, time_ns: int) -> bool:
         """Locate head and eyes at `time_ns`; return True where poses jump (tracking came back)."""
         head = self._stage.locate_head(time_ns)
         self._where.display_time, self._where.space = time_ns, self._stage.space
-        state, views = xr.locate_views(self._session, self._where)
+        state, count, views = self._state, self._count, self._next_views
+        self._locate(self._session, self._where, state, EYES, count, views)
         valid = state._view_state_flags & VALID == VALID  # the enum costs 10 µs
         known = head is not None and valid
         if head is not None and valid:
             left, right = views
             self.head, self.views = head, (view_from_xr(left), view_from_xr(right))
-            self.xr_views = left, right
+            self.xr_views, self._next_views = views, self.xr_views
         changed = known != self._known
         if changed:
             self._notify(HeadsetEvent("tracking_found" if known else "tracking_lost"))
         self._known = known
         return changed
+
+
+def _two_views() -> Sequence[xr.View]:
+    views: Sequence[xr.View] = (xr.View * EYES)(*(xr.View() for _ in range(EYES)))
+    return views

@@ -2,16 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 import moderngl
 
-from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.kernels.base import BlurKernel
+from vrcomfort.render.kernels.mip import MipKernel
+from vrcomfort.render.kernels.poisson12 import Poisson12Kernel
+from vrcomfort.render.kernels.poisson15_near import Poisson15NearKernel
+from vrcomfort.render.kernels.scatter import ScatterKernel
 from vrcomfort.render.kernels.vrcomfort import VrcomfortKernel
 
 __all__ = ["BlurKernel", "make_kernel"]
 
-_KERNELS = {"vrcomfort": VrcomfortKernel}
+_Maker = Callable[[moderngl.Context, moderngl.Texture, Defocus, DepthOfField], BlurKernel]
+_KERNELS: dict[Kernel, _Maker] = {
+    "vrcomfort": VrcomfortKernel,
+    "scatter": ScatterKernel,
+    "poisson12": Poisson12Kernel,
+    "poisson15_near": Poisson15NearKernel,
+    "mip": MipKernel,
+    "mip_slices": partial(MipKernel, slices=True),
+}
 
 
 def make_kernel(

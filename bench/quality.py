@@ -1,0 +1,108 @@
+"""What each level of the setting `quality` costs and gets wrong; writes the shipped table.
+
+``python -m bench.quality`` measures and puts the figures into ``analysis/measured/quality.toml``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+from collections.abc import Iterator
+from typing import get_args
+
+import moderngl
+import numpy as np
+
+from bench.effects import frame_seconds
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.quality import Effects, Figure, Measured, Quality, write_figures
+from vrcomfort.render.gl import create_context
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff.cases import Scope, cases
+from vrcomfort.tradeoff.measure import measure as measure_errors
+from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER, Method
+from vrcomfort.tradeoff.results import means
+from vrcomfort.tradeoff.store import Store, default_folder
+
+COST_SIZE_PX = (320, 400)
+PLAIN = Condition(name="plain")
+
+
+def condition_of(effects: Effects, level: Quality) -> Condition:
+    """Return the condition that is measured for a level."""
+    return Condition.model_validate(
+        {
+            "name": f"{effects}-{level}",
+            "quality": level,
+            "focus": FOCUS,
+            "depth_of_field": None if effects == "motion_blur" else LENS,
+            "motion_blur": None if effects == "depth_of_field" else SHUTTER,
+        }
+    )
+
+
+def measure(ctx: moderngl.Context, *, scope: Scope) -> Iterator[Figure]:
+    """Yield the figures of every level, effect and scene."""
+    errors = _errors(scope)
+    kinds = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
+    for name in scope.scenes:
+        conditions = [PLAIN, *(condition_of(*kind) for kind in kinds)]
+        seconds = frame_seconds(
+            ctx, load_scene(name), conditions, rounds=scope.rounds, size_px=COST_SIZE_PX
+        )
+        ratios = np.median(seconds[:, 1:] / seconds[:, :1], axis=0)
+        for (effects, level), ratio in zip(kinds, ratios, strict=True):
+            found = errors[name, effects, level]
+            yield Figure(
+                level=level,
+                effects=effects,
+                scene=name,
+                cost_ratio=round(float(ratio), 2),
+                psnr_db=round(found["psnr_db"], 1),
+                flip=round(found["flip"], 4),
+            )
+
+
+def _errors(scope: Scope) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Return the errors, means over views, by scene, effects and level."""
+    store = Store(default_folder())
+    rows = [
+        row
+        for case in cases(scope)
+        for row in measure_errors(case, scope, store, _levels(case.effect)).rows
+    ]
+    return {(row["scene"], row["effect"], row["method"]): row for row in means(rows)}
+
+
+def _levels(effects: Effects) -> list[Method]:
+    return [
+        Method(level, effects, "ours", condition_of(effects, level)) for level in get_args(Quality)
+    ]
+
+
+def main() -> None:
+    """Measure and write."""
+    parser = argparse.ArgumentParser(prog="python -m bench.quality", description=__doc__)
+    parser.add_argument("--samples", type=int, default=1024, help="of each reference")
+    parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each level")
+    options = parser.parse_args()
+    ctx = create_context()
+    scope = Scope(motions=("walk",), samples=options.samples, rounds=options.rounds)
+    cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
+    measured = Measured(
+        command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}",
+        device=str(ctx.info["GL_RENDERER"]),
+        date=datetime.datetime.now(datetime.UTC).date().isoformat(),
+        how=f"cost at {cost} per eye, error at {error}; lens: law {LENS['law']}, "
+        f"r_max {LENS['max_radius_percent']:g} % at {LENS['full_blur_dioptre']:g} D; shutter: "
+        f"fully open, mode {SHUTTER['mode']}; reference of {options.samples} samples",
+    )
+    figures = list(measure(ctx, scope=scope))
+    write_figures(data_folder("analysis") / "measured" / "quality.toml", measured, figures)
+    for figure in figures:
+        print(figure)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+#version 450 core
+// One axis of a Gaussian blur; two make a round one.
+//
+// Input:  image (linear HDR). sigma_px is the standard deviation along this axis, in px, above 0.
+// Output: the image blurred along AXIS (0: x, 1: y); beyond the image its rim goes on.
+// NumPy twin: vrcomfort/optics/gaussian.py.
+uniform sampler2D image;
+uniform float sigma_px;
+
+out vec4 blurred;
+
+const float REACH = 3.0;  // standard deviations
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec2 last = textureSize(image, 0) - 1;
+    ivec2 step_px = AXIS == 0 ? ivec2(1, 0) : ivec2(0, 1);
+    int reach = int(ceil(REACH * sigma_px));
+    float falloff = -0.5 / (sigma_px * sigma_px);
+    vec4 sum = vec4(texelFetch(image, pixel, 0).rgb, 1.0);
+    for (int i = 1; i <= reach; ++i) {
+        vec3 a = texelFetch(image, max(pixel - i * step_px, ivec2(0)), 0).rgb;
+        vec3 b = texelFetch(image, min(pixel + i * step_px, last), 0).rgb;
+        sum += exp(falloff * float(i * i)) * vec4(a + b, 2.0);
+    }
+    blurred = vec4(min(sum.rgb / sum.a, 65504.0), 1.0);
+}

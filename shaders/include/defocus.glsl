@@ -1,0 +1,41 @@
+// What turns an eye's depth into signed circle-of-confusion radii: uniforms and one function.
+//
+// Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
+// blur. Radii in pixels of image width, negative in front of the focus.
+
+uniform sampler2D depth;            // reverse-Z, 0 = sky
+uniform sampler2D focus;            // x = focus distance in m
+uniform vec4 tangents;              // of the frustum: left, right, up, down
+uniform vec3 head_forward_in_view;
+uniform float near_m;
+uniform float offset_m;             // the eye is this far in front of the head centre
+uniform float infinity_m;
+uniform float px_per_defocus;       // radius per metre or per dioptre of defocus
+uniform float radius_limit_px;      // r_max
+#ifdef LAW_THIN_LENS
+uniform float focal_length_m;
+uniform float distance_offset_m;    // added to the distances of focus and point alike
+#endif
+#ifdef PERIPHERAL
+uniform float peripheral_px;
+uniform float peripheral_exponent;
+#endif
+
+// Radius of the point at a pixel, without a limit and without peripheral blur.
+float unlimited_radius_at(ivec2 pixel, vec2 uv) {
+    float z = texelFetch(depth, pixel, 0).r;
+    float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
+    float focus_m = texelFetch(focus, ivec2(0), 0).x;
+#ifdef LAW_THIN_LENS
+    // An image at the lens's focal length sees the blur of Eq. 1 under f_d / (f_d - f) times the
+    // angle that the aperture has from the distance of the defocus.
+    float f_d = lens_focus_m(focus_m + distance_offset_m, focal_length_m,
+                             infinity_m + distance_offset_m);
+    return unlimited_radius_px(z, near, f_d, offset_m + distance_offset_m,
+                               infinity_m + distance_offset_m,
+                               px_per_defocus * f_d / (f_d - focal_length_m), radius_limit_px);
+#else
+    return unlimited_radius_px(z, near, focus_m, offset_m, infinity_m, px_per_defocus,
+                               radius_limit_px);
+#endif
+}

@@ -1,0 +1,48 @@
+#version 450 core
+// Each pixel from the levels of a pyramid that are about as blurred as it should be.
+//
+// Input:  points of defocus.frag (signed CoC RADIUS, px of image width), levels of mip_half.frag.
+// Output: the blurred image, linear HDR, full resolution.
+//
+// Level k, blown up bilinearly, spreads a point with the variance of a disc of radius 2^k px: its
+// texels are 2^k wide, box and tent have variances 4^k / 12 and 4^k / 6, a disc r^2 / 4. Between
+// levels the cross-fade is linear in variance, so that it is right for every radius.
+// SLICES: no cross-fade. A billboard with level k stands where the radius is 2^(k - 1/2), on either
+// side of the focus, and covers what is blurred more: a hard edge where a surface meets it.
+// The levels hold whatever was in the image: sharp things have halos in blurred surroundings.
+// NumPy twin: vrcomfort/optics/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
+// (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
+uniform sampler2D points;
+uniform sampler2D levels[LEVELS];
+
+out vec4 blurred;
+
+float own_px;
+
+// How far level k has faded in over level k - 1.
+float fade(int k) {
+#ifdef SLICES
+    return step(exp2(float(k) - 0.5), own_px);
+#else
+    float sharper = k > 1 ? exp2(2.0 * float(k - 1)) : 0.0;
+    return clamp((own_px * own_px - sharper) / (exp2(2.0 * float(k)) - sharper), 0.0, 1.0);
+#endif
+}
+
+// Draws a level over what is there, at its texels' own places: pixel 2^k t is the rim of texel t.
+void draw(sampler2D level, int k) {
+    float opacity = fade(k);
+    if (opacity <= 0.0)
+        return;
+    vec3 c = textureLod(level, gl_FragCoord.xy / exp2(float(k)) / vec2(textureSize(level, 0)), 0.0).rgb;
+    blurred.rgb = opacity < 1.0 ? mix(blurred.rgb, c, opacity) : c;
+}
+
+void main() {
+    vec4 p = texelFetch(points, ivec2(gl_FragCoord.xy), 0);
+    own_px = abs(p.a);
+    blurred = vec4(p.rgb, 1.0);
+    for (int k = 1; k <= LEVELS; ++k)
+        draw(levels[k - 1], k);
+    blurred.rgb = min(blurred.rgb, 65504.0);
+}

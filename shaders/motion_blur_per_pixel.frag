@@ -1,0 +1,32 @@
+#version 450 core
+// Motion blur as most post-processing has it: the mean of samples along the pixel's OWN velocity.
+//
+// Input:  colour (linear HDR, filtered), streaks (streaks.frag).
+// Output: the mean of SAMPLES colours between the two ends of the pixel's streak; full resolution.
+// Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
+//
+// It does not know who hides whom: a still pixel beside a moving thing stays as it is (hard
+// silhouettes), and a moving background takes colour from the still thing before it (halos). Here
+// for comparison with motion_blur.frag. The source samples back along the velocity only; the
+// samples lie around the pixel here, as the shutter is centred on the frame's pose.
+// Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,
+// "Comfort and motion blur in VR", which builds on it.
+uniform sampler2D colour;
+uniform sampler2D streaks;
+
+out vec4 blurred;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 half_streak = texelFetch(streaks, pixel, 0).xy;
+    blurred = texelFetch(colour, pixel, 0);
+    if (half_streak == vec2(0.0))
+        return;
+    vec2 texel = 1.0 / vec2(textureSize(colour, 0));
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < SAMPLES; ++i) {
+        float along = (2.0 * float(i) + 1.0) / float(SAMPLES) - 1.0;
+        sum += texture(colour, (gl_FragCoord.xy + along * half_streak) * texel).rgb;
+    }
+    blurred.rgb = min(sum / float(SAMPLES), 65504.0);
+}

@@ -1,0 +1,259 @@
+"""Circles of confusion in physical units: a camera's lens, an eye, the periphery, the limits."""
+
+import numpy as np
+import pytest
+from effects_parts import depth_of_field, square_pixels, textures
+from hypothesis import given
+from hypothesis import strategies as st
+from render_parts import at, eye, glowing, scene, wall
+
+from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
+from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.protocol import Condition, DepthOfField, Focus
+from vrcomfort.protocol.conditions import Peripheral
+from vrcomfort.render import defocus
+from vrcomfort.render.defocus import Defocus, defocus_uniforms
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
+from vrcomfort.render.reference import Reference
+
+NEAR_M = 0.02
+LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
+distances = st.floats(0.05, 2e4)
+
+
+def radius_px(distance_m, **settings):
+    depth = NEAR_M / np.asarray(distance_m, float)
+    wide = {"near_m": NEAR_M, "radius_limit_px": 1e12, "infinity_m": 1e6, **settings}
+    return coc.lens_radius_px(depth, **wide)
+
+
+def test_a_camera_lens_by_hand():
+    # 50 mm, opening 20 mm, focused at 2 m. On the sensor a point at 4 m has a disc of
+    # 0.02 · 0.05 · 2 / (4 · 1.95) m; with 600 px per focal length that is 600 / 0.05 px per metre.
+    on_sensor_m = 0.02 * 0.05 * 2.0 / (4.0 * 1.95)
+    lens = {"px_per_dioptre": 0.01 * 600, "focal_length_m": 0.05}
+    assert radius_px(4.0, focus_m=2.0, **lens) == pytest.approx(on_sensor_m * 600 / 0.05 / 2)
+    px = coc.thin_lens_px_per_dioptre(0.02, 0.05, 600, 2.0)
+    assert radius_px(4.0, focus_m=2.0, **lens) == pytest.approx(px * (1 / 2 - 1 / 4))
+
+
+def test_an_eye_by_hand():
+    """A 4 mm pupil in front of 916 px of focal length: 3.7 px of diameter per dioptre."""
+    px = coc.eye_px_per_dioptre(4.0, 916)
+    assert 2 * px == pytest.approx(3.664)
+    found = radius_px([0.5, 1.0, 2.0, np.inf], px_per_dioptre=px, focus_m=1.0)
+    np.testing.assert_allclose(found, [-1.832, 0, 0.916, 1.832], atol=1e-5)
+
+
+@given(st.floats(1e-4, 1.0), st.floats(1e-3, 0.2), st.floats(0.0, 1.0), distances, distances)
+def test_both_prints_of_the_thin_lens_agree(aperture_m, focal_m, offset_m, focus_m, distance_m):
+    """Hillaire's Eq. 1 and Mantiuk's signed one, from the lens: 60 cm behind, in his case."""
+    f_d, z = focus_m + offset_m, distance_m + offset_m
+    if f_d <= coc.CLOSEST_FOCUS * focal_m:
+        return
+    hillaire = aperture_m * focal_m * abs(f_d - z) / (z * (f_d - focal_m))
+    mantiuk = aperture_m * focal_m / (f_d - focal_m) * (1 - f_d / z)
+    found = radius_px(
+        distance_m, px_per_dioptre=aperture_m / 2 * 500, focus_m=focus_m, focal_length_m=focal_m,
+        distance_offset_m=offset_m,
+    )  # fmt: skip
+    px_per_m = 500 / focal_m / 2
+    tolerance = {"rel": 1e-6, "abs": 1e-6 * aperture_m * 500 / f_d}
+    assert abs(found) == pytest.approx(hillaire * px_per_m, **tolerance)
+    assert found == pytest.approx(mantiuk * px_per_m, **tolerance)
+
+
+@pytest.mark.parametrize("focus_m", [0.0001, 0.049, 0.05, 0.05001])
+def test_no_lens_is_focused_inside_its_focal_length(focus_m):
+    assert coc.lens_focus_m(focus_m, 0.05) == pytest.approx(0.05005)
+    found = radius_px(
+        [0.0501, 1.0, np.inf], px_per_dioptre=6.0, focus_m=focus_m, focal_length_m=0.05,
+        radius_limit_px=11.0,
+    )  # fmt: skip
+    np.testing.assert_allclose(found, [11, 11, 11], rtol=1e-12)
+
+
+@given(st.floats(-20, 20), st.floats(-20, 20), st.floats(-1, 1))
+def test_peripheral_blur_keeps_signs_and_their_order(one, other, cosine):
+    shape = {"unit_px": 7.0, "exponent": 2.0, "radius_limit_px": 25.0}
+    a, b = coc.with_peripheral_px([one, other], cosine, **shape)
+    assert abs(a) >= min(abs(one), 25.0)
+    assert abs(a) <= 25.0
+    assert (a < 0) == (one < 0)
+    if one < other:
+        assert a <= b
+
+
+def test_peripheral_blur_is_equation_5():
+    shape = {"unit_px": 4.0, "exponent": 2.0, "radius_limit_px": 50.0}
+    cosines = np.cos(np.radians([0.0, 30.0, 60.0, 90.0, 120.0]))
+    found = coc.with_peripheral_px(np.array([0.0, -1.0, 0.0, 1.0, -1.0]), cosines, **shape)
+    at_30 = 4 * (2 / np.sqrt(3) - 1) ** 2
+    np.testing.assert_allclose(found, [0, -1 - at_30, 4, 50, -50], atol=1e-9)
+
+
+WIDE_EDGE = Peripheral(unit_diameter_arcmin=600.0)
+LAWS = {
+    "eye": {"law": "eye", "pupil_mm": 7.0},
+    "thin_lens": {"law": "thin_lens", "aperture_m": 0.03, "focal_length_m": 0.05},
+    "mantiuk": {"law": "thin_lens", "aperture_m": 0.019, "distance_offset_m": 0.6},
+    "dioptre": {"law": "dioptre", "full_blur_dioptre": 2.0},
+}
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("near_m", [0.001, 0.02, 0.5])
+def test_shader_radii_are_the_twins(ctx, name, near_m):
+    """Within 1e-5 or 0.001 px of float64, where no radius is beyond 100 px."""
+    settings = DepthOfField(max_radius_percent=10, **LAWS[name])
+    distance = np.geomspace(max(near_m, 0.05), 3e4, 2000).reshape(40, 50)
+    rgb = np.zeros((40, 50, 3))
+    colour, depth = textures(ctx, rgb, distance, near_m)
+    z = (near_m / distance).astype("f4").astype(float)
+    eye_pose = Pose(np.array([0.03, 0.0, -0.01]))
+    head = defocus_uniforms(LEFT_EYE, near_m, eye_pose)
+    focal_px = focal_length_px(LEFT_EYE, (50, 40))[0]
+    for focus_m in (0.01, 0.05, 0.6, 2.0, 40.0, 3e4, np.inf):
+        focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
+        effect = Defocus(
+            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(50, 40),
+            infinity_m=3e4,
+        )  # fmt: skip
+        # The record's shader, one texel per pixel: float32, before any limit.
+        peaks = FullscreenPass(
+            ctx, "defocus_peak.frag", size_px=(50, 40), inputs={"depth": depth, "focus": focus},
+            constants=defocus._lens_constants(settings, 3e4), dtype="f4",
+            defines={**defocus._law_defines(settings), "TILE": 1},
+        )  # fmt: skip
+        scale = effect._scale(focal_px, defocus._Limit(5.0))
+        peaks.render(defocus._Together(head, scale))
+        found = np.frombuffer(peaks.target.read(), "f4").reshape(40, 50, 4)[..., 3]
+        px = defocus.px_per_dioptre(settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf)
+        twin = coc.lens_radius_px(
+            z, px_per_dioptre=px, focus_m=float(np.float32(focus_m)),
+            near_m=np.float64(np.float32(near_m)), radius_limit_px=1e9,
+            offset_m=float(np.float32(0.01)),
+            focal_length_m=settings.focal_length_m if settings.law == "thin_lens" else 0.0,
+            distance_offset_m=settings.distance_offset_m,
+        )  # fmt: skip
+        small = np.abs(twin) <= 100
+        np.testing.assert_allclose(found[small], np.abs(twin[small]), rtol=1e-5, atol=1e-3)
+        effect.render(fov=LEFT_EYE, near_m=near_m, head_from_eye=eye_pose)
+        points = np.frombuffer(effect.points.read(), "f2").reshape(40, 50, 4)[..., 3]
+        np.testing.assert_allclose(points, np.clip(twin, -5, 5), rtol=1e-3, atol=2e-3)
+
+
+def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
+    """In an eye that is turned outwards and sees more on one side, too."""
+    size_px = (60, 48)
+    shape = Peripheral(exponent=2.0, unit_diameter_arcmin=300.0)
+    settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=10, peripheral=shape)
+    colour, depth = textures(ctx, np.zeros((48, 60, 3)), 3.0)
+    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
+    effect = Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
+        infinity_m=3e4,
+    )  # fmt: skip
+    turned = Pose(np.zeros(3), axis_angle([0.0, 1.0, 0.0], 0.2))
+    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
+    found = np.frombuffer(effect.points.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
+    left, right, up, down = LEFT_EYE.tangents
+    x = left + (right - left) * (np.arange(60) + 0.5) / 60
+    y = down + (up - down) * (np.arange(48) + 0.5) / 48
+    rays = np.stack([*np.meshgrid(x, y), np.full((48, 60), -1.0)], axis=-1)
+    ahead = turned.inverse().matrix()[:3, :3] @ [0.0, 0.0, -1.0]
+    cosine = rays @ ahead / np.linalg.norm(rays, axis=-1)
+    unit_px = np.tan(np.radians(2.5)) * focal_length_px(LEFT_EYE, size_px)[0]
+    twin = coc.with_peripheral_px(
+        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, radius_limit_px=6
+    )
+    np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
+    assert found.max() > 1.0
+
+
+def test_peripheral_blur_alone_leaves_the_middle_as_it_is(ctx):
+    rgb = np.random.default_rng(3).uniform(0, 1, (96, 128, 3)).astype("f2")
+    settings = {"law": "eye", "pupil_mm": 0.0, "max_radius_percent": 5.0}
+    blurred = depth_of_field(ctx, rgb, 2.0, 1.0, peripheral=WIDE_EDGE, **settings)
+    np.testing.assert_array_equal(blurred[36:60, 48:80], rgb[36:60, 48:80])
+    assert np.std(blurred[:12, :12].astype(float)) < 0.8 * np.std(rgb[:12, :12].astype(float))
+
+
+def test_peripheral_blur_mixes_no_far_light_into_the_sharp_middle(ctx):
+    """In front of or behind the focus by a hair: a sharp thing stays free of the blurred rest."""
+    rgb = np.full((96, 128, 3), 10.0)
+    rgb[:, 58:70] = 0.0
+    for thing_m in (0.999, 1.001):
+        distance = np.full((96, 128), 1e4)
+        distance[:, 58:70] = thing_m
+        settings = {"law": "dioptre", "full_blur_dioptre": 1.0, "max_radius_percent": 5.0}
+        shape = Peripheral(unit_diameter_arcmin=60.0)
+        out = depth_of_field(ctx, rgb, distance, 1.0, peripheral=shape, **settings)
+        assert out[36:60, 58:70].max() == 0.0
+
+
+def test_the_largest_diameter_can_be_an_angle(ctx):
+    size_px = (64, 48)
+    focal_px = focal_length_px(square_pixels(size_px), size_px)[0]
+    settings = DepthOfField(max_radius_percent=10, max_diameter_arcmin=120.0)
+    assert defocus.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
+        np.tan(np.radians(1.0)) * focal_px
+    )
+    colour, depth = textures(ctx, np.zeros((48, 64, 3)), np.inf)
+    focus = ctx.texture((1, 1), 4, np.full(4, 1.0, "f4").tobytes(), dtype="f4")
+    effect = Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
+        infinity_m=3e4,
+    )  # fmt: skip
+    effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
+    np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
+    # Law `linear`: 10 m of defocus reach the limit; the sky would have 2999.9 times as much.
+    limit_px = np.tan(np.radians(1.0)) * focal_px
+    assert effect.largest_radius_px() == pytest.approx(2999.9 * limit_px, rel=1e-5)
+    assert effect.clamps() == (
+        f"depth of field: circles of confusion of up to {2999.9 * limit_px:.1f} px (radius) were "
+        f"limited to {limit_px:.1f} px",
+    )
+    effect.forget()
+    assert effect.clamps() == ()
+
+
+def test_a_lens_without_an_opening_needs_no_pass():
+    for settings in ({"law": "eye", "pupil_mm": 0.0}, {"law": "thin_lens", "aperture_m": 0.0}):
+        for shape, needed in ((None, False), (Peripheral(), True)):
+            effect = DepthOfField(peripheral=shape, **settings)
+            condition = Condition(name="c", depth_of_field=effect)
+            assert plan_depth_of_field(condition).needed is needed
+
+
+@pytest.mark.parametrize("name", ["eye", "thin_lens", "mantiuk"])
+def test_the_reference_blurs_as_much_as_the_law_says(ctx, name):
+    """Second moments of a small square, less those without a lens: a disc of the law's radius."""
+    nodes = [at(0, 0, -2.0)]
+    content = scene(nodes, [wall(0.25)], [glowing((1.0, 1.0, 1.0))])
+    scale = {
+        "eye": {"pupil_mm": 20.0},
+        "thin_lens": {"aperture_m": 0.01},
+        "mantiuk": {"aperture_m": 0.2},
+    }
+    effect = DepthOfField(**LAWS[name] | scale[name])
+    condition = Condition(name="c", focus=Focus(infinity_m=1e4), depth_of_field=effect)
+    size_px = (160, 160)
+    camera = eye()
+    truth = Reference(ctx, content, condition, size_px, samples=256)
+    pinhole = Reference(ctx, content, Condition(name="p"), size_px, samples=1)
+    blurred = truth.render(camera, 0.0, None, focus_m=0.1).image[..., 0]
+    sharp = pinhole.render(camera, 0.0, None, focus_m=0.1).image[..., 0]
+    x = np.arange(160) - 79.5
+
+    def moment(image):
+        return (image * x**2).sum() / image.sum()
+
+    focal_px = 80
+    px = defocus.px_per_dioptre(effect, focal_px=focal_px, size_px=size_px, focus_m=0.1)
+    offset_m = effect.distance_offset_m
+    radius = px * (1 / (0.1 + offset_m) - 1 / (2.0 + offset_m))
+    assert radius > 7
+    assert moment(blurred) - moment(sharp) == pytest.approx(radius**2 / 4, rel=0.03)

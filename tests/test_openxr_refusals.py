@@ -1,0 +1,89 @@
+"""What a run refuses before it looks for a headset, and what it says where there is none."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from resume_parts import go
+from study_parts import AheadHeadset
+
+from vrcomfort.protocol import load_protocol
+from vrcomfort.records import only_run, read_participants
+from vrcomfort.resources import data_folder
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+SMOKE = "smoke", "--participant", "P01"
+
+
+def refusal(folder: Path, *options: str, headset: str = "openxr") -> str:
+    """Return what a run says where no runtime is active; it must be one sentence, exit code 2."""
+    nowhere = str(folder / "nowhere")
+    command = [sys.executable, "-c", "from vrcomfort.cli import main; main()", "run", *SMOKE]
+    done = subprocess.run(
+        [*command, "--out", str(folder / "S"), "--headset", headset, *options],
+        env={**os.environ, "XR_RUNTIME_JSON": nowhere, "HOME": nowhere, "XDG_RUNTIME_DIR": nowhere},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 2, done.stderr
+    assert done.stderr.count("\n") == 1
+    assert done.stderr.startswith("error: ")
+    return done.stderr
+
+
+def test_without_a_runtime_a_run_says_what_to_start_and_enrols_nobody(tmp_path: Path) -> None:
+    assert "make it the active OpenXR runtime" in refusal(tmp_path)
+    assert read_participants(tmp_path / "S") == []
+    assert not (tmp_path / "S" / "sub-P01" / "ses-1").exists()
+
+
+def test_a_second_run_of_a_participant_is_refused_before_a_headset_is_looked_for(
+    tmp_path: Path,
+) -> None:
+    with only_run(tmp_path / "S", "P01"):
+        assert f"P01 is being run by process {os.getpid()}" in refusal(tmp_path)
+
+
+def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_path: Path) -> None:
+    def interrupted(*_: object) -> AheadHeadset:
+        return AheadHeadset(interrupt_at=0)
+
+    smoke = load_protocol("smoke")
+    assert go(tmp_path, protocol=smoke, headset_for=interrupted).status == "aborted"
+    assert "continue it with --resume" in refusal(tmp_path)
+    assert "make it the active OpenXR runtime" in refusal(tmp_path, "--resume")
+
+
+def test_a_session_on_disk_is_refused_before_a_headset_is_looked_for(tmp_path: Path) -> None:
+    go(tmp_path, protocol=load_protocol("smoke"))
+    assert "never overwritten" in refusal(tmp_path, "--session", "1")
+    assert "leave --resume out" in refusal(tmp_path, "--session", "1", "--resume")
+
+
+TRACE = str(data_folder("scenes") / "temple_walk.csv")
+
+
+@pytest.mark.parametrize(
+    ("headset", "options", "words"),
+    [
+        ("desktop", ["--monado-trace", TRACE], "--monado-trace is for --headset openxr;"),
+        ("playback", ["--monado-answers", TRACE], "--monado-answers is for --headset openxr;"),
+        ("desktop", ["--mirror"], "--mirror is for --headset openxr; leave it out"),
+        ("openxr", ["--one-eye"], "--one-eye is for --headset desktop; leave it out"),
+        ("openxr", ["--trace", TRACE], "--trace is for --headset playback; leave it out"),
+        ("desktop", ["--refresh-hz", "90"], "--refresh-hz is for --headset playback or"),
+        ("playback", ["--respondent", "panel"], "for --headset openxr or --headset desktop;"),
+        ("openxr", ["--monado-answers", TRACE], "--monado-answers needs --monado-trace"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused(
+    tmp_path: Path, headset: str, options: list[str], words: str
+) -> None:
+    assert words in refusal(tmp_path, *options, headset=headset)

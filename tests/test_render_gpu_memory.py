@@ -1,0 +1,141 @@
+"""What `plan` calls GPU memory is what OpenGL says the objects hold, for every pipeline."""
+
+import ctypes
+import re
+from pathlib import Path
+from typing import get_args
+
+import pytest
+from render_parts import still_life
+
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, Kernel, MotionBlur
+from vrcomfort.render import gl, gpu_memory
+from vrcomfort.render.pipeline import StereoRenderer
+
+RENDER = Path(gl.__file__).parent
+SIZE = (45, 33)
+WIDTH, HEIGHT, SAMPLES, BUFFER_SIZE = 0x1000, 0x1001, 0x9106, 0x8764
+CHANNELS = (0x805C, 0x805D, 0x805E, 0x805F, 0x884A)
+"""Bits of red, green, blue, alpha and depth."""
+
+CONDITIONS = [
+    Condition(name="plain"),
+    Condition(name="shutter", motion_blur=MotionBlur()),
+    *(
+        Condition(
+            name=f"{kernel}-{method}",
+            focus=Focus(method=method),
+            depth_of_field=DepthOfField(kernel=kernel),
+            motion_blur=MotionBlur(),
+        )
+        for kernel in get_args(Kernel)
+        for method in get_args(Focus.model_fields["method"].annotation)
+    ),
+]
+
+
+class Survey:
+    """Asks OpenGL, not us, what all objects of the context hold."""
+
+    def __init__(self, ctx):
+        self._ctx = ctx
+        self._level = self._function("glGetTextureLevelParameteriv", 3)
+        self._size = self._function("glGetNamedBufferParameteriv", 2)
+
+    def _function(self, name, numbers):
+        call = gl.function(self._ctx, name, *[ctypes.c_uint] * numbers, ctypes.c_void_p)
+
+        def ask(*arguments):
+            value = ctypes.c_int()
+            call(*arguments, ctypes.byref(value))
+            return value.value
+
+        return ask
+
+    def _names(self, kind):
+        exists = gl.function(self._ctx, f"glIs{kind}", ctypes.c_uint, result=ctypes.c_ubyte)
+        newest = ctypes.c_uint()
+        for verb in ("Gen", "Delete"):
+            call = gl.function(self._ctx, f"gl{verb}{kind}s", ctypes.c_int, ctypes.c_void_p)
+            call(1, ctypes.byref(newest))
+        return {name for name in range(1, newest.value) if exists(name)}
+
+    def _texture_bytes(self, name):
+        bits = sum(self._level(name, 0, channel) for channel in CHANNELS)
+        samples = self._level(name, 0, SAMPLES)
+        levels = 1 if samples else 14  # of the largest texture that drivers must allow
+        texels = sum(
+            self._level(name, level, WIDTH) * self._level(name, level, HEIGHT)
+            for level in range(levels)
+        )
+        return texels * bits // 8 * max(samples, 1)
+
+    def names(self):
+        return {kind: self._names(kind) for kind in ("Texture", "Buffer", "Renderbuffer")}
+
+    def bytes_since(self, before):
+        made = {kind: names - before[kind] for kind, names in self.names().items()}
+        textures = sum(map(self._texture_bytes, made["Texture"]))
+        buffers = sum(self._size(name, BUFFER_SIZE) for name in made["Buffer"])
+        return {
+            "textures": textures,
+            "buffers": buffers,
+            "renderbuffers": len(made["Renderbuffer"]),
+        }
+
+
+def entered(renderer):
+    entries = renderer.memory()
+    return {
+        "textures": sum(each.bytes for each in entries if each.kind != "buffer"),
+        "buffers": sum(each.bytes for each in entries if each.kind == "buffer"),
+        "renderbuffers": 0,
+    }
+
+
+@pytest.mark.parametrize("samples", [2, 4])
+@pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
+def test_memory_is_what_opengl_says_the_objects_hold(ctx, condition, samples):
+    survey = Survey(ctx)
+    before = survey.names()
+    renderer = StereoRenderer(ctx, SIZE, samples=samples)
+    renderer.build(still_life(), condition)
+    assert entered(renderer) == survey.bytes_since(before)
+
+
+def test_memory_of_a_headsets_size_is_allocated(ctx):
+    survey = Survey(ctx)
+    before = survey.names()
+    renderer = StereoRenderer(ctx, (1832, 1920))
+    renderer.build(still_life(), CONDITIONS[-1])
+    assert entered(renderer) == survey.bytes_since(before)
+    pixels = 1832 * 1920
+    # Colour, depth and velocity with four samples and with one, and two tone-mapped images.
+    least = pixels * (5 * (8 + 4 + 4) + 2 * 4)
+    assert entered(renderer)["textures"] > least
+
+
+def test_a_pipeline_that_is_gone_holds_nothing(ctx):
+    ledger = gpu_memory.ledger(ctx)
+    first = ledger.mark()
+    renderer = StereoRenderer(ctx, SIZE)
+    renderer.build(still_life(), CONDITIONS[-1])
+    assert ledger.between(first, ledger.mark())
+    renderer.release()
+    assert ledger.between(first, ledger.mark()) == ()
+
+
+def test_mipmaps_go_down_to_one_texel():
+    assert gpu_memory.texture_bytes((5, 2), 4, mipmaps=True) == 4 * (10 + 2 + 1)
+    assert gpu_memory.texture_bytes((5, 2), 8, samples=4) == 320
+
+
+def test_everything_that_renders_allocates_through_the_ledger():
+    """Or it would be missing from what `vrcomfort plan` says."""
+    raw = re.compile(r"\w*ctx\.(texture\w*|depth_texture\w*|buffer|\w*renderbuffer|simple_\w+)\(")
+    found = {
+        f"{file.relative_to(RENDER)}: {call[0]}"
+        for file in RENDER.rglob("*.py")
+        for call in raw.finditer(file.read_text(encoding="utf-8"))
+    }
+    assert found == {"gl.py: ctx.texture(", "gl.py: ctx.depth_texture(", "gl.py: ctx.buffer("}

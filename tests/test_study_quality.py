@@ -1,0 +1,144 @@
+"""The dial `quality` of a condition: what it fills in, what it never touches, and its table."""
+
+import tomllib
+from typing import get_args
+
+import pytest
+from study_parts import PROTOCOL, tiny_protocol
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import quality as dial
+from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.quality import Figure, Level, Measured, Quality, QualityTable
+from vrcomfort.resources import data_folder
+
+LEVELS = get_args(Quality)
+TABLE = data_folder("analysis") / "measured" / "quality.toml"
+
+
+def with_level(level, **effects):
+    return Condition.model_validate({"name": "c", "quality": level, **effects})
+
+
+@pytest.mark.parametrize("level", LEVELS)
+@pytest.mark.parametrize("law", ["linear", "dioptre"])
+def test_every_level_gives_valid_settings(level, law):
+    found = with_level(level, depth_of_field={"law": law}, motion_blur={})
+    wanted = dial.quality_table().levels[level]
+    for effect, settings in (
+        ("depth_of_field", found.depth_of_field),
+        ("motion_blur", found.motion_blur),
+    ):
+        for key, value in wanted.settings(effect, law=law).items():
+            assert getattr(settings, key) == value
+    assert dial.level_of(found) == level
+
+
+def test_levels_rise_in_what_they_sample():
+    settings = [with_level(level, depth_of_field={}, motion_blur={}) for level in LEVELS]
+    rings = [each.depth_of_field.rings for each in settings]
+    samples = [each.motion_blur.samples for each in settings]
+    assert rings == sorted(rings)
+    assert samples == sorted(set(samples))
+
+
+def test_balanced_is_what_is_taken_without_a_level():
+    effects = {"depth_of_field": DepthOfField(), "motion_blur": MotionBlur()}
+    plain, balanced = Condition(name="c", **effects), with_level("balanced", **effects)
+    assert balanced == plain.model_copy(update={"quality": "balanced"})
+
+
+def test_what_the_condition_says_itself_wins():
+    found = with_level("fast", depth_of_field={"rings": 7}, motion_blur=MotionBlur(samples=33))
+    assert (found.depth_of_field.rings, found.motion_blur.samples) == (7, 33)
+    assert dial.level_of(found) is None
+
+
+def test_a_level_adds_no_effect_and_changes_no_strength():
+    assert with_level("fast").depth_of_field is None
+    strong = with_level("fast", depth_of_field={"max_radius_percent": 4.0, "full_blur_m": 3.0})
+    assert strong.motion_blur is None
+    assert strong.depth_of_field.max_radius_percent == 4.0
+    assert strong.depth_of_field.full_blur_m == 3.0
+
+
+def test_resolved_settings_read_back_as_they_are():
+    found = with_level("accurate", depth_of_field={}, motion_blur={"samples": 5})
+    assert Condition.model_validate(found.model_dump(mode="json")) == found
+
+
+def test_a_protocol_records_the_resolved_settings(tmp_path):
+    text = PROTOCOL.replace('"blur"\n', '"blur"\nquality = "fast"\n', 1)
+    settings = tiny_protocol(tmp_path, text).model_dump(mode="json")
+    blur = next(each for each in settings["conditions"] if each["name"] == "blur")
+    assert blur["quality"] == "fast"
+    assert (
+        blur["depth_of_field"]["rings"]
+        == with_level("fast", depth_of_field={}).depth_of_field.rings
+    )
+
+
+def test_an_unknown_level_is_told_with_its_place(tmp_path):
+    text = PROTOCOL.replace('"blur"\n', '"blur"\nquality = "ultra"\n', 1)
+    with pytest.raises(InputError, match="'fast', 'balanced', 'accurate' or 'reference'") as caught:
+        tiny_protocol(tmp_path, text)
+    assert caught.value.line == 12
+
+
+def test_settings_of_a_lens_are_left_out_where_no_lens_follows_the_law():
+    level = Level(depth_of_field={"rings": 4}, lens={"views": 16})
+    assert level.settings("depth_of_field", law="linear") == {"rings": 4}
+    assert level.settings("depth_of_field", law="dioptre") == {"rings": 4, "views": 16}
+    assert level.settings("motion_blur") == {}
+
+
+def test_effects_that_are_not_drawn_have_no_figures():
+    assert dial.effects_of(Condition(name="c")) is None
+    off = {"depth_of_field": DepthOfField(max_radius_percent=0), "motion_blur": MotionBlur()}
+    assert dial.effects_of(Condition(name="c", **off)) == "motion_blur"
+    still = {"depth_of_field": DepthOfField(), "motion_blur": MotionBlur(shutter_fraction=0)}
+    assert dial.effects_of(Condition(name="c", **still)) == "depth_of_field"
+
+
+def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
+    for figure in dial.quality_table().figures:
+        effects = {
+            "depth_of_field": {"law": "dioptre"} if figure.effects != "motion_blur" else None,
+            "motion_blur": {} if figure.effects != "depth_of_field" else None,
+        }
+        named = with_level(figure.level, **effects)
+        assert dial.figure_for(named, figure.scene) == figure
+        unnamed = named.model_copy(update={"quality": None})
+        assert dial.figure_for(unnamed, figure.scene) == figure
+        assert dial.figure_for(named, "nowhere") is None
+
+
+def test_the_shipped_figures_are_complete_and_say_where_they_are_from():
+    table = dial.quality_table()
+    assert table.measured is not None
+    assert table.measured.command
+    assert table.measured.device
+    keys = [(each.level, each.effects, each.scene) for each in table.figures]
+    scenes = {scene for _, _, scene in keys}
+    assert sorted(keys) == sorted(
+        (level, effects, scene)
+        for level in LEVELS
+        for effects in get_args(dial.Effects)
+        for scene in scenes
+    )
+
+
+def test_writing_figures_keeps_the_levels_and_replaces_the_rest(tmp_path):
+    file = tmp_path / "quality.toml"
+    file.write_text(TABLE.read_text(encoding="utf-8"), encoding="utf-8")
+    measured = Measured(command='do "it"', device="none", date="2026-01-01", how="±1")
+    figure = Figure(level="fast", effects="both", scene="s", cost_ratio=1.5, flip=0.25)
+    for _ in range(2):
+        dial.write_figures(file, measured, [figure])
+    text = file.read_text(encoding="utf-8")
+    table = QualityTable.model_validate(tomllib.loads(text))
+    assert table == QualityTable(
+        levels=dial.quality_table().levels, measured=measured, figures=(figure,)
+    )
+    head = TABLE.read_text(encoding="utf-8").partition(dial.MARK)[0]
+    assert text.startswith(head.rstrip())

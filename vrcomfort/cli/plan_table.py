@@ -1,0 +1,211 @@
+"""What `vrcomfort plan` says: passes, expected cost and error, and GPU memory."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from rich.table import Table
+
+from vrcomfort.cli.terminal import console
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Condition, Protocol
+from vrcomfort.protocol.quality import Figure, Measured, figure_for, level_of, quality_table
+
+if TYPE_CHECKING:
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.render.plan import PlannedPass
+    from vrcomfort.render.scene_data import Scene
+
+
+@dataclass(frozen=True)
+class Planned:
+    """One condition in one scene.
+
+    Parameters
+    ----------
+    draws_effects
+        Whether anything but the plain image is drawn.
+    figure
+        Shipped measurement of its settings, or None.
+    megabytes
+        GPU memory by kind, or None where there is no OpenGL.
+    """
+
+    scene: str
+    condition: str
+    quality: str
+    passes: list[PlannedPass]
+    draws_effects: bool
+    figure: Figure | None
+    megabytes: dict[str, float] | None
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """All conditions in all scenes; `no_opengl` says why memory is not known."""
+
+    size_px: tuple[int, int]
+    rows: list[Planned]
+    no_opengl: str | None
+
+    def as_data(self) -> dict[str, Any]:
+        """Return what JSON gets: passes, costs, and where the figures come from."""
+        names = [(row, {"scene": row.scene, "condition": row.condition}) for row in self.rows]
+        measured = quality_table().measured
+        return {
+            "passes": [name | asdict(step) for row, name in names for step in row.passes],
+            "costs": [name | self._cost(row) for row, name in names],
+            "measured": measured.model_dump() if measured else None,
+        }
+
+    def _cost(self, row: Planned) -> dict[str, Any]:
+        figure = row.figure
+        return {
+            "quality": row.quality,
+            "cost_ratio": figure.cost_ratio if figure else None if row.draws_effects else 1.0,
+            "psnr_db": figure.psnr_db if figure else None,
+            "flip": figure.flip if figure else None,
+            "size_px": self.size_px,
+            "gpu_megabytes": row.megabytes,
+        }
+
+
+def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
+    """Plan every condition of a study in every scene, for eyes of this size."""
+    from vrcomfort.render.gltf import load_scene
+
+    renderer, no_opengl = _renderer(size_px)
+    rows = [
+        _planned(name, scene, condition, renderer)
+        for name in study.scenes
+        for scene in [load_scene(study.scene_source(name))]
+        for condition in study.conditions
+    ]
+    return StudyPlan(size_px, rows, no_opengl)
+
+
+def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | None]:
+    """Return a renderer, or why there is none: a plan needs no GPU, only its memory does."""
+    from vrcomfort.render.gl import create_context
+    from vrcomfort.render.pipeline import StereoRenderer
+
+    try:
+        return StereoRenderer(create_context(), size_px), None
+    except InputError as error:
+        return None, error.message
+
+
+def _planned(
+    name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None
+) -> Planned:
+    from vrcomfort.render.gpu_memory import megabytes
+    from vrcomfort.render.plan import plan_passes
+
+    memory = None
+    if renderer is not None:
+        renderer.build(scene, condition)
+        memory = {kind: round(value, 2) for kind, value in megabytes(renderer.memory()).items()}
+        renderer.release()
+    passes = plan_passes(scene, condition)
+    plain = plan_passes(scene, Condition(name="plain"))
+    return Planned(
+        scene=name,
+        condition=condition.name,
+        quality=_quality(condition),
+        passes=passes,
+        draws_effects=_drawn(passes) != _drawn(plain),
+        figure=figure_for(condition, name),
+        megabytes=memory,
+    )
+
+
+def _quality(condition: Condition) -> str:
+    """Return the level whose settings the condition has, or that they are nobody's."""
+    changed = f"{condition.quality}, changed" if condition.quality else "own settings"
+    return level_of(condition) or changed
+
+
+def _drawn(passes: list[PlannedPass]) -> list[str]:
+    return [step.name for step in passes if step.needed]
+
+
+def show(found: StudyPlan, study: Protocol) -> None:
+    """Print one table of passes for each condition, then the costs of all."""
+    for condition in study.conditions:
+        rows = [row for row in found.rows if row.condition == condition.name]
+        console(wrap=True).print(_passes_table(condition, rows))
+    console(wrap=True).print(_cost_table(found))
+    for note in _notes(found):
+        console(wrap=True).print(note, style="dim")
+
+
+def _passes_table(condition: Condition, rows: list[Planned]) -> Table:
+    table = _table(f"{condition.name}: {condition.label}" if condition.label else condition.name)
+    table.add_column("pass", no_wrap=True)
+    for row in rows:
+        table.add_column(row.scene, overflow="fold")
+    table.add_column("why", overflow="fold")
+    for steps in zip(*(row.passes for row in rows), strict=True):
+        marks = ["[green]drawn[/]" if step.needed else "-" for step in steps]
+        reasons = dict.fromkeys(step.reason for step in steps)
+        table.add_row(steps[0].name, *marks, "; ".join(reasons))
+    return table
+
+
+def _cost_table(found: StudyPlan) -> Table:
+    width, height = found.size_px
+    table = _table(f"Expected cost and error; GPU memory at 2 × {width}×{height}")
+    for column in ("condition", "scene", "quality"):
+        table.add_column(column, overflow="fold")
+    for column in ("× plain", "PSNR dB", "FLIP", "GPU MB", "scene's MB"):
+        table.add_column(column, justify="right")
+    for row in found.rows:
+        memory = row.megabytes
+        loaded = memory and memory["image"] + memory["buffer"]
+        table.add_row(
+            row.condition,
+            row.scene,
+            row.quality if row.draws_effects else "-",
+            *_expected(row),
+            f"{memory['total']:.0f}" if memory else "?",
+            f"{loaded:.0f}" if loaded else "?",
+        )
+    return table
+
+
+def _expected(row: Planned) -> tuple[str, str, str]:
+    if not row.draws_effects:
+        return "1", "-", "-"
+    if row.figure is None:
+        return "not measured", "", ""
+    psnr_db, flip = row.figure.psnr_db, row.figure.flip
+    return (
+        f"{row.figure.cost_ratio:.2f}",
+        "not measured" if psnr_db is None else f"{psnr_db:.1f}",
+        "not measured" if flip is None else f"{flip:.3f}",
+    )
+
+
+def _notes(found: StudyPlan) -> list[str]:
+    measured = quality_table().measured
+    memory = found.no_opengl and f"GPU memory is not known: {found.no_opengl}."
+    return [
+        _about_figures(measured),
+        memory
+        or "GPU memory is the sum of the textures and buffers just allocated here, those of the "
+        "scene included; swapchains belong to the runtime and are not counted.",
+    ]
+
+
+def _about_figures(measured: Measured | None) -> str:
+    if measured is None:
+        return "Cost and error have not been measured."
+    return (
+        f"Cost and error were measured on {measured.device}, {measured.date} ({measured.how}), "
+        "not at your strengths, on your device or at your size: take them as a guide."
+    )
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left")

@@ -1,0 +1,86 @@
+"""Where the participant is: in the stage, as they are tracked, and in the world, as they walk."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.headset.floors import Floors
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.locomotion import Locomotion, floor_under, wish_of
+from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.tracking import Tracking
+
+
+class Whereabouts:
+    """Head and eyes in the stage, and the stage in the world.
+
+    Parameters
+    ----------
+    connection
+        The session.
+    speed_m_s
+        Of walking.
+    notify
+        Called when tracking is lost and found.
+    relocated
+        Called with new-stage-from-old-stage when the stage's origin has moved.
+
+    Attributes
+    ----------
+    tracking
+        Head and eyes in the stage.
+    """
+
+    def __init__(
+        self,
+        connection: Connection,
+        speed_m_s: float,
+        notify: Callable[[HeadsetEvent], None],
+        relocated: Callable[[Pose], None],
+    ) -> None:
+        self._xr, self._relocated = connection, relocated
+        self._locomotion = Locomotion(speed_m_s)
+        self.tracking = Tracking(connection.session, connection.stage, notify)
+
+    @property
+    def avatar(self) -> Pose:
+        """Return world-from-stage."""
+        return self._locomotion.avatar
+
+    def send(self, spawn: Pose, floors: Floors) -> None:
+        """Choose where the participant will be with the next frame, and where they walk there."""
+        self._locomotion.send(spawn=spawn, floors=floors)
+
+    def update(self, time_ns: int) -> bool:
+        """Locate the participant at `time_ns`; return True where poses jump."""
+        before = self.tracking.head
+        jumps = self.tracking.update(time_ns)
+        if self._xr.lifecycle.recentered_by(time_ns):
+            # Nobody is elsewhere within one frame: what has moved is the origin.
+            self._relocate(floor_under(self.tracking.head) @ floor_under(before).inverse())
+            return True
+        return jumps
+
+    def move(self, inputs: Inputs, passed_s: float, *, in_scene: bool) -> bool:
+        """Go to a new place, or walk; return True where poses jump.
+
+        Walk in a scene only, for nobody walks blindly.
+        """
+        if self._locomotion.arrive(self.tracking.head):
+            return True
+        if in_scene:
+            self._locomotion.step(self.tracking.head, wish_of(inputs), passed_s)
+        return False
+
+    def recenter(self) -> None:
+        """Make the floor under the head the stage's origin, and its heading straight ahead."""
+        origin = floor_under(self.tracking.head)
+        self._xr.stage.recenter(self.tracking.head)
+        self._relocate(origin.inverse())
+
+    def _relocate(self, new_from_old: Pose) -> None:
+        """Leave the participant where they are in the world, and the panels where they stand."""
+        self._locomotion.relocate(new_from_old)
+        self._relocated(new_from_old)

@@ -1,0 +1,182 @@
+"""The dial `quality`: levels of settings, and what each was measured to cost and to get wrong.
+
+Levels and figures are in ``analysis/measured/quality.toml``. A level says how blur is sampled,
+never how strong it is: the same stimulus, faster or closer to the reference.
+"""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
+
+from pydantic import BaseModel, ConfigDict
+
+from vrcomfort.resources import data_folder
+
+if TYPE_CHECKING:
+    from vrcomfort.protocol.conditions import Condition
+
+Quality: TypeAlias = Literal["fast", "balanced", "accurate", "reference"]
+Effects: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
+Value: TypeAlias = int | float | str
+
+MARK = "# Measured; written by the command named below, not by hand."
+
+_METHOD = {"kernel", "method", "over_blur"}
+
+LENSLESS_LAW = "linear"
+"""No lens follows this law of defocus, so settings of `lens` do not apply to it."""
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Level(_Table):
+    """Settings by effect; `lens` joins `depth_of_field` where its law is that of a lens."""
+
+    depth_of_field: dict[str, Value] = {}
+    lens: dict[str, Value] = {}
+    motion_blur: dict[str, Value] = {}
+
+    def settings(self, effect: str, *, law: str | None = None) -> dict[str, Value]:
+        """Return the settings of an effect (`law`: of its defocus)."""
+        if effect == "motion_blur":
+            return dict(self.motion_blur)
+        return {**self.depth_of_field, **({} if law == LENSLESS_LAW else self.lens)}
+
+
+class Measured(_Table):
+    """How the figures came about."""
+
+    command: str
+    device: str
+    date: str
+    how: str
+
+
+class Figure(_Table):
+    """What a level was measured to cost and to get wrong in one scene; None was not measured."""
+
+    level: Quality
+    effects: Effects
+    scene: str
+    cost_ratio: float
+    """Time of a stereo frame over that of the same frame without effects, in the same run."""
+    psnr_db: float | None = None
+    flip: float | None = None
+    """Mean HDR-FLIP against the reference; 0 is equal."""
+
+
+class QualityTable(_Table):
+    """Content of ``quality.toml``."""
+
+    levels: dict[Quality, Level]
+    measured: Measured | None = None
+    figures: tuple[Figure, ...] = ()
+
+
+@cache
+def quality_table() -> QualityTable:
+    """Return the shipped table."""
+    file = data_folder("analysis") / "measured" / "quality.toml"
+    return QualityTable.model_validate(tomllib.loads(file.read_text(encoding="utf-8")))
+
+
+def filled(condition: Any) -> Any:
+    """Return a condition, as a protocol file has it, with what its level says and it does not.
+
+    Anything that is no condition with a known level is returned as it is, for others to refuse.
+    """
+    if not isinstance(condition, Mapping) or condition.get("quality") not in get_args(Quality):
+        return condition
+    level = quality_table().levels[condition["quality"]]
+    effects = {
+        name: _filled_effect(level, name, condition[name])
+        for name in ("depth_of_field", "motion_blur")
+        if condition.get(name) is not None
+    }
+    return {**condition, **effects}
+
+
+def _filled_effect(level: Level, name: str, given: Any) -> Any:
+    if isinstance(given, Mapping):
+        law = given.get("law", LENSLESS_LAW)
+        return {**level.settings(name, law=law), **given}
+    if isinstance(given, BaseModel):
+        settings = level.settings(name, law=getattr(given, "law", None))
+        own = {field: getattr(given, field) for field in given.model_fields_set}
+        return type(given)(**{**settings, **own})
+    return given
+
+
+def level_of(condition: Condition) -> Quality | None:
+    """Return the level whose settings a condition's effects have, named there or not."""
+    return next((level for level in get_args(Quality) if _has_settings(condition, level)), None)
+
+
+def _has_settings(condition: Condition, level: Quality) -> bool:
+    effects = {
+        name: settings
+        for name in ("depth_of_field", "motion_blur")
+        if (settings := getattr(condition, name)) is not None
+    }
+    return bool(effects) and all(
+        _equals_level(name, settings, level) for name, settings in effects.items()
+    )
+
+
+def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
+    """Compare what any level sets, and what names a method; strengths may differ."""
+    levels = quality_table().levels
+    wanted = levels[level].settings(name, law=getattr(settings, "law", None))
+    known = type(settings).model_fields
+    compared = {key for each in levels.values() for key in each.settings(name)} | _METHOD
+    return all(
+        getattr(settings, key) == wanted.get(key, known[key].default)
+        for key in compared & known.keys()
+    )
+
+
+def effects_of(condition: Condition) -> Effects | None:
+    """Return which effects a condition has, as figures name them; None: none, or others too."""
+    if getattr(condition, "speed_blur", None) is not None:
+        return None
+    lens, shutter = condition.depth_of_field, condition.motion_blur
+    blurs = lens is not None and lens.max_radius_percent > 0
+    smears = shutter is not None and shutter.shutter_fraction > 0
+    if blurs and smears:
+        return "both"
+    if blurs:
+        return "depth_of_field"
+    return "motion_blur" if smears else None
+
+
+def figure_for(condition: Condition, scene: str) -> Figure | None:
+    """Return the shipped figures of a condition's settings in a scene; None: not measured."""
+    wanted = level_of(condition), effects_of(condition), scene
+    figures = quality_table().figures
+    return next(
+        (each for each in figures if (each.level, each.effects, each.scene) == wanted), None
+    )
+
+
+def write_figures(file: Path, measured: Measured, figures: Iterable[Figure]) -> None:
+    """Put new figures into a table; what is above :data:`MARK` stays as it is."""
+    chosen = file.read_text(encoding="utf-8").partition(MARK)[0].rstrip()
+    blocks = [_toml("[measured]", measured), *(_toml("[[figures]]", each) for each in figures)]
+    text = "\n\n".join([chosen, MARK, *blocks]) + "\n"
+    QualityTable.model_validate(tomllib.loads(text))
+    file.write_text(text, encoding="utf-8")
+
+
+def _toml(header: str, values: BaseModel) -> str:
+    """Write a flat table; JSON's texts and numbers are TOML's, and None is left out."""
+    lines = values.model_dump(exclude_none=True).items()
+    return "\n".join(
+        [header, *(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in lines)]
+    )

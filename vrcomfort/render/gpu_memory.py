@@ -1,0 +1,95 @@
+"""What a pipeline holds on the GPU: every texture and buffer that `gl` made, and its bytes.
+
+Bytes are those of the format that was asked for, all samples and mipmap levels included. What a
+driver adds to it (padding, compression data) is its own, and so are the runtime's swapchains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import prod
+from typing import Literal
+from weakref import WeakKeyDictionary
+
+import moderngl
+
+Kind = Literal["target", "image", "buffer"]
+"""What is drawn into, what was loaded with the scene, and everything that is no texture."""
+
+_DTYPE_BYTES = {"f1": 1, "f2": 2, "f4": 4}
+_KINDS: tuple[Kind, ...] = ("target", "image", "buffer")
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """One texture or buffer; `what` says its size and format in words."""
+
+    kind: Kind
+    what: str
+    bytes: int
+
+
+class Ledger:
+    """Everything that was made in one context and still lives; entries go with their objects."""
+
+    def __init__(self) -> None:
+        self._made: WeakKeyDictionary[object, tuple[int, Allocation]] = WeakKeyDictionary()
+        self._count = 0
+
+    def add(self, thing: moderngl.Texture | moderngl.Buffer, allocation: Allocation) -> None:
+        """Enter what has just been allocated."""
+        self._made[thing] = self._count, allocation
+        self._count += 1
+
+    def mark(self) -> int:
+        """Return a mark: what is entered from now on lies after it."""
+        return self._count
+
+    def between(self, first: int, last: int) -> tuple[Allocation, ...]:
+        """Return what was entered between two marks and is still there, in order."""
+        living = sorted(self._made.values(), key=lambda entry: entry[0])
+        return tuple(entry for number, entry in living if first <= number < last)
+
+
+def ledger(ctx: moderngl.Context) -> Ledger:
+    """Return the ledger of a context."""
+    if not isinstance(ctx.extra, Ledger):
+        ctx.extra = Ledger()
+    found: Ledger = ctx.extra
+    return found
+
+
+def texture_bytes(
+    size_px: tuple[int, int], texel_bytes: int, *, samples: int = 0, mipmaps: bool = False
+) -> int:
+    """Return the bytes of a texture: all samples, or all mipmap levels down to 1 × 1."""
+    levels = max(size_px).bit_length() if mipmaps else 1
+    sizes = ([max(side >> level, 1) for side in size_px] for level in range(levels))
+    return max(samples, 1) * texel_bytes * sum(map(prod, sizes))
+
+
+def texture(
+    kind: Kind,
+    size_px: tuple[int, int],
+    components: int,
+    dtype: str,
+    *,
+    samples: int = 0,
+    mipmaps: bool = False,
+) -> Allocation:
+    """Return the entry of a texture; `dtype` is moderngl's."""
+    texel_bytes = components * _DTYPE_BYTES[dtype]
+    words = [f"{size_px[0]}×{size_px[1]}", f"{components} × {8 * _DTYPE_BYTES[dtype]} bit"]
+    words += [f"{samples} samples"] if samples else []
+    words += ["mipmaps"] if mipmaps else []
+    size = texture_bytes(size_px, texel_bytes, samples=samples, mipmaps=mipmaps)
+    return Allocation(kind, ", ".join(words), size)
+
+
+def megabytes(allocations: Iterable[Allocation]) -> dict[str, float]:
+    """Return 10⁶ bytes of each kind, and of all as ``total``."""
+    found: dict[str, float] = dict.fromkeys(_KINDS, 0.0)
+    for each in allocations:
+        found[each.kind] += each.bytes / 1e6
+    return {**found, "total": sum(found.values())}

@@ -1,0 +1,36 @@
+"""How a head got from one frame to the next, and how fast: float64, no OpenGL."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from vrcomfort.geometry import Pose
+from vrcomfort.optics.motion import speed_m_s, turn_deg_s
+
+
+class HeadStep(NamedTuple):
+    """The head and the stage in two frames that follow each other.
+
+    `head` is stage-from-head, `avatar` world-from-stage, `seconds` the time between the two
+    predicted display times.
+    """
+
+    head_before: Pose
+    head: Pose
+    avatar_before: Pose
+    avatar: Pose
+    seconds: float
+
+    def turn_deg_s(self, of: Literal["head", "avatar", "both"]) -> float:
+        """Return the speed of turning of the tracked head, of locomotion, or of their sum."""
+        return turn_deg_s(*self._poses(of), seconds=self.seconds)
+
+    def speed_m_s(self, of: Literal["head", "avatar", "both"]) -> float:
+        """Return the speed of the head in its room, by locomotion, or in the world."""
+        return speed_m_s(*self._poses(of), seconds=self.seconds)
+
+    def _poses(self, of: Literal["head", "avatar", "both"]) -> tuple[Pose, Pose]:
+        """Return world-from-head before and now, the other part resting as it is now."""
+        head_before = self.head if of == "avatar" else self.head_before
+        avatar_before = self.avatar if of == "head" else self.avatar_before
+        return avatar_before @ head_before, self.avatar @ self.head
