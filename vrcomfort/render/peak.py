@@ -9,7 +9,7 @@ from vrcomfort.render import gl, shaders
 
 
 class PeakPass:
-    """Keeps the greatest length of `texels.xy` over all calls; `read` waits for the GPU."""
+    """Keeps the greatest length of `texels.xy` in one pixel; `read` waits for the GPU."""
 
     def __init__(self, ctx: moderngl.Context, texels: moderngl.Texture) -> None:
         self._ctx = ctx
@@ -32,3 +32,7 @@ class PeakPass:
     def read(self) -> float:
         """Return the greatest value since the pass was made."""
         return float(np.frombuffer(self._target.read(), dtype=np.float32)[0])
+
+    def forget(self) -> None:
+        """Start again from 0."""
+        self._framebuffer.clear()
