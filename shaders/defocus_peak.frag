@@ -2,8 +2,8 @@
 // The largest circle of confusion of each tile before its limit, for the record.
 //
 // Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels, even.
-// Output: w = largest |RADIUS| in pixels of image width, peripheral blur left out; one texel per
-//         tile. It grows away from the focus, so that the nearest or the farthest point has it; a
+// Output: x and w = largest |RADIUS| in pixels of image width, peripheral blur left out; one texel
+//         per tile. It grows away from the focus, so that the nearest or the farthest point has it; a
 //         tile of a canted eye counts as being where its middle is.
 #include "coc.glsl"
 #include "defocus.glsl"
@@ -22,6 +22,7 @@ void main() {
             farthest = min(farthest, min(min(z.x, z.y), min(z.z, z.w)));
         }
     vec2 middle = (0.5 * vec2(first + last) + 0.5) / vec2(size);
-    peak = vec4(max(abs(unlimited_radius_at(nearest, middle)),
-                    abs(unlimited_radius_at(farthest, middle))));
+    float radius = max(abs(unlimited_radius_at(nearest, middle)),
+                       abs(unlimited_radius_at(farthest, middle)));
+    peak = vec4(radius, 0.0, 0.0, radius);
 }
