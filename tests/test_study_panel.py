@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
-from vrcomfort.questionnaire import FMS, INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import INSTRUMENTS, Instrument
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
