@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import accuracy, effects, memory, python_time
+from bench import effects, memory, python_time
 from bench.table import Result, write
 from vrcomfort.headset.monado import SERVICE
 from vrcomfort.render.gl import create_context
@@ -32,7 +32,6 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "memory_openxr": lambda ctx, options: _openxr().measure_memory(
         ctx, frames=options.memory_frames // 50
     ),
-    "accuracy": lambda ctx, options: accuracy.measure(ctx, samples=options.samples),
 }
 
 
@@ -41,7 +40,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
     parser.add_argument("--out", type=Path, default=Path("out/bench"), help="folder to write to")
     parser.add_argument("--only", choices=sorted(BENCHMARKS), help="run one of them")
-    parser.add_argument("--samples", type=int, default=2048, help="of each reference")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each kind")
     parser.add_argument("--frames", type=int, default=300, help="frames for Python's own time")
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")

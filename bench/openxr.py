@@ -19,7 +19,6 @@ from bench import memory
 from bench.clocked import Clock, Lap, clocked_opengl, replaced
 from bench.effects import CONDITIONS
 from bench.table import Result
-from bench.walk import REFRESH_HZ
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.monado import Monado
@@ -39,6 +38,7 @@ from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
+from vrcomfort.tradeoff.walk import REFRESH_HZ
 
 SIZE_PX = (64, 80)
 """Small, so that a software rasteriser takes little: Python's time does not depend on it."""

@@ -26,7 +26,7 @@ from vrcomfort.render.scene_data import (
 )
 
 HALF_MAX = 65_504.0
-SIZES = [(1, 1), (7, 5), (17, 33), (150, 24)]
+SIZES = [(1, 1), (150, 24), (7, 5), (17, 33), (151, 25)]
 NEAREST_M = (0.001, 0.01, 0.05, 1.0)
 """Near planes."""
 FOCUS_M = (0.001, 0.0170, 0.017 * 1.001, 1.0, 30_000.0, 1e9)
@@ -98,15 +98,16 @@ def _value(name, field, rng):
         return None  # a default: names, labels, tables
     bounds = [getattr(limit, side, None) for limit in field.metadata for side in ("ge", "gt")]
     low = next((bound for bound in bounds if bound is not None), 0)
-    ends = [getattr(limit, side, None) for limit in field.metadata for side in ("le", "lt")]
-    high = next((end for end in ends if end is not None), 3e4 if name.endswith("_m") else 1e3)
+    tops = [getattr(limit, side, None) for limit in field.metadata for side in ("le", "lt")]
+    high = next((top for top in tops if top is not None), 3e4 if name.endswith("_m") else 1e3)
     high = min(high, MOST.get(name, high))
     if name.endswith("fixed_m"):
         return float(rng.choice(FOCUS_M))
     if kind is int:
         return int(rng.integers(low, high + 1))
     least = max(low, 1e-3)
-    return float(rng.choice([low, high, least, least * (high / least) ** rng.random()]))
+    ends = [low, high, least, least * (high / least) ** rng.random()]
+    return float(rng.choice(ends, p=[0.1, 0.5, 0.1, 0.3]))
 
 
 def conditions(rng):
@@ -145,12 +146,15 @@ def turn(rng, most_rad=np.pi):
     return axis_angle(rng.normal(size=3), rng.choice([0.0, 1e-4, 1.0]) * rng.uniform(0, most_rad))
 
 
-def frames(rng, length=3):
-    """Return frames whose head and avatar jump by up to kilometres and turn by up to 180°."""
+def frames(rng, *, tracked, length=3):
+    """Return frames whose head and avatar jump by up to kilometres and turn by up to 180°.
+
+    `tracked`: each has a gaze, valid or not.
+    """
     made = []
     for index in range(length):
-        head = Pose(rng.normal(size=3) * rng.choice([0.0, 1e-3, 1.0]), turn(rng))
-        avatar = Pose(rng.normal(size=3) * rng.choice([0.0, 1.0, 5e3]), turn(rng))
+        head = Pose(rng.normal(size=3) * rng.choice([0.0, 1e-3, 0.3]), turn(rng))
+        avatar = Pose(rng.normal(size=3) * rng.choice([0.0, 0.0, 1.0, 5e3]), turn(rng))
         eyes = [Pose(np.array([x, 0, 0]), turn(rng, 0.4)) for x in (-0.0315, 0.0315)]
         gaze = Gaze(head @ Pose(np.zeros(3), turn(rng)), valid=bool(rng.random() < 0.8))
         made.append(
@@ -162,7 +166,7 @@ def frames(rng, length=3):
                 views=tuple(View(head @ eye, fov(rng)) for eye in eyes),
                 avatar_pose=avatar,
                 discontinuity=index == 0 or rng.random() < 0.1,
-                gaze=gaze if rng.random() < 0.8 else None,
+                gaze=gaze if tracked else None,
             )
         )
     return made
@@ -191,7 +195,7 @@ def material(rng):
     )
 
 
-def primitive(rng, farthest_m, index, triangles=14):
+def primitive(rng, farthest_m, index, triangles=20):
     """Return triangles around the origin, a few mm to `farthest_m` away; some without any area,
     some with normals of no length, as files have them.
     """
@@ -200,7 +204,7 @@ def primitive(rng, farthest_m, index, triangles=14):
     corners[::5, 2] = corners[::5, 1]
     normals = rng.normal(0, 1, (3 * triangles, 3))
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    normals.reshape(triangles, 9)[::4] = 0
+    normals.reshape(triangles, 9)[::3] = 0
     return Primitive(
         positions=corners.reshape(-1, 3).astype(np.float32),
         normals=normals.astype(np.float32),

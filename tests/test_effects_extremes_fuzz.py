@@ -4,6 +4,9 @@
 the bounds, and the cases of the last long run.
 """
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 from effects_parts import rgb_of, textures
@@ -59,7 +62,9 @@ def test_whole_frames(ctx, cases):
         renderer = StereoRenderer(ctx, size_px, near_m=near_m, samples=4)
         renderer.begin(scene(rng), condition)
         samples = []
-        for frame in frames(rng):
+        # Without an eye tracker, some settings refuse to go on.
+        tracked = condition.focus.without_gaze == "stop" or rng.random() < 0.5
+        for frame in frames(rng, tracked=tracked):
             rendered = renderer.render(
                 frame,
                 frame.predicted_display_time_ns * 1e-9,
@@ -213,7 +218,7 @@ def test_one_frame_at_a_headsets_size(ctx):
     )
     renderer = StereoRenderer(ctx, (1832, 1920), samples=2)
     renderer.build(scene(rng), condition)
-    for frame in frames(rng, 1):
+    for frame in frames(rng, tracked=True, length=1):
         renderer.render(frame, 0.0, lambda _, images: check_images(images, condition))
     renderer.drain()
 
@@ -234,3 +239,35 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     folder = data_folder("shaders")
     there = {str(file.relative_to(folder)) for file in folder.rglob("*.*")}
     assert there - read == set()
+
+
+THROUGH = {
+    "clip_now": "the scene's images",
+    "through_lens": "the reference's images (test_render_depth_and_lens.py)",
+    "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
+    "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
+    "add_peripheral_px": "defocus.frag (test_effects_lens_laws.py)",
+}
+"""Shared functions that only whole shaders call, and where these meet their NumPy twin."""
+
+FUNCTION = re.compile(r"^(?:float|vec\d|mat\d|int|bool) (\w+)\(", re.MULTILINE)
+
+
+def test_every_shared_formula_has_a_test():
+    """Each function of shaders/include is called in a test, or by one that is."""
+    texts = [file.read_text(encoding="utf-8") for file in Path(__file__).parent.glob("test_*.py")]
+    bodies = dict(shared_functions())
+    tried = {name for name in bodies if any(f"{name}(" in text for text in texts)}
+    tried |= THROUGH.keys()
+    for _ in bodies:
+        tried |= {
+            name for name in bodies for by in tried & bodies.keys() if f"{name}(" in bodies[by]
+        }
+    assert bodies.keys() - tried == set()
+
+
+def shared_functions():
+    """Yield (name, text) of each function of the include files."""
+    for file in (data_folder("shaders") / "include").glob("*.glsl"):
+        _, *parts = FUNCTION.split(file.read_text(encoding="utf-8"))
+        yield from zip(parts[::2], parts[1::2], strict=True)

@@ -70,7 +70,7 @@ def test_a_whole_participant(tmp_path):
 def test_what_a_limit_has_shortened_is_told_once_per_exposure(tmp_path):
     sentence = "motion blur: half streaks of up to 40.0 px were shortened to 20.0 px"
     go(tmp_path, Scripted(), renderer=LateFocus(shortened=(sentence,)), sessions=[1])
-    told = [row for row in rows(tmp_path, "events.csv") if row["name"] == "clamp"]
+    told = [row for row in rows(tmp_path, "events.csv") if row["name"] == "blur_limited"]
     assert [row["detail"] for row in told] == [sentence]  # one of the two conditions blurs
     (exposure,) = [
         row

@@ -235,7 +235,7 @@ class SessionFlow:
     def _note_clamps(self, place: Place) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
         for sentence in self._lab.renderer.clamps():
-            self._diary.event("clamp", detail=sentence)
+            self._diary.event("blur_limited", detail=sentence)
             self._ledger.clamp(f"{_shown(place)}: {sentence}")
 
     def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:

@@ -196,10 +196,7 @@ class OpenXrHeadset:
         self._where.send(spawn, floors or Floors())
 
     def recenter(self) -> None:
-        """Make the floor under the head the stage's origin, and its heading straight ahead.
-
-        The participant stays where they are in the world, and panels where they stand.
-        """
+        """Make the floor point and heading of the head the stage's origin; nothing else moves."""
         self._where.recenter()
         self._cut = True
         self._events.append(HeadsetEvent("recentered", "by the experimenter"))
