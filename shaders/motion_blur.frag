@@ -2,6 +2,7 @@
 // Motion blur by gathering along streaks, with who hides whom.
 //
 // Input:  colour (linear HDR, filtered), streaks (streaks.frag), longest (streak_neighbours.frag).
+//         KIND: the tiles that this variant is for (streak_tiles.vert).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
@@ -13,12 +14,13 @@
 //
 // Fronts are looked for along the longest streak around. Where that is p's own streak as well,
 // one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
-// Most tiles need none of that: where the streaks change slowly from pixel to pixel, all taps move
-// along with p, nothing is uncovered, and a plain average along p's streak is the same to the bit.
+// Most tiles need none of that (ALIKE): where the streaks change slowly from pixel to pixel, all taps
+// move along with p, nothing is uncovered, and a plain average along p's streak is the same.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
 // Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
 #include "velocity.glsl"
+#include "streak_kinds.glsl"
 
 uniform sampler2D colour;
 uniform sampler2D streaks;
@@ -27,8 +29,6 @@ uniform int px_per_sample;
 
 out vec4 blurred;
 
-const float LEAST_PX = 0.25;  // half streaks below this are left alone: half a pixel in all
-
 ivec2 pixel = ivec2(gl_FragCoord.xy);
 ivec2 last = textureSize(streaks, 0) - 1;
 vec4 p = texelFetch(streaks, pixel, 0);
@@ -36,14 +36,11 @@ vec4 p = texelFetch(streaks, pixel, 0);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-// By how much another streak may differ from p's and still count as moving along with it.
-float tolerance_px = 0.25 + 0.1 * length(p.xy);
-
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
 float in_front(vec4 q) {
     float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
-    return nearer * clamp(length(q.xy - p.xy) / tolerance_px - 1.0, 0.0, 1.0);
+    return nearer * clamp(length(q.xy - p.xy) / tolerance_px(length(p.xy)) - 1.0, 0.0, 1.0);
 }
 
 // Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
@@ -93,6 +90,7 @@ vec4 streak_at(vec2 at) {
     return texelFetch(streaks, clamp(ivec2(floor(at + towards_p)), ivec2(0), last), 0);
 }
 
+#ifdef ONLY_ALIKE
 // Nothing in front anywhere near: the average along p's streak.
 void gather_plain(Walk walk) {
     vec2 centre = vec2(pixel) + 0.5;
@@ -102,7 +100,7 @@ void gather_plain(Walk walk) {
         back += tap.time * (colour_at(centre - offset, false) + colour_at(centre + offset, false));
     }
 }
-
+#else
 void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
     vec4 q = streak_at(at);
     float is_front = in_front(q);
@@ -131,36 +129,39 @@ void gather(Walk walk, bool for_back, bool for_front) {
         gather_at(centre + offset, walk, tap, for_back, for_front);
     }
 }
+#endif
 
+#ifdef ONLY_ALIKE
+void main() {
+    blurred = texelFetch(colour, pixel, 0);
+    if (length(p.xy) < LEAST_PX)
+        return;
+    Walk own = walk_along(p.xy, px_per_sample, false);
+    back = time_over(0.0, own.reach) * vec4(blurred.rgb, 1.0);
+    gather_plain(own);
+    blurred.rgb = min(back.rgb / back.a, 65504.0);
+}
+#else
 void main() {
     vec4 tile = texelFetch(longest, pixel / TILE, 0);
     vec2 around = tile.xy;
     float reach = length(around);
-    blurred = texelFetch(colour, pixel, 0);
-    if (reach < LEAST_PX)
-        return;
     bool moves = length(p.xy) >= LEAST_PX;
-    // Between p and the farthest tap lie at most sqrt(2) * reach + 2 steps from pixel to pixel.
-    bool alike = tile.w * (1.4143 * reach + 2.0) <= tolerance_px;
-    bool nearest = tile.z <= p.z * 1.02;
-    if (!moves && (alike || nearest))
-        return;
     // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > 0.75 * reach;
-    Walk own = walk_along(p.xy, whole_pixels ? 1 : px_per_sample, whole_pixels);
+    int stride = whole_pixels ? 1 : px_per_sample;
+    blurred = texelFetch(colour, pixel, 0);
+    Walk own = walk_along(p.xy, stride, whole_pixels);
     back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
-    if (alike || nearest) {
-        gather_plain(own);
-    } else {
-        float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
-        bool together = moves && apart < 0.25 + 0.05 * reach;
-        if (moves)
-            gather(own, true, together);
-        if (!together)
-            gather(walk_along(around, own.stride, whole_pixels), false, true);
-        if (front.a <= 0.0 && !moves)
-            return;
-    }
+    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
+    bool together = moves && apart < 0.25 + 0.05 * reach;
+    if (moves)
+        gather(own, true, together);
+    if (!together)
+        gather(walk_along(around, stride, whole_pixels), false, true);
+    if (front.a <= 0.0 && !moves)
+        return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
 }
+#endif
