@@ -47,36 +47,34 @@ float in_front(vec4 q) {
 // Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
 // streak does.
 struct Walk {
-    vec2 step;    // px of the image for one px along the longer axis
-    float reach;  // of the half streak, along the longer axis
+    vec2 step;         // px of the image for one px along the longer axis
+    float per_square;  // 1 / (its length squared)
+    float reach;       // of the half streak, along the longer axis
     int stride;
     bool whole_pixels;
 };
 
 struct Tap {
-    vec2 pixels;  // the first and the last that it stands for, px from p
+    float first;  // pixel that it stands for, px from p
     float along;  // where it lies, px from p
     float time;   // that p's streak is over it, in px of its way
 };
 
 Walk walk_along(vec2 half_streak, int stride, bool whole_pixels) {
     float reach = max(abs(half_streak.x), abs(half_streak.y));
-    return Walk(half_streak / reach, reach, stride, whole_pixels);
+    vec2 step = half_streak / reach;
+    return Walk(step, 1.0 / dot(step, step), reach, stride, whole_pixels);
 }
 
 int taps(Walk walk) {
     return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
 }
 
-float time_over_pixels(vec2 pixels, int stride, float reach) {
-    return 0.5 * float(stride) * (time_over(pixels.x, reach) + time_over(pixels.y, reach));
-}
-
 Tap tap_of(Walk walk, int j) {
-    vec2 k = float((j - 1) * walk.stride + 1) + vec2(0.0, float(walk.stride - 1));
-    float first = time_over(k.x, walk.reach), second = time_over(k.y, walk.reach);
-    float along = mix(k.x, k.y, second / max(first + second, 1e-6));
-    return Tap(k, along, 0.5 * float(walk.stride) * (first + second));
+    float first = float((j - 1) * walk.stride + 1), other = first + float(walk.stride - 1);
+    float a = time_over(first, walk.reach), b = time_over(other, walk.reach);
+    float along = mix(first, other, b / max(a + b, 1e-6));
+    return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
 }
 
 vec4 colour_at(vec2 at, bool whole_pixels) {
@@ -85,9 +83,7 @@ vec4 colour_at(vec2 at, bool whole_pixels) {
 }
 
 vec4 streak_at(vec2 at) {
-    // A tap between two pixels counts as the one that is closer to p.
-    vec2 towards_p = sign(vec2(pixel) + 0.5 - at) * 0.01;
-    return texelFetch(streaks, clamp(ivec2(floor(at + towards_p)), ivec2(0), last), 0);
+    return texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
 }
 
 #ifdef ONLY_ALIKE
@@ -101,18 +97,16 @@ void gather_plain(Walk walk) {
     }
 }
 #else
-void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
-    vec4 q = streak_at(at);
+void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
+    vec2 at = vec2(pixel) + 0.5 + offset;
+    vec4 q = streak_at(at - offset * (0.01 / tap.along));  // between two pixels, the closer one
     float is_front = in_front(q);
     // p's own surface and what is behind it.
     float shown = for_back ? (1.0 - is_front) * tap.time : 0.0;
     // What sweeps over p: q does for the part of the time that its own streak is over p.
-    float over = 0.0;
-    if (for_front && is_front > 0.0) {
-        float sweep = abs(dot(q.xy, walk.step)) / dot(walk.step, walk.step);
-        float time = time_over_pixels(tap.pixels, walk.stride, sweep);
-        over = is_front * time / max(2.0 * sweep, 1e-3);
-    }
+    float sweep = abs(dot(q.xy, walk.step)) * walk.per_square;
+    float time = clamp(sweep + 0.5 - tap.first, 0.0, float(walk.stride));
+    float over = for_front ? is_front * time / max(2.0 * sweep, 1e-3) : 0.0;
     if (shown + over > 0.0) {
         vec4 c = colour_at(at, walk.whole_pixels);
         back += shown * c;
@@ -121,12 +115,10 @@ void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
 }
 
 void gather(Walk walk, bool for_back, bool for_front) {
-    vec2 centre = vec2(pixel) + 0.5;
     for (int j = 1; j <= taps(walk); ++j) {
         Tap tap = tap_of(walk, j);
-        vec2 offset = tap.along * walk.step;
-        gather_at(centre - offset, walk, tap, for_back, for_front);
-        gather_at(centre + offset, walk, tap, for_back, for_front);
+        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
+        gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
     }
 }
 #endif
