@@ -16,6 +16,8 @@
 // one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
 // Most tiles need none of that (ALIKE): where the streaks change slowly from pixel to pixel, all taps
 // move along with p, nothing is uncovered, and a plain average along p's streak is the same.
+// Limits: one velocity for each pixel, so what is seen through holes or hidden by p stays unknown,
+// paths are straight, and highlights go with the surface, though they stay where the light is.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
 // Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
