@@ -8,12 +8,13 @@ from pathlib import Path
 
 import moderngl
 
-from bench import accuracy, effects, python_time
+from bench import accuracy, effects, python_time, requires
 from bench.table import Result, write
 from vrcomfort.render.gl import create_context
 
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
+    "requires": lambda ctx, options: requires.measure(ctx, rounds=options.rounds),
     "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
     "openxr": lambda ctx, options: _openxr(ctx, options),
     "accuracy": lambda ctx, options: accuracy.measure(ctx, samples=options.samples),
