@@ -37,6 +37,7 @@ check: setup
 
 bench: setup
 	@$(BIN)/python -m bench --out $(OUT)/bench
+	@$(BIN)/vrcomfort tradeoff --quick --out $(OUT)/bench/tradeoff
 
 scenes: setup
 	@$(BIN)/python scenes/build_temple.py

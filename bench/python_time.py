@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from bench.clocked import Clock, clocked_opengl
 from bench.effects import CONDITIONS
 from bench.table import Result
-from bench.walk import REFRESH_HZ, SCENES
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES
 
 SIZE_PX = (64, 80)
 """Small, so that a software rasteriser takes little: Python's time does not depend on it."""

@@ -7,24 +7,23 @@ from __future__ import annotations
 
 import argparse
 import datetime
-import math
 from collections.abc import Iterator
 from typing import get_args
 
 import moderngl
 import numpy as np
 
-from bench.accuracy import FOCUS_M, LENS, SHUTTER, VIEWS, Pixels64, Shot, errors, shoot
-from bench.accuracy import SIZE_PX as ERROR_SIZE_PX
 from bench.effects import frame_seconds
-from bench.walk import REFRESH_HZ, SCENES, pairs
-from vrcomfort.protocol.conditions import Condition, Focus
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.quality import Effects, Figure, Measured, Quality, write_figures
 from vrcomfort.render.gl import create_context
 from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.reference import Reference
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff.cases import Scope, cases
+from vrcomfort.tradeoff.measure import measure as measure_errors
+from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER, Method
+from vrcomfort.tradeoff.results import means
+from vrcomfort.tradeoff.store import Store, default_folder
 
 COST_SIZE_PX = (320, 400)
 PLAIN = Condition(name="plain")
@@ -32,74 +31,54 @@ PLAIN = Condition(name="plain")
 
 def condition_of(effects: Effects, level: Quality) -> Condition:
     """Return the condition that is measured for a level."""
-    lens = LENS.model_dump(exclude_unset=True)
-    shutter = SHUTTER.model_dump(exclude_unset=True)
     return Condition.model_validate(
         {
             "name": f"{effects}-{level}",
             "quality": level,
-            "focus": Focus(method="fixed", fixed_m=FOCUS_M),
-            "depth_of_field": None if effects == "motion_blur" else lens,
-            "motion_blur": None if effects == "depth_of_field" else shutter,
+            "focus": FOCUS,
+            "depth_of_field": None if effects == "motion_blur" else LENS,
+            "motion_blur": None if effects == "depth_of_field" else SHUTTER,
         }
     )
 
 
-def measure(ctx: moderngl.Context, *, samples: int, rounds: int) -> Iterator[Figure]:
+def measure(ctx: moderngl.Context, *, scope: Scope) -> Iterator[Figure]:
     """Yield the figures of every level, effect and scene."""
-    cases = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
-    for name in SCENES:
-        scene = load_scene(name)
-        conditions = [condition_of(*case) for case in cases]
+    errors = _errors(scope)
+    kinds = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
+    for name in scope.scenes:
+        conditions = [PLAIN, *(condition_of(*kind) for kind in kinds)]
         seconds = frame_seconds(
-            ctx, scene, [PLAIN, *conditions], rounds=rounds, size_px=COST_SIZE_PX
+            ctx, load_scene(name), conditions, rounds=scope.rounds, size_px=COST_SIZE_PX
         )
         ratios = np.median(seconds[:, 1:] / seconds[:, :1], axis=0)
-        truths = {effects: _truth(ctx, scene, effects, samples) for effects in get_args(Effects)}
-        for (effects, level), condition, ratio in zip(cases, conditions, ratios, strict=True):
-            psnr_db, flip = _error(ctx, scene, condition, truths[effects])
+        for (effects, level), ratio in zip(kinds, ratios, strict=True):
+            found = errors[name, effects, level]
             yield Figure(
                 level=level,
                 effects=effects,
                 scene=name,
                 cost_ratio=round(float(ratio), 2),
-                psnr_db=round(psnr_db, 1),
-                flip=round(flip, 4),
+                psnr_db=round(found["psnr_db"], 1),
+                flip=round(found["flip"], 4),
             )
 
 
-def _truth(
-    ctx: moderngl.Context, scene: Scene, effects: Effects, samples: int
-) -> list[tuple[Pixels64, Pixels64]]:
-    """Return the halves of the reference for each view."""
-    condition = condition_of(effects, "balanced")
-    reference = Reference(ctx, scene, condition, ERROR_SIZE_PX, samples=samples)
-    halves = []
-    for before, frame in pairs(scene, ERROR_SIZE_PX, VIEWS):
-        images = shoot(ctx, scene, condition, before, frame).images
-        truth = reference.render(
-            images.camera, frame.index / REFRESH_HZ, images.previous, focus_m=FOCUS_M
-        )
-        halves.append(truth.halves)
-    return halves
+def _errors(scope: Scope) -> dict[tuple[str, str, str], dict[str, float]]:
+    """Return the errors, means over views, by scene, effects and level."""
+    store = Store(default_folder())
+    rows = [
+        row
+        for case in cases(scope)
+        for row in measure_errors(case, scope, store, _levels(case.effect)).rows
+    ]
+    return {(row["scene"], row["effect"], row["method"]): row for row in means(rows)}
 
 
-def _error(
-    ctx: moderngl.Context,
-    scene: Scene,
-    condition: Condition,
-    truths: list[tuple[Pixels64, Pixels64]],
-) -> tuple[float, float]:
-    """Return PSNR in dB and mean FLIP over the views."""
-    shots: list[Shot] = [
-        shoot(ctx, scene, condition, *pair) for pair in pairs(scene, ERROR_SIZE_PX, VIEWS)
+def _levels(effects: Effects) -> list[Method]:
+    return [
+        Method(level, effects, "ours", condition_of(effects, level)) for level in get_args(Quality)
     ]
-    found = [
-        errors(scene, shot, shot.blurred, halves)
-        for shot, halves in zip(shots, truths, strict=True)
-    ]
-    mean_square = float(np.mean([each.rms**2 for each in found]))
-    return -10 * math.log10(mean_square), float(np.mean([each.flip for each in found]))
 
 
 def main() -> None:
@@ -109,16 +88,17 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each level")
     options = parser.parse_args()
     ctx = create_context()
-    cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, ERROR_SIZE_PX))
+    scope = Scope(motions=("walk",), samples=options.samples, rounds=options.rounds)
+    cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
     measured = Measured(
         command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}",
         device=str(ctx.info["GL_RENDERER"]),
         date=datetime.datetime.now(datetime.UTC).date().isoformat(),
-        how=f"cost at {cost} per eye, error at {error}; lens: law {LENS.law}, r_max "
-        f"{LENS.max_radius_percent:g} % at {LENS.full_blur_dioptre:g} D; shutter: fully open, "
-        f"mode {SHUTTER.mode}; reference of {options.samples} samples",
+        how=f"cost at {cost} per eye, error at {error}; lens: law {LENS['law']}, "
+        f"r_max {LENS['max_radius_percent']:g} % at {LENS['full_blur_dioptre']:g} D; shutter: "
+        f"fully open, mode {SHUTTER['mode']}; reference of {options.samples} samples",
     )
-    figures = list(measure(ctx, samples=options.samples, rounds=options.rounds))
+    figures = list(measure(ctx, scope=scope))
     write_figures(data_folder("analysis") / "measured" / "quality.toml", measured, figures)
     for figure in figures:
         print(figure)

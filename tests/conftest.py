@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import os
 from collections.abc import Callable, Iterator
 
 import moderngl
@@ -34,6 +35,13 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.write_line(f"extremes: {sum(tried.values())} cases, all within bounds")
         for name, cases in tried.items():
             terminalreporter.write_line(f"  {cases:6d} {name}")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Where a runtime was promised (scripts/in_runtime.sh), a test that is skipped has failed."""
+    reporter = session.config.pluginmanager.getplugin("terminalreporter")
+    if "VRCOMFORT_RUNTIME" in os.environ and reporter and reporter.stats.get("skipped"):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")

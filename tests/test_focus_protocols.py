@@ -1,16 +1,15 @@
 """The ready studies after Hillaire et al. 2008 and Mantiuk et al. 2011: the papers' numbers."""
 
-import json
 import subprocess
 import sys
 from itertools import pairwise
 
 import pytest
-from typer.testing import CliRunner
 
-from vrcomfort.cli.app import app
 from vrcomfort.design import build_design
 from vrcomfort.protocol import load_protocol
+from vrcomfort.protocol.conditions import Focus
+from vrcomfort.render import plan
 from vrcomfort.session.ledger import limits
 
 STUDIES = ["hillaire_2008", "mantiuk_2011"]
@@ -54,13 +53,14 @@ def test_mantiuk_in_numbers():
     assert study.condition("no_tracker").focus.method == "fixed"
 
 
-@pytest.mark.parametrize("name", STUDIES)
-def test_the_plan_says_how_focus_is_found(name):
-    answer = CliRunner().invoke(app, ["plan", name, "--json"])
-    assert answer.exit_code == 0
-    reasons = {row["reason"] for row in json.loads(answer.stdout) if row["name"] == "focus"}
-    words = {"hillaire_2008": "0.25 of the image's sides", "mantiuk_2011": "needs an eye tracker"}
-    assert any(words[name] in reason for reason in reasons)
+def test_the_plan_says_how_focus_is_found():
+    zone = load_protocol("hillaire_2008").condition("blur_on")
+    assert "0.25 of the image's sides" in plan.focus(zone).reason
+    assert "peripheral" in plan.depth_of_field(zone).reason
+    gaze = load_protocol("mantiuk_2011").condition("gaze_7")
+    assert "needs an eye tracker; nine rays ahead without one" in plan.focus(gaze).reason
+    strict = gaze.model_copy(update={"focus": Focus(method="gaze")})
+    assert "the session stops without one" in plan.focus(strict).reason
 
 
 def test_the_manifest_says_that_nine_rays_may_stand_in_for_the_gaze():

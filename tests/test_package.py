@@ -26,6 +26,7 @@ from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff.timing import CopyFloor
 
 assert "_data" in str(data_folder("shaders")), data_folder("shaders")
 assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
@@ -40,7 +41,7 @@ for law in ("linear", "dioptre"):
         name="all", depth_of_field=DepthOfField(law=law), motion_blur=MotionBlur()
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
-    Reference(context, scene, condition, (16, 16), samples=2)
+    Reference(context, scene, condition, (16, 16))
 fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
@@ -49,6 +50,7 @@ for kernel in get_args(Kernel):
     condition = Condition(name="kernel", depth_of_field=DepthOfField(kernel=kernel))
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
+CopyFloor(context, (16, 16))
 print(*read, "picture.vert", "picture.frag")
 """
 

@@ -10,7 +10,16 @@ from typing import Annotated
 import typer
 
 from vrcomfort import __version__
-from vrcomfort.cli import analyse, check, demonstrate, pictures, plan_study, simulate, study
+from vrcomfort.cli import (
+    analyse,
+    check,
+    demonstrate,
+    pictures,
+    plan_study,
+    simulate,
+    study,
+    tradeoff,
+)
 from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
 
@@ -35,7 +44,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for module in (study, simulate, pictures, analyse, plan_study, check, demonstrate):
+for module in (study, simulate, pictures, analyse, plan_study, check, demonstrate, tradeoff):
     module.register(app)
 
 

@@ -182,12 +182,19 @@ def _reference(
     from vrcomfort.render.image_error import accuracy, pixels_per_degree
     from vrcomfort.render.reference import Reference
 
-    truth = Reference(renderer.ctx, scene, condition, renderer.size_px, samples=samples)
+    truth = Reference(renderer.ctx, scene, condition, renderer.size_px)
     errors: dict[str, Any] = {}
-    with progress_bar("reference", 2, quiet=quiet) as advance:
+    with progress_bar("reference", 2 * samples, quiet=quiet) as advance:
         for name, (images, linear) in zip(EYES, pictures.eyes, strict=True):
             camera = images.camera
-            drawn = truth.render(camera, PERIOD_NS / 1e9, images.previous, focus_m=focus_m)
+            drawn = truth.render(
+                camera,
+                PERIOD_NS / 1e9,
+                images.previous,
+                focus_m=focus_m,
+                samples=samples,
+                on_sample=lambda _: advance(),
+            )
             found = accuracy(
                 linear,
                 _top_row_first(drawn.halves),
@@ -200,8 +207,7 @@ def _reference(
             rgb8 = np.round(encoded * 255).astype(np.uint8)
             output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
             errors[name] = {**found._asdict(), "counts": found.counts}
-            errors["samples"], errors["note"] = drawn.samples, drawn.note
-            advance()
+            errors["samples"], errors["note"] = drawn.samples, truth.note
     return errors
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -92,11 +92,14 @@ def shipped_walk(scene_name: str) -> Trace:
     return read_trace(file)
 
 
-def open_trace(path: Path, *, trial: str | None = None) -> Trace:
-    """Read a trace, or one trial of it; say what was left out."""
+def open_trace(path: Path, *, trial: str | None = None, gaze: Path | None = None) -> Trace:
+    """Read a trace, or one trial of it, with a record of gaze; say what was left out."""
+    from vrcomfort.headset.gaze_track import read_gaze
     from vrcomfort.headset.trace import read_trace
 
     trace = read_trace(path)
+    if gaze is not None:
+        trace = replace(trace, gaze=read_gaze(gaze))
     for warning in trace.warnings:
         warn(warning)
     return trace if trial is None else trace.only_trial(trial)

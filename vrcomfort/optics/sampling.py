@@ -39,3 +39,21 @@ def concentric_disc(square: ArrayLike, /) -> Array:
     ratio = np.where(wide, y, x) / np.where(radius == 0, 1.0, radius)
     angle = np.where(wide, np.pi / 4 * ratio, np.pi / 2 - np.pi / 4 * ratio)
     return np.stack([radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+
+
+def lens_and_shutter(count: int, *, lens: bool, shutter: bool, seed: int) -> Array:
+    """Return (count, 3): a point (x, y) of the unit disc and a time in [−½, ½) for each sample.
+
+    Even and odd samples are two low-discrepancy sets, each moved by a random shift of its own: two
+    independent halves. A longer list begins with the shorter one. Only the dimensions that are
+    asked for are filled (fewer dimensions, more even); the others are 0.
+    """
+    used = [column for column, wanted in enumerate((lens, lens, shutter)) if wanted]
+    shifts = np.random.default_rng(seed).random((2, 3))[:, used]
+    square = np.full((count, 3), 0.5)
+    for half, shift in enumerate(shifts):
+        own = square[half::2]
+        if used and len(own):
+            own[:, used] = low_discrepancy(len(own), shift)
+    disc = concentric_disc(square[:, :2])
+    return np.column_stack([disc, square[:, 2] - 0.5])

@@ -16,6 +16,7 @@ from vrcomfort.protocol.settings_file import Name
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Weight = Annotated[float, Field(ge=0.001, le=1)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
 
@@ -53,19 +54,19 @@ class Focus(Settings):
     """No ray nearer to the median than this fraction of it is dropped (mean in metres)."""
     outlier_floor_dioptre: NotNegative = 0.02
     """No ray nearer to the median than this is dropped (mean in dioptres)."""
-    zone_ratio: Annotated[float, Field(gt=0, le=1)] = 0.25
+    zone_ratio: Annotated[float, Field(ge=0.01, le=1)] = 0.25
     """Side of the autofocus zone over that of the image: its area is the square of it."""
     zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
     zone_mean_on: Literal["gpu", "cpu"] = "gpu"
     """Where the zone is averaged; the CPU waits for the GPU in every frame."""
-    semantic_min: Annotated[float, Field(gt=0, le=1)] = 0.004
+    semantic_min: Weight = 0.004
     """W_S,min: least weight of anything, and that of the sky."""
-    semantic_max: Annotated[float, Field(gt=0, le=1)] = 1.0
+    semantic_max: Weight = 1.0
     """W_S,max: greatest weight of anything; equal to `semantic_min`, all weigh the same."""
-    gauss_centre: Annotated[float, Field(gt=0, le=1)] = 1.0
+    gauss_centre: Weight = 1.0
     """W_G,max: weight of the middle of the zone."""
-    gauss_border: Annotated[float, Field(gt=0, le=1)] = 0.7
+    gauss_border: Weight = 0.7
     """W_G,min: weight of its border."""
     gaze_radius_deg: Annotated[float, Field(ge=0, le=20)] = 1.5
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""

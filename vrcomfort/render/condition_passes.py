@@ -170,6 +170,8 @@ class ConditionPasses:
             self._depth_of_field.render(
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
+            streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
+            self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
 
     def _blur_motion(self, eye: PlacedEye) -> None:
         if self._motion_blur is not None:

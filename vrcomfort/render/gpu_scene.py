@@ -30,6 +30,7 @@ from vrcomfort.render.vertex_data import (
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
+DepthArrays = list[moderngl.VertexArray | None]
 
 _ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
 _PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
@@ -66,9 +67,9 @@ class GpuScene:
         arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
         factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
         self._surfaces = [factory.make(key) for key in self._list.keys]
-        self._factory = factory
+        self._depth_programs = factory.depth_programs
         self._depth_arrays = [surface.depth for surface in self._surfaces]
-        self._semantic_arrays: list[moderngl.VertexArray | None] | None = None
+        self._semantic_arrays: DepthArrays | None = None
         self._prepare_rows()
         self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
@@ -197,26 +198,33 @@ class GpuScene:
         seen = self._seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
         in_use = self._level_in_use(origin_m) & self._shadow_row if shadow else self._in_use
         rows = np.flatnonzero(seen & in_use & self._chosen(movement) & ~self._blended_row)
-        if not len(rows):
-            return 0
-        order = rows[np.argsort(self._list.key[rows], kind="stable")]
-        self._upload(order, origin_m, previous=False)
-        self._look_through(clip_from_relative)
-        for batch in batches(self._list.key, order):
-            self._draw_depth_batch(batch.key, batch, self._depth_arrays, cull=not shadow)
-        return self._triangles(order)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._depth_arrays, cull=not shadow
+        )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
         if self._semantic_arrays is None:
-            self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
+            # Not kept: it refers to this scene, and a cycle would keep both on the GPU.
+            factory = SurfaceFactory(self._ctx, self.scene, self._vertex_array, scene_features={})
+            self._semantic_arrays = [factory.semantic(key) for key in self._list.keys]
+            self._depth_programs += factory.depth_programs
         seen = self._seen(culling.planes(clip_from_relative), origin_m)
         rows = np.flatnonzero(seen & self._in_use & ~self._blended_row)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._semantic_arrays, cull=True
+        )
+
+    def _draw_depth_rows(
+        self, rows: Rows, clip: Array, origin_m: Array, arrays: DepthArrays, *, cull: bool
+    ) -> int:
+        if not len(rows):
+            return 0
         order = rows[np.argsort(self._list.key[rows], kind="stable")]
         self._upload(order, origin_m, previous=False)
-        self._look_through(clip_from_relative)
+        self._look_through(clip)
         for batch in batches(self._list.key, order):
-            self._draw_depth_batch(batch.key, batch, self._semantic_arrays, cull=True)
+            self._draw_depth_batch(batch.key, batch, arrays, cull=cull)
         return self._triangles(order)
 
     def draw_depth_views(
@@ -248,7 +256,7 @@ class GpuScene:
 
     def _look_through(self, clip_from_relative: Array) -> None:
         matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
-        for program in self._factory.depth_programs:
+        for program in self._depth_programs:
             cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
     def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
@@ -293,14 +301,7 @@ class GpuScene:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
         self.draws += 1
 
-    def _draw_depth_batch(
-        self,
-        key: int,
-        batch: Batch,
-        arrays: list[moderngl.VertexArray | None],
-        *,
-        cull: bool,
-    ) -> None:
+    def _draw_depth_batch(self, key: int, batch: Batch, arrays: DepthArrays, *, cull: bool) -> None:
         surface, array = self._surfaces[key], arrays[key]
         if array is None:
             return

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import ctypes
+import time
 import weakref
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -19,7 +20,7 @@ LATENCY = 4
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
 """Rasterisers without a GPU: their timer queries say when commands were taken, not drawn."""
 
-_TIME_ELAPSED, _QUERY_RESULT = 0x88BF, 0x8866
+_TIME_ELAPSED, _TIMESTAMP, _QUERY_RESULT = 0x88BF, 0x8E28, 0x8866
 
 
 class GpuTime(NamedTuple):
@@ -75,7 +76,55 @@ class GpuTimer:
         return GpuTime(index, time_ns.value / 1e6)
 
 
+class Stopwatch:
+    """Times what is drawn, and waits for it: for benchmarks, also inside a frame that is timed.
+
+    Time stamps of the GPU, or the wall clock between two ``finish`` where those mean nothing.
+    """
+
+    def __init__(self, ctx: moderngl.Context) -> None:
+        self._ctx = ctx
+        self.on_gpu = not is_software(ctx)
+        if self.on_gpu:
+            names = (ctypes.c_uint * 2)()
+            count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
+            gl.function(ctx, "glGenQueries", *count_and_names)(2, names)
+            delete = gl.function(ctx, "glDeleteQueries", *count_and_names)
+            weakref.finalize(self, delete, 2, names).atexit = False
+            self._names = tuple(names)
+            self._stamp = gl.function(ctx, "glQueryCounter", ctypes.c_uint, ctypes.c_uint)
+            result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
+            self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
+
+    def seconds(self, draw: Callable[[], object]) -> float:
+        """Return how long drawing takes."""
+        if self.on_gpu:
+            return self._gpu_seconds(draw)
+        self._ctx.finish()
+        start_s = time.perf_counter()
+        draw()
+        self._ctx.finish()
+        return time.perf_counter() - start_s
+
+    def _gpu_seconds(self, draw: Callable[[], object]) -> float:
+        start, end = self._names
+        self._stamp(start, _TIMESTAMP)
+        draw()
+        self._stamp(end, _TIMESTAMP)
+        return (self._time_ns(end) - self._time_ns(start)) / 1e9
+
+    def _time_ns(self, name: int) -> int:
+        time_ns = ctypes.c_uint64()
+        self._result(name, _QUERY_RESULT, ctypes.byref(time_ns))
+        return time_ns.value
+
+
+def is_software(ctx: moderngl.Context) -> bool:
+    """Return whether a rasteriser without a GPU draws."""
+    renderer = str(ctx.info["GL_RENDERER"]).lower()
+    return any(name in renderer for name in SOFTWARE)
+
+
 def make_gpu_timer(ctx: moderngl.Context) -> GpuTimer | None:
     """Return a timer, or None where its times would mean nothing."""
-    renderer = str(ctx.info["GL_RENDERER"]).lower()
-    return None if any(name in renderer for name in SOFTWARE) else GpuTimer(ctx)
+    return None if is_software(ctx) else GpuTimer(ctx)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import flip_evaluator
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import gaussian_filter
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Fov, focal_length_px
@@ -16,6 +17,11 @@ Image = NDArray[np.floating]
 
 EXPOSURES = (-1.0, 1.0, 3)
 """First and last exposure of HDR-FLIP in stops around the scene's own, and how many."""
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Of linear Rec. 709."""
+
+SSIM_REACH_PX = 5
 
 
 class Accuracy(NamedTuple):
@@ -86,6 +92,33 @@ def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: flo
         parameters=parameters,
     )
     return float(mean)
+
+
+def ssim(test: ArrayLike, reference: ArrayLike, /, *, peak: float = 1.0) -> float:
+    """Return the mean structural similarity of the luminance of two (h, w, 3) images.
+
+    Rims are left out where the window (11 × 11, Gaussian of 1.5 px) is not whole, unless an image
+    is smaller than that.
+
+    Notes
+    -----
+    Wang et al., "Image quality assessment: from error visibility to structural similarity", 2004;
+    K1 = 0.01, K2 = 0.03; variances of the population, as there.
+    """
+    a, b = (_image(pixels) @ LUMINANCE for pixels in (test, reference))
+    first, second = (0.01 * peak) ** 2, (0.03 * peak) ** 2
+    mean_a, mean_b = _windowed(a), _windowed(b)
+    variance_a, variance_b = _windowed(a * a) - mean_a**2, _windowed(b * b) - mean_b**2
+    covariance = _windowed(a * b) - mean_a * mean_b
+    likeness = (2 * mean_a * mean_b + first) * (2 * covariance + second)
+    likeness /= (mean_a**2 + mean_b**2 + first) * (variance_a + variance_b + second)
+    rim = SSIM_REACH_PX if min(a.shape) > 2 * SSIM_REACH_PX else 0
+    return float(np.mean(likeness[rim : a.shape[0] - rim, rim : a.shape[1] - rim]))
+
+
+def _windowed(image: Array) -> Array:
+    mean: Array = gaussian_filter(image, sigma=1.5, radius=SSIM_REACH_PX)
+    return mean
 
 
 def accuracy(

@@ -90,6 +90,10 @@ def depth_of_field(condition: Condition) -> PlannedPass:
     if settings.peripheral is None and settings.pinhole:
         return PlannedPass("depth_of_field", False, "its lens has no opening")
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
+    if settings.max_diameter_arcmin is not None:
+        reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
+    if settings.peripheral is not None:
+        reason += ", with peripheral blur"
     return PlannedPass("depth_of_field", True, reason)
 
 

@@ -1,34 +1,69 @@
-"""The oracle for both blurs: the scene drawn again for every sample of lens and shutter."""
+"""The oracle for both blurs (R1): the scene drawn again for every sample of lens and shutter.
+
+Pixels are sampled where every method samples them, at the four places of multisampling, and not
+jittered: blurs are compared, not antialiasing.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
-from vrcomfort.optics.sampling import concentric_disc, low_discrepancy
+from vrcomfort.optics.sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import defocus
+from vrcomfort.render import defocus, plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
 
 
-@dataclass(frozen=True)
-class Accumulated:
-    """Mean radiance of all samples, and of each of two independent halves of them.
+@dataclass
+class Accumulator:
+    """Sums of radiance over two independent halves of the samples, which take turns.
 
-    Each is (h, w, 3) float64, linear, bottom row first. `note` says what the reference cannot do.
+    Parameters
+    ----------
+    size_px
+        (width, height).
+    sums
+        (2, h, w, 3) float64, linear, bottom row first.
+    samples
+        How many were added, of both halves.
     """
 
-    image: Array
-    halves: tuple[Array, Array]
-    samples: int
-    note: str
+    size_px: tuple[int, int]
+    sums: Array = field(default_factory=lambda: np.zeros(0))
+    samples: int = 0
+
+    def __post_init__(self) -> None:
+        width, height = self.size_px
+        if not self.samples:
+            self.sums = np.zeros((2, height, width, 3))
+
+    def add(self, image: NDArray[np.floating]) -> None:
+        """Add the next sample's (h, w, 3) image."""
+        self.sums[self.samples % 2] += image
+        self.samples += 1
+
+    @property
+    def halves(self) -> tuple[Array, Array]:
+        """Return the mean of each half; of a single sample, twice the same."""
+        first = self.sums[0] / max(1, (self.samples + 1) // 2)
+        second = self.sums[1] / (self.samples // 2) if self.samples > 1 else first
+        return first, second
+
+    @property
+    def image(self) -> Array:
+        """Return the mean of both halves."""
+        first, second = self.halves
+        return (first + second) / 2
 
 
 class Reference:
@@ -44,8 +79,6 @@ class Reference:
     ----------
     condition
         Its effects are sampled; an effect it does not have is not.
-    samples
-        Per pixel; half of them make each half.
     seed
         Moves the two low-discrepancy sets, each by its own random shift.
     """
@@ -57,17 +90,18 @@ class Reference:
         condition: Condition,
         size_px: tuple[int, int],
         *,
-        samples: int = 64,
         seed: int = 0,
     ) -> None:
         self._condition = condition
         self._size_px = size_px
-        effect = condition.depth_of_field
-        self._pass = ScenePass(
-            ctx, scene, size_px, velocity=False, lens_law=defocus.lens_law(effect)
+        self._lens_effect = (
+            condition.depth_of_field if plan.depth_of_field(condition).needed else None
         )
-        shifts = np.random.default_rng(seed).random((2, 3))
-        self._sets = [low_discrepancy(max(1, samples // 2), shift) for shift in shifts]
+        moving = plan.motion_blur(scene, condition).needed
+        self._shutter_effect = condition.motion_blur if moving else None
+        self._seed = seed
+        law = defocus.lens_law(self._lens_effect)
+        self._pass = ScenePass(ctx, scene, size_px, velocity=False, lens_law=law)
 
     def render(
         self,
@@ -76,47 +110,65 @@ class Reference:
         previous: PreviousCamera | None,
         *,
         focus_m: float,
-    ) -> Accumulated:
-        """Draw the eye's view once for each sample."""
-        before = previous or PreviousCamera(camera.world_from_eye, time_s)
-        first, second = (
-            np.mean([self._draw(camera, time_s, before, focus_m, s) for s in samples], axis=0)
-            for samples in self._sets
-        )
-        count = sum(map(len, self._sets))
-        return Accumulated((first + second) / 2, (first, second), count, self._note())
+        samples: int = 64,
+        start: Accumulator | None = None,
+        on_sample: Callable[[Accumulator], None] | None = None,
+    ) -> Accumulator:
+        """Draw the eye's view once for each sample.
 
-    def _draw(
+        Parameters
+        ----------
+        samples
+            How many there are at the end.
+        start
+            Goes on from here: the result has the same bits as if it had been drawn at once.
+        on_sample
+            Called after each, to show progress or to keep what there is.
+        """
+        before = previous or PreviousCamera(camera.world_from_eye, time_s)
+        found = start or Accumulator(self._size_px)
+        points = lens_and_shutter(
+            samples,
+            lens=self._lens_effect is not None,
+            shutter=self._shutter_effect is not None,
+            seed=self._seed,
+        )
+        for x, y, shutter in points[found.samples :]:
+            found.add(self._draw(camera, time_s, before, focus_m, (x, y), shutter))
+            if on_sample is not None:
+                on_sample(found)
+        return found
+
+    def identity(
         self,
         camera: EyeCamera,
         time_s: float,
-        previous: PreviousCamera,
+        previous: PreviousCamera | None,
+        *,
         focus_m: float,
-        sample: Array,
-    ) -> NDArray[np.float32]:
-        frames = self._shutter_time(sample[2])
-        moved = _moved(camera, previous.world_from_eye, frames)
-        lens = self._lens(camera, focus_m, sample[:2])
-        self._pass.render(replace(moved, lens=lens), time_s + frames * (time_s - previous.time_s))
-        return read_rgb(self._pass.colour)
+    ) -> dict[str, Any]:
+        """Return all that a picture depends on, apart from scene, shaders and device."""
+        before = previous or PreviousCamera(camera.world_from_eye, time_s)
+        shutter = self._shutter_effect
+        return {
+            "size_px": self._size_px,
+            "seed": self._seed,
+            "fov": camera.fov.tangents,
+            "near_m": camera.near_m,
+            "poses": [
+                [*pose.position, *pose.orientation]
+                for pose in (camera.world_from_eye, camera.head, before.world_from_eye)
+            ],
+            "times_s": (time_s, before.time_s),
+            "law": self._lens_effect and self._lens_effect.law,
+            "lens": str(self._lens(camera, focus_m, (1.0, 1.0))),
+            "shutter_fraction": shutter and shutter.shutter_fraction,
+        }
 
-    def _shutter_time(self, sample: float) -> float:
-        """Return when a sample sees the scene, in frames from the frame's own time."""
-        effect = self._condition.motion_blur
-        return (sample - 0.5) * effect.shutter_fraction if effect else 0.0
-
-    def _lens(self, camera: EyeCamera, focus_m: float, sample: Array) -> Lens | None:
-        effect = self._condition.depth_of_field
-        if effect is None:
-            return None
-        focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
-        x, y = concentric_disc(sample)
-        position = (float(x), float(y) * focal_y / focal_x)  # round in angle, not in pixels
-        infinity_m = self._condition.focus.infinity_m
-        return defocus.lens(effect, position, focal_x, self._size_px, focus_m, infinity_m)
-
-    def _note(self) -> str:
-        effect = self._condition.depth_of_field
+    @property
+    def note(self) -> str:
+        """Return what the reference cannot do."""
+        effect = self._lens_effect
         if effect is None:
             return "no lens"
         if effect.law == "linear":
@@ -128,6 +180,34 @@ class Reference:
         if effect.law == "thin_lens" and effect.distance_offset_m > 0:
             return "law thin_lens with a distance offset: the lens is exact at vertices only"
         return f"law {effect.law}: the lens is exact; r_max does not limit it"
+
+    def _draw(
+        self,
+        camera: EyeCamera,
+        time_s: float,
+        previous: PreviousCamera,
+        focus_m: float,
+        lens_point: tuple[float, float],
+        shutter: float,
+    ) -> NDArray[np.float32]:
+        fraction = self._shutter_effect.shutter_fraction if self._shutter_effect else 0.0
+        frames = shutter * fraction
+        moved = _moved(camera, previous.world_from_eye, frames)
+        lens = self._lens(camera, focus_m, lens_point)
+        self._pass.render(replace(moved, lens=lens), time_s + frames * (time_s - previous.time_s))
+        return read_rgb(self._pass.colour)
+
+    def _lens(
+        self, camera: EyeCamera, focus_m: float, position: tuple[float, float]
+    ) -> Lens | None:
+        effect = self._lens_effect
+        if effect is None:
+            return None
+        focal_x, focal_y = focal_length_px(camera.fov, self._size_px)
+        x, y = position
+        round_in_angle = float(x), float(y) * focal_y / focal_x
+        infinity_m = self._condition.focus.infinity_m
+        return defocus.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:

@@ -55,6 +55,11 @@ class Ledger:
         self._manifest.timing_flags.append(sentence)
         self._write()
 
+    def clamp(self, sentence: str) -> None:
+        """Note a limit that has shortened a blur."""
+        self._manifest.clamps.append(sentence)
+        self._write()
+
     def close(self, status: str) -> None:
         """Note how the run ended."""
         manifest = self._manifest

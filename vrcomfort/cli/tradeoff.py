@@ -1,0 +1,126 @@
+"""`tradeoff`: what each way of blurring costs, and how wrong it is."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+
+from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_size, progress_bar
+from vrcomfort.errors import InputError
+
+Name = TypeVar("Name", bound=str)
+QUICK_SAMPLES = 256
+Csv = Annotated[str | None, typer.Option(metavar="NAME,…", help="Only these, by comma.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(tradeoff)
+
+
+def tradeoff(
+    out: Annotated[Path, typer.Option(help="Folder for the results; earlier ones are replaced.")],
+    scenes: Annotated[
+        str | None, typer.Option(metavar="NAME,…", help="Shipped scenes; without it, all.")
+    ] = None,
+    effects: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, all three."
+        ),
+    ] = None,
+    methods: Annotated[
+        str | None,
+        typer.Option(metavar="NAME;…", help="Only these methods, by semicolon; without it, all."),
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Small: one view, fewer samples and steps.")
+    ] = False,
+    size: Size = "160x200",
+    poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
+    samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
+    rounds: Annotated[int | None, typer.Option(help="Timed frames of each method.", min=1)] = None,
+    jobs: Annotated[
+        int | None, typer.Option(help="Processes; without it, one for each core.", min=1)
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(metavar="ADDRESS", help="A running Dask scheduler, such as tcp://host:8786."),
+    ] = None,
+    cache: Annotated[
+        Path | None,
+        typer.Option(help="Folder where finished work is kept; without it, the user's own."),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what each way of blurring costs and how wrong it is.
+
+    Writes index.html, tradeoff.json, tradeoff.csv, tradeoff.md, figures/ and sheets/. A run that
+    was stopped goes on where it was.
+
+    - `vrcomfort tradeoff --quick --out out/tradeoff`
+    - `vrcomfort tradeoff --scenes temple --effects depth_of_field --samples 4096 --out temple`
+    - `vrcomfort tradeoff --cluster tcp://host:8786 --cache /shared/cache --out out/tradeoff`
+    """
+    # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    from vrcomfort.tradeoff.cases import Scope
+    from vrcomfort.tradeoff.methods import EFFECTS
+    from vrcomfort.tradeoff.run import tradeoff as run
+    from vrcomfort.tradeoff.store import default_folder
+    from vrcomfort.tradeoff.walk import SCENES
+
+    scope = Scope(
+        scenes=_chosen("--scenes", scenes, SCENES),
+        effects=_chosen("--effects", effects, EFFECTS[:2] if quick else EFFECTS, EFFECTS),
+        motions=("walk",) if quick else ("walk", "turn"),
+        poses=poses or (1 if quick else 2),
+        size_px=parse_size(size),
+        samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
+        quick=quick,
+        methods=tuple(name.strip() for name in methods.split(";")) if methods else None,
+        rounds=rounds or (3 if quick else Scope.rounds),
+    )
+    with ExitStack() as bars:
+
+        def progress(title: str, steps: int) -> Callable[[], None]:
+            bars.close()
+            advance: Callable[[], None] = bars.enter_context(
+                progress_bar(title, steps, quiet=quiet)
+            )
+            return advance
+
+        summary = run(
+            scope,
+            out=output_folder(out),
+            cache=cache or default_folder(),
+            jobs=jobs or os.cpu_count() or 1,
+            cluster=cluster,
+            progress=progress,
+        )
+    console(quiet).print(f"{summary.reused}\nTrade-off: {summary.page}")
+
+
+def _chosen(
+    option: str, text: str | None, default: tuple[Name, ...], known: tuple[Name, ...] | None = None
+) -> tuple[Name, ...]:
+    """Return the names in a comma-separated list.
+
+    Raises
+    ------
+    InputError
+        If one of them is not known.
+    """
+    if text is None:
+        return default
+    by_name: dict[str, Name] = {name: name for name in known or default}
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name not in by_name:
+            raise InputError(f"{option}: there is no {name!r}; there are: {', '.join(by_name)}")
+    return tuple(by_name[name] for name in dict.fromkeys(names))

@@ -1,0 +1,1 @@
+"""What each way of blurring costs and how wrong it is, measured against two references."""

@@ -1,0 +1,70 @@
+"""Writes what was found: numbers, tables, figures, pictures and a page."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.tradeoff.figures import pareto_figure
+from vrcomfort.tradeoff.measure import Measured
+from vrcomfort.tradeoff.page import render_page
+from vrcomfort.tradeoff.sheets import contact_sheet
+from vrcomfort.tradeoff.tables import markdown
+
+CSV_COLUMNS = (
+    "scene", "effect", "pose", "motion", "method", "family", "step",
+    "effect_to_copy", "effect_ms", "frame_ms", "frame_to_plain", "rounds",
+    "rms", "psnr_db", "flip", "ssim",
+    "filter_rms", "filter_psnr_db", "filter_flip", "filter_ssim",
+    "rivalry", "shower_door", "coc_mismatch_px", "seen_by_both",
+    "reference_rms", "counts", "samples",
+)  # fmt: skip
+
+
+def write_all(out: Path, found: dict[str, Any], measured: Sequence[Measured]) -> Path:
+    """Write everything into `out`, and return the page's path."""
+    for folder in ("figures", "sheets"):
+        (out / folder).mkdir(parents=True, exist_ok=True)
+    text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
+    (out / "tradeoff.json").write_text(text + "\n", encoding="utf-8")
+    _write_csv(out / "tradeoff.csv", found["rows"])
+    (out / "tradeoff.md").write_text(markdown(found), encoding="utf-8")
+    figures = _write_figures(out / "figures", found)
+    sheets = _write_sheets(out / "sheets", found, measured)
+    page = out / "index.html"
+    page.write_text(render_page(found, figures, sheets), encoding="utf-8")
+    return page
+
+
+def _write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(
+            file, fieldnames=CSV_COLUMNS, extrasaction="ignore", lineterminator="\n"
+        )
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def _write_figures(folder: Path, found: dict[str, Any]) -> dict[str, str]:
+    """Write the Pareto figures as SVG and PNG; return the SVG texts by scene and effect."""
+    texts = {}
+    for scene, effect in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
+        rows = [r for r in found["table"] if (r["scene"], r["effect"]) == (scene, effect)]
+        name = f"{scene}_{effect}"
+        texts[name] = pareto_figure(name, rows, folder)
+    return texts
+
+
+def _write_sheets(
+    folder: Path, found: dict[str, Any], measured: Sequence[Measured]
+) -> dict[str, str]:
+    """Write one contact sheet for each case; return their paths from the page, by case."""
+    paths = {}
+    for each in measured:
+        exposure = found["exposures"][each.case.scene]
+        contact_sheet(each, exposure).save(folder / f"{each.case.name}.png")
+        paths[each.case.name] = f"{folder.name}/{each.case.name}.png"
+    return paths

@@ -1,0 +1,158 @@
+"""What is compared: a table of named conditions, which grows with the settings there are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias, get_args
+
+from pydantic import BaseModel
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+
+Effect: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
+EFFECTS: tuple[Effect, ...] = get_args(Effect)
+Family: TypeAlias = Literal["none", "source", "ours", "dial"]
+"""No blur; the method of a source; ours; ours from many points of the lens."""
+
+OURS = "vrcomfort"
+FOCUS = Focus(method="fixed", fixed_m=1.5)
+LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 7.0, "full_blur_dioptre": 2.0}
+"""A large lens: 3.5 % of the image's width per dioptre. Nothing in the walks is nearer than the
+limit of 2 D allows, so that the reference, which has no limit, shows the same blur."""
+SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
+
+RINGS = (1, 2, 3, 5, 8)
+STREAK_SAMPLES = (2, 4, 8, 16, 32)
+VIEWS = (2, 4, 8, 16, 32, 64, 128, 256)
+
+
+@dataclass(frozen=True)
+class Method:
+    """A condition, and where it stands in figures.
+
+    Parameters
+    ----------
+    name
+        Unique within its effect.
+    step
+        Its place on the quality dial of its family: rings, samples or views; None without a dial.
+    """
+
+    name: str
+    effect: Effect
+    family: Family
+    condition: Condition
+    step: int | None = None
+
+
+def methods(effect: Effect, *, quick: bool = False) -> list[Method]:
+    """Return the methods for an effect; `quick` takes fewer steps of each dial."""
+    return {"depth_of_field": _lens, "motion_blur": _shutter, "both": _both}[effect](quick)
+
+
+def base_condition(effect: Effect) -> Condition:
+    """Return the condition whose reference all methods for an effect are compared with."""
+    return _condition(effect, "reference", effect != "motion_blur", effect != "depth_of_field")
+
+
+def pick(found: list[Method], names: tuple[str, ...] | None) -> list[Method]:
+    """Return the methods with these names (all where None), and what has no blur.
+
+    Raises
+    ------
+    InputError
+        If there is no such method.
+    """
+    if names is None:
+        return found
+    known = {method.name for method in found}
+    for name in names:
+        if name not in known:
+            raise InputError(f"there is no method {name!r}; there are: {', '.join(sorted(known))}")
+    return [method for method in found if method.name in names or method.family == "none"]
+
+
+def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:
+    """Return the values a setting can have, none where there is no such setting."""
+    field = settings.model_fields.get(name)
+    return () if field is None else get_args(field.annotation)
+
+
+def _lens(quick: bool) -> list[Method]:
+    return [
+        _no_blur("depth_of_field"),
+        *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
+        *_dial("depth_of_field", "ours", "rings", _few(RINGS, quick), _lens_condition),
+        *_views(quick),
+    ]
+
+
+def _shutter(quick: bool) -> list[Method]:
+    return [
+        _no_blur("motion_blur"),
+        *_sources("motion_blur", MotionBlur, "method", _shutter_condition),
+        *_dial("motion_blur", "ours", "samples", _few(STREAK_SAMPLES, quick), _shutter_condition),
+    ]
+
+
+def _both(quick: bool) -> list[Method]:  # noqa: ARG001 - two orders, and no dial
+    orders = ("depth_of_field_first", "motion_blur_first")
+    ours = [
+        Method(order, "both", "ours", _condition("both", order, True, True, effect_order=order))
+        for order in orders
+    ]
+    return [_no_blur("both"), *ours]
+
+
+def _no_blur(effect: Effect) -> Method:
+    return Method("no blur", effect, "none", Condition(name="no_blur", focus=FOCUS))
+
+
+def _sources(effect: Effect, settings: type[BaseModel], field: str, make: Any) -> list[Method]:
+    """Return one method for each value of a setting that is not ours (the first or its name)."""
+    names = kinds(settings, field)
+    ours = OURS if OURS in names else settings.model_fields[field].default if names else None
+    return [
+        Method(name, effect, "source", make(name, **{field: name}))
+        for name in names
+        if name != ours
+    ]
+
+
+def _dial(effect: Effect, family: Family, field: str, steps: Any, make: Any) -> list[Method]:
+    return [
+        Method(
+            f"ours, {step} {field}", effect, family, make(f"{field}_{step}", **{field: step}), step
+        )
+        for step in steps
+    ]
+
+
+def _views(quick: bool) -> list[Method]:
+    if "views" not in DepthOfField.model_fields:
+        return []
+    steps = VIEWS[1:6:2] if quick else VIEWS
+    return _dial("depth_of_field", "dial", "views", steps, _lens_condition)
+
+
+def _few(steps: tuple[int, ...], quick: bool) -> tuple[int, ...]:
+    return steps[::2] if quick else steps
+
+
+def _lens_condition(name: str, **settings: Any) -> Condition:
+    return Condition(name=name, focus=FOCUS, depth_of_field=DepthOfField(**{**LENS, **settings}))
+
+
+def _shutter_condition(name: str, **settings: Any) -> Condition:
+    return Condition(name=name, focus=FOCUS, motion_blur=MotionBlur(**{**SHUTTER, **settings}))
+
+
+def _condition(_: Effect, name: str, lens: bool, shutter: bool, **settings: Any) -> Condition:
+    return Condition(
+        name=name,
+        focus=FOCUS,
+        depth_of_field=DepthOfField(**LENS) if lens else None,
+        motion_blur=MotionBlur(**SHUTTER) if shutter else None,
+        **settings,
+    )

@@ -1,0 +1,68 @@
+"""The results as one HTML page."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from vrcomfort.resources import data_folder
+from vrcomfort.tradeoff import tables
+from vrcomfort.tradeoff.sheets import GAIN
+
+TEMPLATE = "tradeoff.html.j2"
+
+
+def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str, str]) -> str:
+    """Fill the template.
+
+    Parameters
+    ----------
+    figures
+        SVG text by scene and effect, inlined.
+    sheets
+        Paths of contact sheets, from the page, by case.
+    """
+    environment = Environment(
+        loader=FileSystemLoader(data_folder("analysis")),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    keys = list(dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]))
+    sections = [
+        {
+            "title": tables.title(*key),
+            "name": "_".join(key),
+            "rows": [row for row in found["table"] if (row["scene"], row["effect"]) == key],
+            "front": next(
+                each["front"] for each in found["fronts"] if (each["scene"], each["effect"]) == key
+            ),
+            "sheets": {n: p for n, p in sheets.items() if n.startswith("_".join((*key, "pose")))},
+        }
+        for key in keys
+    ]
+    return environment.get_template(TEMPLATE).render(
+        r=found,
+        sections=sections,
+        columns=tables.COLUMNS,
+        notes=tables.notes(found),
+        verdicts=[_emphasis(line) for line in tables.verdicts(found)],
+        dials=tables.dials(found),
+        figures={name: _inline(svg, name) for name, svg in figures.items()},
+        gain=GAIN,
+    )
+
+
+def _emphasis(line: str) -> list[str]:
+    """Return the parts of a line; every second one stood between asterisks."""
+    return line.split("*")
+
+
+def _inline(svg: str, name: str) -> str:
+    """Return an SVG for use inside HTML: no XML prologue, its own ids."""
+    svg = svg[svg.index("<svg") :]
+    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
+    return svg.replace("<svg ", '<svg role="img" ', 1)

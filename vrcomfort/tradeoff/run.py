@@ -1,0 +1,146 @@
+"""The whole measurement: references, then errors, then (alone on the machine) times; then files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from vrcomfort.errors import InputError
+from vrcomfort.render.gl import describe
+from vrcomfort.render.gpu_timer import is_software
+from vrcomfort.tradeoff.cases import Case, Scope, cases
+from vrcomfort.tradeoff.files import write_all
+from vrcomfort.tradeoff.measure import Measured, measure
+from vrcomfort.tradeoff.methods import methods
+from vrcomfort.tradeoff.results import results
+from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.store import Store, scene_and_hash
+from vrcomfort.tradeoff.timing import CaseTime, time_case
+from vrcomfort.tradeoff.truth import Drawn, draw_reference
+from vrcomfort.tradeoff.workers import Work, workers
+
+
+class Progress(Protocol):
+    """Shows how far a stage is: called with its title and its steps, gives what advances it."""
+
+    def __call__(self, title: str, steps: int, /) -> Callable[[], None]:
+        """Begin a stage."""
+
+
+class Summary(NamedTuple):
+    """What a run has done."""
+
+    page: Path
+    reused: str
+    """What was there already, in words."""
+
+
+def tradeoff(
+    scope: Scope,
+    *,
+    out: Path,
+    cache: Path,
+    jobs: int = 1,
+    cluster: str | None = None,
+    progress: Progress,
+) -> Summary:
+    """Measure everything in `scope` and write it into `out`.
+
+    Raises
+    ------
+    InputError
+        If a scene or method is unknown, the cache cannot be written to, or no cluster answers.
+    """
+    store = Store(cache)
+    todo = cases(scope)
+    _check(scope)
+    with workers(jobs, cluster) as work:
+        if cluster is not None:
+            _check_shared(work, store)
+        drawn = _draw(work, todo, scope, store, progress)
+        measured = _measure(work, todo, scope, store, progress)
+    times = _time(todo, scope, progress)
+    facts = describe(context())
+    found = results(scope, measured, times, f"{facts['renderer']}, {facts['version']}", _timer())
+    page = write_all(out, found, measured)
+    return Summary(page, _reused(drawn, measured))
+
+
+class _ReferenceJob(NamedTuple):
+    case: Case
+    eye: int
+
+
+def _draw(
+    work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
+) -> list[Drawn]:
+    jobs = [_ReferenceJob(case, eye) for case in todo for eye in (0, 1)]
+    advance = progress("references", len(jobs))
+    found = []
+    for drawn in work(partial(_draw_one, scope, store), jobs):
+        found.append(drawn)
+        advance()
+    return found
+
+
+def _draw_one(scope: Scope, store: Store, job: _ReferenceJob) -> Drawn:
+    return draw_reference(job.case, scope, job.eye, store)
+
+
+def _measure(
+    work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
+) -> list[Measured]:
+    advance = progress("methods", len(todo))
+    found = {}
+    for one in work(partial(_measure_one, scope, store), todo):
+        found[one.case] = one
+        advance()
+    return [found[case] for case in todo]
+
+
+def _measure_one(scope: Scope, store: Store, case: Case) -> Measured:
+    return measure(case, scope, store)
+
+
+def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
+    """Time in this process alone, one case after the other: nothing else disturbs."""
+    advance = progress("times", len(todo) * (scope.rounds + 1))
+    return [time_case(case, scope, advance) for case in todo]
+
+
+def _check(scope: Scope) -> None:
+    for name in scope.scenes:
+        scene_and_hash(name)
+    known = [m.name for effect in scope.effects for m in methods(effect, quick=scope.quick)]
+    for wanted in scope.methods or ():
+        if wanted not in known:
+            raise InputError(
+                f"there is no method {wanted!r}; there are: {', '.join(dict.fromkeys(known))}"
+            )
+
+
+def _check_shared(work: Work, store: Store) -> None:
+    """Make sure that workers see the cache that this process sees."""
+    store.write("shared")
+    if not all(work(store.has, ["shared"])):
+        raise InputError(
+            "is not seen by the cluster's workers; give --cache a folder that all machines share",
+            file=store.folder,
+        )
+
+
+def _timer() -> str:
+    software = is_software(context())
+    return "wall clock between two finish()" if software else "time stamps of the GPU"
+
+
+def _reused(drawn: list[Drawn], measured: list[Measured]) -> str:
+    samples, reused = sum(d.samples for d in drawn), sum(min(d.reused, d.samples) for d in drawn)
+    rows = sum(len(each.rows) - 1 for each in measured)
+    kept = sum(each.reused for each in measured)
+    return (
+        f"{reused} of {samples} reference samples and {kept} of {rows} measurements of methods "
+        "were there from an earlier run"
+    )

@@ -1,0 +1,77 @@
+"""Contact sheets: what each method shows, pixel for pixel, and how it differs from R1."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import matplotlib.font_manager
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image, ImageDraw, ImageFont
+
+from vrcomfort.geometry import Array
+from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.tradeoff.measure import Measured
+
+CROP_PX = 240
+"""Larger images are cropped, at 100 %, to where blur changes most."""
+
+GAIN = 8.0
+"""Differences of display values are shown this much larger, around middle grey."""
+
+COLUMNS = 6
+GAP_PX, LABEL_PX = 8, 22
+INK, PAPER = (28, 28, 28), (255, 255, 255)
+
+
+def contact_sheet(found: Measured, exposure: float) -> Image.Image:
+    """Return a sheet: for each method its picture above its difference from the reference."""
+    reference = tone_mapped(found.pictures["reference"], exposure=exposure)
+    crop = _crop(reference, tone_mapped(found.pictures["no blur"], exposure=exposure))
+    tiles = []
+    for name, picture in found.pictures.items():
+        shown = tone_mapped(picture, exposure=exposure)
+        difference = 0.5 + GAIN * (shown - reference) / 2
+        label = "reference (R1)" if name == "reference" else name
+        tiles.append((label, _rgb8(shown[crop]), _rgb8(difference[crop])))
+    return _sheet(tiles)
+
+
+def _crop(reference: Array, sharp: Array) -> tuple[slice, slice]:
+    """Return where a window holds most difference between blurred and sharp."""
+    height, width = reference.shape[:2]
+    tall, wide = min(height, CROP_PX), min(width, CROP_PX)
+    change = np.abs(reference - sharp).sum(axis=-1)
+    total = np.pad(change, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
+    windows = total[tall:, wide:] - total[:-tall, wide:] - total[tall:, :-wide]
+    windows += total[:-tall, :-wide]
+    top, left = np.unravel_index(int(np.argmax(windows)), windows.shape)
+    return slice(int(top), int(top) + tall), slice(int(left), int(left) + wide)
+
+
+def _sheet(tiles: list[tuple[str, NDArray[np.uint8], NDArray[np.uint8]]]) -> Image.Image:
+    height, width, _ = tiles[0][1].shape
+    wide = max(width, 160)
+    step_x, step_y = wide + GAP_PX, LABEL_PX + 2 * height + 3 * GAP_PX
+    columns = min(COLUMNS, len(tiles))
+    rows = -(-len(tiles) // columns)
+    sheet = Image.new("RGB", (columns * step_x + GAP_PX, rows * step_y + GAP_PX), PAPER)
+    draw = ImageDraw.Draw(sheet)
+    for index, (label, picture, difference) in enumerate(tiles):
+        row, column = divmod(index, columns)
+        x, y = GAP_PX + column * step_x, GAP_PX + row * step_y
+        draw.text((x, y + 2), label, fill=INK, font=_font())
+        sheet.paste(Image.fromarray(picture), (x, y + LABEL_PX))
+        sheet.paste(Image.fromarray(difference), (x, y + LABEL_PX + height + GAP_PX // 2))
+    return sheet
+
+
+def _rgb8(values: Any) -> NDArray[np.uint8]:
+    pixels: NDArray[np.uint8] = np.round(np.clip(values, 0, 1) * 255).astype(np.uint8)
+    return pixels
+
+
+@cache
+def _font() -> ImageFont.FreeTypeFont:
+    return ImageFont.truetype(matplotlib.font_manager.findfont("DejaVu Sans"), 12)

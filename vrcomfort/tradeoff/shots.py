@@ -1,0 +1,126 @@
+"""Both eyes' images of a frame, as arrays."""
+
+from __future__ import annotations
+
+import threading
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array, Pose, focal_length_px
+from vrcomfort.headset.base import Frame
+from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.optics.ideal_scatter import Pinhole
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render import defocus, gl
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.frames import EyeImages
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.reference import read_rgb
+from vrcomfort.render.scene_data import Scene
+from vrcomfort.tradeoff.binocular import Eye
+from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
+
+_thread = threading.local()
+
+
+class Shot(NamedTuple):
+    """One eye's image before and after the effects (bottom row first), and how it came about."""
+
+    camera: EyeCamera
+    previous: PreviousCamera | None
+    head_from_eye: Pose
+    sharp: NDArray[np.float32]
+    blurred: NDArray[np.float32]
+    depth: NDArray[np.float32]
+    velocity_px: NDArray[np.float32] | None
+
+    @property
+    def eye(self) -> Eye:
+        """Return what pairs this eye's pixels with the other's."""
+        camera = self.camera
+        return Eye(camera.world_from_eye, camera.fov, self.depth, camera.near_m)
+
+
+def context() -> moderngl.Context:
+    """Return this thread's OpenGL context, made when it is first asked for."""
+    if not hasattr(_thread, "context"):
+        _thread.context = gl.create_context()
+    found: moderngl.Context = _thread.context
+    return found
+
+
+def shoot(
+    scene: Scene, condition: Condition, pair: tuple[Frame, Frame], size_px: tuple[int, int]
+) -> tuple[Shot, Shot]:
+    """Draw the second frame of a pair with both eyes."""
+    before, frame = pair
+    found: list[Shot] = []
+
+    def keep(index: int, images: EyeImages) -> None:
+        head_from_eye = frame.head_pose.inverse() @ frame.views[index].pose
+        found.append(_shot(images, head_from_eye))
+
+    renderer = StereoRenderer(context(), size_px)
+    renderer.begin(scene, condition)
+    renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    renderer.render(frame, time_s(frame), keep)
+    renderer.release()
+    return found[0], found[1]
+
+
+def radius_px(shot: Shot, condition: Condition) -> Array:
+    """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
+
+    These are those that ``shaders/defocus.frag`` computes, in float64.
+    """
+    settings = condition.depth_of_field
+    law = defocus.lens_law(settings)
+    if settings is None or law is None:
+        return np.zeros(shot.depth.shape)
+    height, width = shot.depth.shape
+    row, column = np.mgrid[:height, :width]
+    uv = np.stack([(column + 0.5) / width, (row + 0.5) / height], axis=-1)
+    uniforms = defocus.defocus_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
+    return coc.signed_radius_px(
+        shot.depth,
+        law=law,
+        focus_m=condition.focus.fixed_m,
+        near_m=shot.camera.near_m,
+        radius_limit_px=defocus.radius_limit_px(settings, (width, height)),
+        full_blur=settings.full_blur_dioptre,
+        slope=coc.head_depth_slope(shot.camera.fov, uniforms.head_forward_in_view, uv),
+        offset_m=uniforms.offset_m,
+        infinity_m=condition.focus.infinity_m,
+    )
+
+
+def pinhole(shot: Shot, condition: Condition) -> Pinhole:
+    """Return what a post-process knows of an eye's view."""
+    height, width = shot.depth.shape
+    focal_x, focal_y = focal_length_px(shot.camera.fov, (width, height))
+    streak = np.zeros((height, width, 2))
+    if condition.motion_blur is not None and shot.velocity_px is not None:
+        streak = shot.velocity_px.astype(np.float64) * condition.motion_blur.shutter_fraction
+    radius = radius_px(shot, condition)
+    return Pinhole(shot.sharp, shot.depth, radius, streak, focal_y / focal_x)
+
+
+def _shot(images: EyeImages, head_from_eye: Pose) -> Shot:
+    width, height = images.depth.size
+    velocity = None
+    if images.velocity is not None:
+        halves = np.frombuffer(images.velocity.read(), np.float16)
+        velocity = halves.reshape(height, width, 2).astype(np.float32)
+    depth = np.frombuffer(images.depth.read(), np.float32).reshape(height, width)
+    return Shot(
+        images.camera,
+        images.previous,
+        head_from_eye,
+        read_rgb(images.pinhole),
+        read_rgb(images.linear),
+        depth,
+        velocity,
+    )

@@ -1,0 +1,135 @@
+"""The tables as Markdown, and numbers as text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+Row = dict[str, Any]
+
+COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
+    ("method", "method", str),
+    ("effect ÷ copy", "effect_to_copy", lambda v: number(v, 3)),
+    ("frame ÷ plain", "frame_to_plain", lambda v: number(v, 3)),
+    ("frame ms", "frame_ms", lambda v: number(v, 3)),
+    ("PSNR R1 dB", "psnr_db", lambda v: number(v, 3)),
+    ("FLIP R1", "flip", lambda v: number(v, 2)),
+    ("SSIM R1", "ssim", lambda v: "–" if v is None else f"{v:.4f}"),
+    ("PSNR R2 dB", "filter_psnr_db", lambda v: number(v, 3)),
+    ("FLIP R2", "filter_flip", lambda v: number(v, 2)),
+    ("rivalry", "rivalry", lambda v: number(v, 2)),
+    ("shower door", "shower_door", lambda v: "–" if v is None else f"{v:+.2f}"),
+    ("split-half", "split_half", lambda v: number(v, 2)),
+    ("counts", "counts", lambda v: "yes" if v else "no"),
+)
+"""Heading, key and format of each column of the main table."""
+
+
+def number(value: float | None, digits: int) -> str:
+    """Return a number with so many significant digits and without exponent; a dash for none."""
+    if value is None:
+        return "–"
+    if value == 0:
+        return "0"
+    decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
+    return f"{value:.{decimals}f}"
+
+
+def markdown(found: dict[str, Any]) -> str:
+    """Return all tables and what they mean."""
+    parts = [
+        f"Measured by `vrcomfort tradeoff` {found['vrcomfort']} on {found['device']} "
+        f"({found['machine']}); times: {found['timer']}.",
+        *(f"- {line}" for line in notes(found)),
+    ]
+    for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
+        rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
+        parts += ["", f"### {title(*key)}", "", *_table(rows)]
+    parts += ["", "### Ours against each source", "", *[f"- {line}" for line in verdicts(found)]]
+    parts += ["", "### Dials", "", *[f"- {line}" for line in dials(found)], ""]
+    return "\n".join(parts)
+
+
+def title(scene: str, effect: str) -> str:
+    """Return the heading of a scene and an effect."""
+    return f"{scene}, {effect.replace('_', ' ')}"
+
+
+def notes(found: dict[str, Any]) -> list[str]:
+    """Return what a reader must know of the conditions, one sentence each."""
+    scope, settings = found["scope"], found["settings"]
+    width, height = scope["size_px"]
+    poses = scope["poses"]
+    return [
+        f"{width}×{height} px per eye, {poses} view{'s' if poses > 1 else ''} of each scene's walk "
+        "(each where the head is fastest in its part); motions: as walked, and the head turning "
+        "at 90°/s. Errors are means over views and both eyes, on linear HDR light times the "
+        "scene's exposure, PSNR with peak 1.",
+        f"Lens: focus {settings['focus_m']} m, {settings['lens']['max_radius_percent']} % of the "
+        f"image's width at {settings['lens']['full_blur_dioptre']} D. Shutter fully open.",
+        f"R1: {scope['samples']} samples, the scene drawn again for each; R2: ideal scatter of "
+        "the pinhole image. R1 − R2 (the row of R2) is the error of the model, R2 − method that "
+        "of the filter. `split-half` is R1's own error in parts of the method's; the row counts "
+        "where it is at most 0.1.",
+        "effect ÷ copy: all passes after the scene's first drawing, in times of copying the "
+        "stereo frame (RGBA16F, read once and written once) in the same run.",
+        *_again(found["copy"]),
+    ]
+
+
+def _again(copies: Sequence[Row]) -> list[str]:
+    if not copies:
+        return []
+    copy, plain = (
+        (min(each[name][0] for each in copies), max(each[name][1] for each in copies))
+        for name in ("copy_again", "plain_again")
+    )
+    return [
+        f"A/A of this run (5–95 % of the ratio of the same work twice): copies "
+        f"{copy[0]:.2f}–{copy[1]:.2f}, plain frames {plain[0]:.2f}–{plain[1]:.2f}."
+    ]
+
+
+def verdicts(found: dict[str, Any]) -> list[str]:
+    """Return one sentence for each source's method, scene and error."""
+    return [
+        f"{title(v['scene'], v['effect'])}, {v['error'].upper()}: {_verdict(v)}"
+        for v in found["verdicts"]
+    ]
+
+
+def _verdict(row: Row) -> str:
+    costs = (
+        f"{number(row['cost_ratio'], 2)} × its cost, {number(row['error_ratio'], 2)} × its error"
+    )
+    if row["beaten"]:
+        return f"*{row['ours']}* is both faster and closer than *{row['theirs']}* ({costs})."
+    return (
+        f"nothing of ours is both faster and closer than *{row['theirs']}*; *{row['ours']}* "
+        f"fails by a factor of {number(row['factor'], 3)} ({costs})."
+    )
+
+
+def dials(found: dict[str, Any]) -> list[str]:
+    """Return one sentence for each dial."""
+    lines = []
+    for row in found["dials"]:
+        steps = f"{row['steps'][0]}…{row['steps'][-1]}"
+        falls = "falls at every step" if row["falls"] else "does not fall at every step"
+        line = (
+            f"{title(row['scene'], row['effect'])}: error {falls} of {row['dial']} = {steps}; "
+            f"log-log slope {number(row['slope'], 2)}"
+        )
+        if row["steps_that_count"] != row["steps"] and row["slope_that_counts"] is not None:
+            last = row["steps_that_count"][-1]
+            line += f" ({number(row['slope_that_counts'], 2)} up to {last}, where R1 counts)"
+        lines.append(f"{line}.")
+    return lines
+
+
+def _table(rows: Sequence[Row]) -> list[str]:
+    names = [heading for heading, _, _ in COLUMNS]
+    lines = [names, ["---"] * len(names)]
+    lines += [[show(row[key]) for _, key, show in COLUMNS] for row in rows]
+    return [f"| {' | '.join(line)} |" for line in lines]
