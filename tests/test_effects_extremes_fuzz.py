@@ -188,6 +188,16 @@ def test_tone_map(ctx, cases):
         assert (encoded[..., 3] == 1).all()
 
 
+def test_copy(ctx, cases):
+    """The measure of all costs: the same bits."""
+    for number, rng in cases:
+        width, height = SIZES[number % len(SIZES)]
+        colour, _ = textures(ctx, hdr(rng, (height, width, 3)), 1.0)
+        copy = FullscreenPass(ctx, "copy.frag", size_px=(width, height), inputs={"source": colour})
+        copy.render()
+        np.testing.assert_array_equal(rgb_of(copy.target), rgb_of(colour))
+
+
 def test_picture(ctx, cases):
     """A panel anywhere, also behind or through the eye: no colour that the picture has not."""
     painter = EyePainter(ctx)
@@ -228,7 +238,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
 
     Those of whole frames are compiled for every value of every choice that settings have.
     """
-    read = {"picture.vert", "picture.frag"}  # the eye painter reads its own pair
+    read = {"picture.vert", "picture.frag", "copy.frag"}  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)

@@ -65,9 +65,8 @@ class GpuScene:
         features = {**lighting.features(scene.environment), **(defines or {})}
         # Not a method of this object: buffers must go with it, not when cycles are collected.
         arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
-        factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
-        self._surfaces = [factory.make(key) for key in self._list.keys]
-        self._depth_programs = factory.depth_programs
+        self._factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
+        self._surfaces = [self._factory.make(key) for key in self._list.keys]
         self._depth_arrays = [surface.depth for surface in self._surfaces]
         self._semantic_arrays: DepthArrays | None = None
         self._prepare_rows()
@@ -205,10 +204,7 @@ class GpuScene:
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
         if self._semantic_arrays is None:
-            # Not kept: it refers to this scene, and a cycle would keep both on the GPU.
-            factory = SurfaceFactory(self._ctx, self.scene, self._vertex_array, scene_features={})
-            self._semantic_arrays = [factory.semantic(key) for key in self._list.keys]
-            self._depth_programs += factory.depth_programs
+            self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
         seen = self._seen(culling.planes(clip_from_relative), origin_m)
         rows = np.flatnonzero(seen & self._in_use & ~self._blended_row)
         return self._draw_depth_rows(
@@ -256,7 +252,7 @@ class GpuScene:
 
     def _look_through(self, clip_from_relative: Array) -> None:
         matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
-        for program in self._depth_programs:
+        for program in self._factory.depth_programs:
             cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
     def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
