@@ -117,7 +117,8 @@ def test_depth_of_field(ctx, cases):
         colour, depth = textures(
             ctx, rgb, np.maximum(distances(rng, (height, width)), near_m), near_m
         )
-        focus_m = rng.choice([*FOCUS_M, np.inf, np.nan])
+        lens_m = settings.focal_length_m
+        focus_m = rng.choice([*FOCUS_M, lens_m, 1.001 * lens_m, np.inf, np.nan])
         focus = gl.color_texture(ctx, (1, 1), dtype="f4")
         focus.write(np.full(4, focus_m, "f4").tobytes())
         effect = DepthOfFieldPass(
@@ -249,6 +250,13 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     folder = data_folder("shaders")
     there = {str(file.relative_to(folder)) for file in folder.rglob("*.*")}
     assert there - read == set()
+
+
+def test_every_shader_has_its_bound_in_the_docs():
+    root = Path(__file__).resolve().parent.parent
+    text = (root / "docs" / "extremes.md").read_text(encoding="utf-8")
+    files = data_folder("shaders").glob("*.*")
+    assert [file.name for file in files if f"`{file.name}`" not in text] == []
 
 
 THROUGH = {
