@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import ctypes
 import gc
+import os
 from collections.abc import Callable, Iterator
 
 import moderngl
 import pytest
 
 from vrcomfort.render import gl
+
+# Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 KINDS = ("Texture", "Buffer", "Framebuffer", "Program", "VertexArray", "Query", "Sampler")
 

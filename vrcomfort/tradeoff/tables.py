@@ -20,6 +20,7 @@ COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
     ("FLIP R2", "filter_flip", lambda v: number(v, 2)),
     ("rivalry", "rivalry", lambda v: number(v, 2)),
     ("shower door", "shower_door", lambda v: "–" if v is None else f"{v:+.2f}"),
+    ("CoC mismatch px", "coc_mismatch_px", lambda v: number(v, 2)),
     ("split-half", "split_half", lambda v: number(v, 2)),
     ("counts", "counts", lambda v: "yes" if v else "no"),
 )
@@ -68,7 +69,8 @@ def notes(found: dict[str, Any]) -> list[str]:
         "scene's exposure, PSNR with peak 1.",
         f"Lens: focus {settings['focus_m']} m, {settings['lens']['max_radius_percent']} % of the "
         f"image's width at {settings['lens']['full_blur_dioptre']} D. Shutter fully open.",
-        f"R1: {scope['samples']} samples, the scene drawn again for each; R2: ideal scatter of "
+        f"R1: {scope['samples']} samples (a quarter for motion blur alone), the scene drawn again "
+        "for each; R2: ideal scatter of "
         "the pinhole image. R1 − R2 (the row of R2) is the error of the model, R2 − method that "
         "of the filter. `split-half` is R1's own error in parts of the method's; the row counts "
         "where it is at most 0.1.",

@@ -1,0 +1,34 @@
+"""What is clocked, and what counts as an effect's cost."""
+
+import pytest
+
+from vrcomfort.render.gpu_timer import Stopwatch
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.methods import base_condition
+from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.store import scene_and_hash
+from vrcomfort.tradeoff.timing import clocked_passes, effect_s
+
+
+def test_each_pass_is_clocked_once_for_each_eye_and_methods_are_put_back():
+    case, scope = Case("temple", 0, "still", "depth_of_field"), Scope(size_px=(16, 20), poses=1)
+    scene, _ = scene_and_hash(case.scene)
+    renderer, method = StereoRenderer(context(), scope.size_px), ScenePass.render
+    renderer.begin(scene, base_condition(case.effect))
+    with clocked_passes(Stopwatch(context())) as timed:
+        renderer.render(frames(case, scope)[1], 0.0)
+    assert {name: calls for name, (_, calls) in timed.items()} == {
+        "scene": 2,
+        "depth_of_field": 2,
+        "tone_map": 2,
+    }
+    assert all(seconds > 0 for seconds, _ in timed.values())
+    assert ScenePass.render is method
+
+
+def test_the_first_drawing_of_the_scene_is_no_effect():
+    assert effect_s({"scene": (8.0, 2), "tone_map": (1.0, 2)}) == 0
+    assert effect_s({"scene": (8.0, 2), "depth_of_field": (3.0, 2)}) == pytest.approx(3)
+    assert effect_s({"scene": (8.0, 8), "depth_of_field": (3.0, 8)}) == pytest.approx(9)
