@@ -16,7 +16,7 @@ from vrcomfort.tradeoff.store import Store
 
 SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
 ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
-FEW = (*ONE, "--methods", "ours, 1 rings")
+FEW = (*ONE, "--methods", "ours, 1 ring")
 
 
 @pytest.fixture

@@ -44,7 +44,7 @@ class Scope:
     samples: int = 2048
     quick: bool = False
     methods: tuple[str, ...] | None = None
-    rounds: int = 9
+    rounds: int = 7
 
 
 @dataclass(frozen=True)

@@ -92,24 +92,25 @@ def _lines(axes: Axes, rows: Sequence[Row]) -> None:
     }
     marks = [
         (named["no blur"]["rms"], "no blur", ":"),
-        (named[SCATTER]["rms"], "ideal scatter of the pinhole image (R2)", "--"),
-        (named[SCATTER]["reference_rms"], "the reference's own error", "-."),
+        (named[SCATTER]["rms"], "ideal scatter (R2)", "--"),
+        (named[SCATTER]["reference_rms"], "R1's own error", "-."),
     ]
     for error, text, style in marks:
         if error > 0:
             axes.axhline(error, color=FAINT, lw=0.9, ls=style, zorder=1)
-            axes.text(0.995, error, text, ha="right", va="bottom", **place)
+            axes.text(1.01, error, text, va="center", **place)
 
 
 def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     first = rows[0]
     views = "view" if first["views"] == 1 else "views"
     title = f"{first['scene']}: {first['effect'].replace('_', ' ')} ({first['views']} {views})"
-    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_title(title, loc="left", fontsize=10, pad=24)
     axes.set_xlabel("cost of the effect ÷ cost of copying the stereo frame")
     axes.set_ylabel("RMS error against brute force (R1)\nlinear light, display white = 1")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        start, end = axis.get_view_interval()
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if end / start < 300 else (1,)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     axes.margins(x=0.12, y=0.12)
@@ -118,7 +119,9 @@ def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     axes.set_xlim(low / widen, high * widen)
     axes.grid(visible=True, lw=0.4, color="#e2e2e2", zorder=0)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        axes.legend(
+            frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=3
+        )
 
 
 def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
+
 Row = dict[str, Any]
 
 COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
@@ -64,9 +66,9 @@ def notes(found: dict[str, Any]) -> list[str]:
     poses = scope["poses"]
     return [
         f"{width}×{height} px per eye, {poses} view{'s' if poses > 1 else ''} of each scene's walk "
-        "(each where the head is fastest in its part); motions: as walked, and the head turning "
-        "at 90°/s. Errors are means over views and both eyes, on linear HDR light times the "
-        "scene's exposure, PSNR with peak 1.",
+        f"(each where the head is fastest in its part); motion blur {_motions(scope['motions'])}. "
+        "Errors are means over views and both eyes, on linear HDR light times the scene's "
+        "exposure, PSNR with peak 1.",
         f"Lens: focus {settings['focus_m']} m, {settings['lens']['max_radius_percent']} % of the "
         f"image's width at {settings['lens']['full_blur_dioptre']} D. Shutter fully open.",
         f"R1: {scope['samples']} samples (a quarter for motion blur alone), the scene drawn again "
@@ -78,6 +80,15 @@ def notes(found: dict[str, Any]) -> list[str]:
         "stereo frame (RGBA16F, read once and written once) in the same run.",
         *_again(found["copy"]),
     ]
+
+
+def _motions(motions: Sequence[str]) -> str:
+    words = {
+        "still": "at rest",
+        "walk": "as walked",
+        "turn": f"with the head turning at {TURN_DEG_PER_S:g}°/s",
+    }
+    return " and ".join(words[motion] for motion in motions)
 
 
 def _again(copies: Sequence[Row]) -> list[str]:

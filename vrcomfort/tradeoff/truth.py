@@ -20,7 +20,7 @@ from vrcomfort.tradeoff.store import Store, key_of, reference_code, scene_and_ha
 from vrcomfort.tradeoff.walk import time_s
 
 SAVE_EVERY_S = 5.0
-MOST_SCATTER_SAMPLES = 512
+MOST_SCATTER_SAMPLES = 256
 """R2 has no small lights that need more: its image is one of W × H pixels."""
 
 
