@@ -15,19 +15,21 @@ import moderngl
 import numpy as np
 import xr
 
+from bench import memory
 from bench.clocked import Clock, Lap, clocked_opengl, replaced
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import Headset
 from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, native
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
-from vrcomfort.headset.trace import Trace, read_trace
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.protocol import Condition
 from vrcomfort.questionnaire import FMS
 from vrcomfort.records import Recorder
+from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_data import Scene
@@ -71,23 +73,34 @@ class Rig:
         return RemoteHand(aim_at(quad, point))
 
 
+def measure_memory(ctx: moderngl.Context, *, frames: int) -> Result:
+    """Show frames through Monado and record them; look whether memory grows."""
+    settings = OpenXrSettings(image_size_px=memory.SIZE_PX)
+    trace = read_trace(data_folder("scenes") / f"{SCENE}_walk.csv")
+    with Monado() as monado, monado.feed() as feed:
+        rig = Rig(feed, map(trace.head.pose, cycle(range(len(trace)))))
+        with (
+            OpenXrHeadset(ctx, settings, before_wait=rig) as headset,
+            memory.frame_loop(ctx, headset) as show,
+        ):
+            return memory.result("Memory, Monado", memory.watch(show, frames))
+
+
 def measure(ctx: moderngl.Context, *, frames: int) -> Result:
     """Run the loop of an exposure with more and more in it, plain and with all effects."""
-    scene = load_scene(SCENE)
-    trace = read_trace(data_folder("scenes") / f"{SCENE}_walk.csv")
     clock = Clock()
     with Monado() as monado, monado.feed() as feed, clocked(clock):
+        bench = Bench(ctx, clock, feed)
         rows = [
-            _row(
-                condition.name, step, _laps(ctx, clock, scene, trace, feed, condition, step, frames)
-            )
+            _row(condition.name, step, bench.laps(condition, step, frames))
             for condition in (CONDITIONS[0], CONDITIONS[-1])
             for step in STEPS
         ]
+    width, height = SIZE_PX
     notes = [
-        f"{frames} stereo frames of the shipped {SCENE} walk, {SIZE_PX[0]}×{SIZE_PX[1]} px, through "
-        "Monado with its null compositor; each row adds to the one above it. `draw only` is the "
-        "renderer on a playback headset.",
+        f"{frames} stereo frames of the shipped {SCENE} walk, {width}×{height} px, through Monado "
+        "with its null compositor; each row adds to the one above it. `draw only` is the renderer "
+        "on a playback headset.",
         "CPU time of the thread that runs the loop, from one frame's end to the next: what blocks "
         "(xrWaitFrame, images, answers of the runtime) takes none. Taken away: what is inside "
         "moderngl's methods and the copy of depth (OpenGL and its software rasteriser), and the "
@@ -112,14 +125,15 @@ def clocked(clock: Clock) -> Iterator[None]:
         kept.enter_context(calling)
         for name in dir(functions):
             if name.startswith("xr") and callable(function := getattr(functions, name)):
-                kept.enter_context(replaced(functions, name, clock.around("runtime", function)))
+                counted: Any = clock.around("runtime", function)
+                counted.argtypes = function.argtypes  # `native` makes its own function from them
+                kept.enter_context(replaced(functions, name, counted))
         yield
 
 
 def _row(condition: str, step: str, laps: list[Lap]) -> dict[str, Any]:
-    python, runtime = (
-        1e3 * np.array(values) for values in zip(*((l.python_s, l.runtime_s) for l in laps))
-    )
+    python = 1e3 * np.array([lap.python_s for lap in laps])
+    runtime = 1e3 * np.array([lap.runtime_s for lap in laps])
     (median, high), budget = np.percentile(python + runtime, [50, 99]), 1e3 / REFRESH_HZ
     return {
         "condition": condition,
@@ -133,56 +147,72 @@ def _row(condition: str, step: str, laps: list[Lap]) -> dict[str, Any]:
     }
 
 
-def _laps(
-    ctx: moderngl.Context, clock: Clock, scene: Scene, trace: Trace, feed: RemoteFeed,
-    condition: Any, step: str, frames: int,
-) -> list[Lap]:  # fmt: skip
-    """Return the laps of `frames` frames of one kind of loop."""
-    level = STEPS.index(step)
-    with ExitStack() as owned:
-        headset: Any
-        if level == 0:
-            headset = PlaybackHeadset(trace, image_size_px=SIZE_PX, spawn=scene.spawn)
-            on_eye = None
-        else:
-            rig = Rig(feed, map(trace.head.pose, cycle(range(len(trace)))))
-            settings = OpenXrSettings(image_size_px=SIZE_PX)
-            before_wait = clock.around("rig", rig)
-            headset = owned.enter_context(OpenXrHeadset(ctx, settings, before_wait=before_wait))
-            headset.place(spawn=scene.spawn, floors=Floors(scene.walkable))
-            on_eye = lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m)
-        renderer = StereoRenderer(ctx, SIZE_PX, on_eye=on_eye)
-        renderer.begin(scene, condition)
-        owned.callback(renderer.release)
-        log = respondent = None
-        if level >= 2:
-            folder = Path(owned.enter_context(tempfile.TemporaryDirectory()))
-            log = FrameLog(owned.enter_context(Recorder(folder, "P1", 1)))
-        if level >= 3:
-            rig.screen = PanelScreen(headset)
-            respondent = PanelRespondent(rig.screen)
-            respondent.prompt(FMS, 0.0, 1e9)
-        laps = _loop(ctx, clock, headset, renderer, log, respondent, frames)
-    return laps
+class Bench:
+    """Runs loops through one runtime."""
+
+    def __init__(self, ctx: moderngl.Context, clock: Clock, feed: RemoteFeed) -> None:
+        self._ctx, self._clock, self._feed = ctx, clock, feed
+        self._scene: Scene = load_scene(SCENE)
+        self._trace = read_trace(data_folder("scenes") / f"{SCENE}_walk.csv")
+
+    def laps(self, condition: Condition, step: str, frames: int) -> list[Lap]:
+        """Return the laps of `frames` frames of one kind of loop."""
+        level = STEPS.index(step)
+        with ExitStack() as owned:
+            headset = self._headset(owned) if level else self._playback()
+            renderer = StereoRenderer(self._ctx, SIZE_PX, on_eye=_depth_taker(headset))
+            owned.callback(renderer.release)
+            renderer.begin(self._scene, condition)
+            log = respondent = None
+            if level >= STEPS.index("+ recording"):
+                folder = Path(owned.enter_context(tempfile.TemporaryDirectory()))
+                log = FrameLog(owned.enter_context(Recorder(folder, "P1", 1)))
+            if level >= STEPS.index("+ panel, pointer moving"):
+                self._rig.screen = PanelScreen(headset)
+                respondent = PanelRespondent(self._rig.screen)
+                respondent.prompt(FMS, 0.0, 1e9)
+            return self._loop(headset, renderer, log, respondent, frames)
+
+    def _playback(self) -> PlaybackHeadset:
+        return PlaybackHeadset(self._trace, image_size_px=SIZE_PX, spawn=self._scene.spawn)
+
+    def _headset(self, owned: ExitStack) -> OpenXrHeadset:
+        self._rig = Rig(self._feed, map(self._trace.head.pose, cycle(range(len(self._trace)))))
+        headset = OpenXrHeadset(
+            self._ctx,
+            OpenXrSettings(image_size_px=SIZE_PX),
+            before_wait=self._clock.around("rig", self._rig),
+        )
+        owned.enter_context(headset)
+        headset.place(spawn=self._scene.spawn, floors=Floors(self._scene.walkable))
+        return headset
+
+    def _loop(
+        self,
+        headset: Any,
+        renderer: StereoRenderer,
+        log: FrameLog | None,
+        respondent: PanelRespondent | None,
+        frames: int,
+    ) -> list[Lap]:
+        """Do what `session.exposure.FrameLoop` does with each frame."""
+        laps = []
+        for frame in islice(headset.frames(), WARM_UP + frames):
+            rendered = None
+            if frame.should_render:
+                rendered = renderer.render(frame, frame.predicted_display_time_ns / 1e9)
+            headset.submit(frame, rendered.eyes if rendered else None)
+            headset.take_events()
+            if log is not None:
+                log.add(frame, rendered, trial=1, session_s=frame.index / REFRESH_HZ)
+            if respondent is not None:
+                respondent.endure(frame.index / REFRESH_HZ)
+            laps.append(self._clock.lap())
+            self._ctx.finish()
+            self._clock.lap()
+        return laps[WARM_UP:]
 
 
-def _loop(
-    ctx: moderngl.Context, clock: Clock, headset: Headset, renderer: StereoRenderer,
-    log: FrameLog | None, respondent: PanelRespondent | None, frames: int,
-) -> list[Lap]:  # fmt: skip
-    """Do what `session.exposure.FrameLoop` does with each frame."""
-    laps = []
-    for frame in islice(headset.frames(), WARM_UP + frames):
-        rendered = None
-        if frame.should_render:
-            rendered = renderer.render(frame, frame.predicted_display_time_ns / 1e9)
-        headset.submit(frame, rendered.eyes if rendered else None)
-        headset.take_events()
-        if log is not None:
-            log.add(frame, rendered, trial=1, session_s=frame.index / REFRESH_HZ)
-        if respondent is not None:
-            respondent.endure(frame.index / REFRESH_HZ)
-        laps.append(clock.lap())
-        ctx.finish()
-        clock.lap()
-    return laps[WARM_UP:]
+def _depth_taker(headset: Any) -> Callable[[int, EyeImages], None] | None:
+    take = getattr(headset, "take_depth", None)
+    return take and (lambda eye, images: take(eye, images.depth, images.camera.near_m))

@@ -10,7 +10,7 @@ root=$("$here/runtime.sh")
 
 if [ "$root" = / ]; then
     "$here/setup.sh"
-    PATH=$checkout/.venv/bin:$PATH exec "$@"
+    VRCOMFORT_RUNTIME=1 PATH=$checkout/.venv/bin:$PATH exec "$@"
 fi
 
 prepare_venv() { # inside: the packages of this checkout's pyproject.toml; the checkout stays outside

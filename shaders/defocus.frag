@@ -19,7 +19,8 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 c = texelFetch(colour, pixel, 0).rgb;
     point.rgb = clamp(mix(c, vec3(0.0), isnan(c)), 0.0, HALF_MAX);
-    point.a = clamp(unlimited_radius_at(pixel, uv), -radius_limit_px, radius_limit_px);
+    float radius = unlimited_radius_at(texelFetch(depth, pixel, 0).r, uv);
+    point.a = clamp(radius, -radius_limit_px, radius_limit_px);
 #ifdef PERIPHERAL
     vec2 tangent = mix(tangents.xw, tangents.yz, uv);
     float cos_angle = head_depth_slope(tangents, head_forward_in_view, uv)

@@ -1,8 +1,10 @@
 #version 450 core
 // The largest circle of confusion of each tile before its limit, for the record.
 //
-// Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels.
-// Output: w = largest |RADIUS| in pixels of image width, peripheral blur left out; one texel per tile.
+// Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels, even.
+// Output: x and w = largest |RADIUS| in pixels of image width, peripheral blur left out; one texel
+//         per tile. It grows away from the focus, so that the nearest or the farthest point has it; a
+//         tile of a canted eye counts as being where its middle is.
 #include "coc.glsl"
 #include "defocus.glsl"
 
@@ -11,11 +13,16 @@ out vec4 peak;
 void main() {
     ivec2 size = textureSize(depth, 0);
     ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
-    ivec2 end = min(first + TILE, size);
-    peak = vec4(0.0);
-    for (int y = first.y; y < end.y; ++y)
-        for (int x = first.x; x < end.x; ++x) {
-            ivec2 pixel = ivec2(x, y);
-            peak.w = max(peak.w, abs(unlimited_radius_at(pixel, (vec2(pixel) + 0.5) / vec2(size))));
+    ivec2 last = min(first + TILE, size) - 1;
+    float nearest = 0.0, farthest = 1.0;
+    for (int y = first.y; y <= last.y; y += 2)
+        for (int x = first.x; x <= last.x; x += 2) {
+            vec4 z = textureGather(depth, vec2(x + 1, y + 1) / vec2(size));  // 2 x 2 texels
+            nearest = max(nearest, max(max(z.x, z.y), max(z.z, z.w)));
+            farthest = min(farthest, min(min(z.x, z.y), min(z.z, z.w)));
         }
+    vec2 middle = (0.5 * vec2(first + last) + 0.5) / vec2(size);
+    float radius = max(abs(unlimited_radius_at(nearest, middle)),
+                       abs(unlimited_radius_at(farthest, middle)));
+    peak = vec4(radius, 0.0, 0.0, radius);
 }

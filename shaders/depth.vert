@@ -1,18 +1,22 @@
 #version 450 core
-// Depth only: shadow maps and focus rays.
+// Depth only: shadow maps, focus rays and the autofocus zone.
 //
 // Input:  vertices; relative_from_node rows as in scene.vert.
-// Output: position in any reverse-Z clip space; ALPHA_MASK: what depth.frag needs.
+// Output: position in any reverse-Z clip space; ALPHA_MASK, SEMANTIC: what depth.frag needs.
 in vec3 in_position;
 in vec2 in_uv;
 in vec4 in_color;
 in vec4 in_relative_x;
 in vec4 in_relative_y;
 in vec4 in_relative_z;
+in vec4 in_thing;  // w: semantic weight
 uniform mat4 clip_from_relative;
 #ifdef ALPHA_MASK
 out vec2 uv;
 out float alpha;
+#endif
+#ifdef SEMANTIC
+flat out float semantic_weight;
 #endif
 
 void main() {
@@ -23,5 +27,8 @@ void main() {
 #ifdef ALPHA_MASK
     uv = in_uv;
     alpha = in_color.a;
+#endif
+#ifdef SEMANTIC
+    semantic_weight = in_thing.w;
 #endif
 }

@@ -1,20 +1,21 @@
 #version 450 core
-// Focus: which of nine rays are no outliers, their mean, and one step of the refocus law.
+// Focus from nine rays: those that are no outliers and their mean, or (GAZE) their median.
 //
 // Input:  depth: 9x1 reverse-Z depths, near_m / distance, 0 = sky; texel 0 is the central ray.
-//         before: this shader's result one frame ago.
-// Output: 1x1. x: focus distance, y: the mean before the law, both metres along the head's
-//         forward axis; z: rays used, bit k = ray k; w: 1.
-// Twin:   vrcomfort/optics/focus.py. MEAN_DIOPTRES, LAW_DIOPTRE select variants at compile time.
-// Source: Carnegie & Rhee 2015, p. 36; the outlier rule (median absolute deviation) is ours.
+// Output: include/refocus.glsl.
+// Twin:   vrcomfort/optics/focus.py. MEAN_DIOPTRES and GAZE select variants at compile time.
+// Source: Carnegie & Rhee 2015, p. 36, where the outlier rule (median absolute deviation) is ours;
+//         GAZE: Mantiuk et al. 2011, section 4, where the median is ours.
+#include "refocus.glsl"
+
 uniform sampler2D depth;
-uniform sampler2D before;
 uniform float near_m;
 uniform float infinity_m;
 uniform float outlier_mad;    // in scaled median absolute deviations
 uniform float outlier_floor;  // share of the median, or dioptres with MEAN_DIOPTRES
-uniform float step_size;      // metres, or dioptres with LAW_DIOPTRE, that focus may move now
-out vec4 focus;
+#ifdef GAZE
+uniform int estimate;  // 0: the mean, as without GAZE; 1: the median; 2: the target of before
+#endif
 
 const int RAYS = 9;
 const float MAD_TO_SIGMA = 1.4826;
@@ -30,20 +31,39 @@ float median(float values[RAYS]) {
     return values[0];
 }
 
-float towards(float current, float target, float most) {
-    float way = target - current;
-    return abs(way) <= most ? target : current + sign(way) * most;
+float metres_of(int ray) {
+    float z = texelFetch(depth, ivec2(ray, 0), 0).x;
+    return z * infinity_m > near_m ? near_m / z : infinity_m;
 }
 
+#ifdef GAZE
+void refocus_by_gaze() {
+    if (estimate == 2) {
+        refocus(texelFetch(before, ivec2(0), 0).y, 0);
+        return;
+    }
+    float metres[RAYS];
+    for (int k = 0; k < RAYS; ++k) metres[k] = metres_of(k);
+    float middle = median(metres);
+    int used = 0;
+    for (int k = 0; k < RAYS; ++k) used |= int(metres[k] == middle) << k;
+    refocus(middle, used);
+}
+#endif
+
 void main() {
+#ifdef GAZE
+    if (estimate != 0) {
+        refocus_by_gaze();
+        return;
+    }
+#endif
     float values[RAYS];
     for (int k = 0; k < RAYS; ++k) {
-        float z = texelFetch(depth, ivec2(k, 0), 0).x;
-        float metres = z * infinity_m > near_m ? near_m / z : infinity_m;
 #ifdef MEAN_DIOPTRES
-        values[k] = 1.0 / metres;
+        values[k] = 1.0 / metres_of(k);
 #else
-        values[k] = metres;
+        values[k] = metres_of(k);
 #endif
     }
     float middle = median(values);
@@ -65,16 +85,9 @@ void main() {
             count += 1.0;
             used |= 1 << k;
         }
-    float raw = middle + sum / count;
+    float target = middle + sum / count;
 #ifdef MEAN_DIOPTRES
-    raw = 1.0 / raw;
+    target = 1.0 / target;
 #endif
-
-    float current = texelFetch(before, ivec2(0), 0).x;
-#ifdef LAW_DIOPTRE
-    float now = 1.0 / towards(1.0 / current, 1.0 / raw, step_size);
-#else
-    float now = towards(current, raw, step_size);
-#endif
-    focus = vec4(now, raw, float(used), 1.0);
+    refocus(target, used);
 }

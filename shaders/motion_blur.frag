@@ -18,10 +18,12 @@
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
 // Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
+#include "velocity.glsl"
+
 uniform sampler2D colour;
 uniform sampler2D streaks;
 uniform sampler2D longest;
-uniform float samples_per_px;  // of a whole streak
+uniform int px_per_sample;
 
 out vec4 blurred;
 
@@ -44,58 +46,89 @@ float in_front(vec4 q) {
     return nearer * clamp(length(q.xy - p.xy) / tolerance_px - 1.0, 0.0, 1.0);
 }
 
-// Where taps lie on a streak through p. Where sharp and moving things meet, a filtered tap would
-// carry half a sharp pixel along: there, taps are whole pixels, twice as many.
+// Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
+// Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
+// streak does.
 struct Walk {
-    int pairs;  // taps to each side; the middle one is p itself
-    float spacing;
-    vec2 direction;
+    vec2 step;    // px of the image for one px along the longer axis
+    float reach;  // of the half streak, along the longer axis
+    int stride;
     bool whole_pixels;
 };
 
-Walk walk_along(vec2 half_streak, bool whole_pixels) {
-    float reach = length(half_streak);
-    int pairs = int(ceil(reach * samples_per_px * (whole_pixels ? 2.0 : 1.0)));
-    return Walk(pairs, 2.0 * reach / float(2 * pairs + 1), half_streak / reach, whole_pixels);
+struct Tap {
+    vec2 pixels;  // the first and the last that it stands for, px from p
+    float along;  // where it lies, px from p
+    float time;   // that p's streak is over it, in px of its way
+};
+
+Walk walk_along(vec2 half_streak, int stride, bool whole_pixels) {
+    float reach = max(abs(half_streak.x), abs(half_streak.y));
+    return Walk(half_streak / reach, reach, stride, whole_pixels);
 }
 
-vec2 place(Walk walk, int i) {
-    return vec2(pixel) + 0.5 + (float(i) * walk.spacing) * walk.direction;
+int taps(Walk walk) {
+    return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
 }
 
-vec3 colour_at(vec2 at, bool whole_pixels) {
+float time_over_pixels(vec2 pixels, int stride, float reach) {
+    return 0.5 * float(stride) * (time_over(pixels.x, reach) + time_over(pixels.y, reach));
+}
+
+Tap tap_of(Walk walk, int j) {
+    vec2 k = float((j - 1) * walk.stride + 1) + vec2(0.0, float(walk.stride - 1));
+    float first = time_over(k.x, walk.reach), second = time_over(k.y, walk.reach);
+    float along = mix(k.x, k.y, second / max(first + second, 1e-6));
+    return Tap(k, along, 0.5 * float(walk.stride) * (first + second));
+}
+
+vec4 colour_at(vec2 at, bool whole_pixels) {
     vec2 where = whole_pixels ? floor(at) + 0.5 : at;
-    return textureLod(colour, where / vec2(last + 1), 0.0).rgb;
+    return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
 }
 
 vec4 streak_at(vec2 at) {
-    return texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
+    // A tap between two pixels counts as the one that is closer to p.
+    vec2 towards_p = sign(vec2(pixel) + 0.5 - at) * 0.01;
+    return texelFetch(streaks, clamp(ivec2(floor(at + towards_p)), ivec2(0), last), 0);
 }
 
 // Nothing in front anywhere near: the average along p's streak.
 void gather_plain(Walk walk) {
-    for (int i = -walk.pairs; i <= walk.pairs; ++i)
-        back += vec4(colour_at(place(walk, i), walk.whole_pixels), 1.0);
-}
-
-// p's own surface and what is behind it; what is in front is left out.
-void gather_back(Walk walk) {
-    for (int i = -walk.pairs; i <= walk.pairs; ++i) {
-        vec2 at = place(walk, i);
-        back += (1.0 - in_front(streak_at(at))) * vec4(colour_at(at, walk.whole_pixels), 1.0);
+    vec2 centre = vec2(pixel) + 0.5;
+    for (int j = 1; j <= taps(walk); ++j) {
+        Tap tap = tap_of(walk, j);
+        vec2 offset = tap.along * walk.step;
+        back += tap.time * (colour_at(centre - offset, false) + colour_at(centre + offset, false));
     }
 }
 
-// What sweeps over p: q does if it moves this way far enough; its rim is one spacing soft.
-void gather_front(Walk walk) {
-    for (int i = -walk.pairs; i <= walk.pairs; ++i) {
-        vec2 at = place(walk, i);
-        vec4 q = streak_at(at);
-        float sweep = abs(dot(q.xy, walk.direction));
-        float covers = clamp((sweep - abs(float(i)) * walk.spacing) / walk.spacing + 0.5, 0.0, 1.0);
-        float share = in_front(q) * covers * min(walk.spacing / max(2.0 * sweep, 1e-3), 1.0);
-        if (share > 0.0)
-            front += share * vec4(colour_at(at, walk.whole_pixels), 1.0);
+void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
+    vec4 q = streak_at(at);
+    float is_front = in_front(q);
+    // p's own surface and what is behind it.
+    float shown = for_back ? (1.0 - is_front) * tap.time : 0.0;
+    // What sweeps over p: q does for the part of the time that its own streak is over p.
+    float over = 0.0;
+    if (for_front && is_front > 0.0) {
+        float sweep = abs(dot(q.xy, walk.step)) / dot(walk.step, walk.step);
+        float time = time_over_pixels(tap.pixels, walk.stride, sweep);
+        over = is_front * time / max(2.0 * sweep, 1e-3);
+    }
+    if (shown + over > 0.0) {
+        vec4 c = colour_at(at, walk.whole_pixels);
+        back += shown * c;
+        front += over * c;
+    }
+}
+
+void gather(Walk walk, bool for_back, bool for_front) {
+    vec2 centre = vec2(pixel) + 0.5;
+    for (int j = 1; j <= taps(walk); ++j) {
+        Tap tap = tap_of(walk, j);
+        vec2 offset = tap.along * walk.step;
+        gather_at(centre - offset, walk, tap, for_back, for_front);
+        gather_at(centre + offset, walk, tap, for_back, for_front);
     }
 }
 
@@ -108,21 +141,23 @@ void main() {
         return;
     bool moves = length(p.xy) >= LEAST_PX;
     // Between p and the farthest tap lie at most sqrt(2) * reach + 2 steps from pixel to pixel.
-    bool smooth_motion = tile.w * (1.4143 * reach + 2.0) <= tolerance_px;
-    if (smooth_motion && !moves)
+    bool alike = tile.w * (1.4143 * reach + 2.0) <= tolerance_px;
+    bool nearest = tile.z <= p.z * 1.02;
+    if (!moves && (alike || nearest))
         return;
-    bool whole_pixels = tile.z < 0.25 * reach;
-    Walk own = walk_along(p.xy, whole_pixels);
-    if (smooth_motion) {
+    // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
+    bool whole_pixels = tile.w > 0.75 * reach;
+    Walk own = walk_along(p.xy, whole_pixels ? 1 : px_per_sample, whole_pixels);
+    back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
+    if (alike || nearest) {
         gather_plain(own);
     } else {
-        if (moves)
-            gather_back(own);
-        else
-            back = vec4(blurred.rgb, 1.0);
         float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
         bool together = moves && apart < 0.25 + 0.05 * reach;
-        gather_front(together ? own : walk_along(around, whole_pixels));
+        if (moves)
+            gather(own, true, together);
+        if (!together)
+            gather(walk_along(around, own.stride, whole_pixels), false, true);
         if (front.a <= 0.0 && !moves)
             return;
     }

@@ -105,7 +105,8 @@ void main() {
 #endif
     float distance_m = length(relative);
     vec3 v = -relative / max(distance_m, 1e-6);
-    vec3 n = normalize(normal);
+    // A normal without a length (files have them) has no direction: such a surface faces the eye.
+    vec3 n = dot(normal, normal) > 0.0 ? normalize(normal) : v;
 #ifdef DOUBLE_SIDED
     n = gl_FrontFacing ? n : -n;
 #endif
@@ -148,7 +149,9 @@ void main() {
 #ifdef FOG
     sum = through_air(sum, distance_m);
 #endif
-    // At the rim of a triangle, what vertices interpolate may leave their range.
+    // At the rim of a triangle, what vertices interpolate may leave their range. A clamp of what is
+    // no number may give anything: blur would spread it.
+    sum = mix(sum, vec3(0.0), isnan(sum));
     radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
 #ifdef VELOCITY
     // At sample 0, the one that is kept: there the triangle is, at the pixel's centre it may not be.

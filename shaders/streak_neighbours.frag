@@ -3,8 +3,8 @@
 // those that are long enough to come here.
 //
 // Input:  tiles of streak_tiles.frag.
-// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = length of
-//         the shortest, and w = steepness of the steepest, within that reach.
+// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = depth of
+//         the nearest point, and w = steepness of the steepest tile, within that reach.
 #include "velocity.glsl"
 
 uniform sampler2D tiles;
@@ -33,13 +33,13 @@ void main() {
             around = comes_here && dot(s, s) > dot(around, around) ? s : around;
         }
     float reach = length(around);
-    longest = vec4(around, 1e4, 0.0);
+    longest = vec4(around, 0.0, 0.0);
     for (int y = -REACH; y <= REACH; ++y)
         for (int x = -REACH; x <= REACH; ++x) {
             if (reach < gap_px(ivec2(x, y)))
                 continue;
             vec4 t = at(ivec2(x, y));
-            longest.z = min(longest.z, t.z);
+            longest.z = max(longest.z, t.z);
             longest.w = max(longest.w, t.w);
         }
 }

@@ -22,6 +22,29 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write the golden images instead of comparing"
     )
+    parser.addoption(
+        "--extreme-cases", type=int, default=40, help="cases of each fuzz test of extremes"
+    )
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Say how many cases the fuzz tests of extremes have tried (docs/extremes.md)."""
+    tried = {
+        report.nodeid.rpartition("::")[2]: dict(report.user_properties)["cases"]
+        for report in terminalreporter.getreports("passed")
+        if "cases" in dict(report.user_properties)
+    }
+    if tried:
+        terminalreporter.write_line(f"extremes: {sum(tried.values())} cases, all within bounds")
+        for name, cases in tried.items():
+            terminalreporter.write_line(f"  {cases:6d} {name}")
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Where a runtime was promised (scripts/in_runtime.sh), a test that is skipped has failed."""
+    reporter = session.config.pluginmanager.getplugin("terminalreporter")
+    if "VRCOMFORT_RUNTIME" in os.environ and reporter and reporter.stats.get("skipped"):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 @pytest.fixture(scope="session")

@@ -46,7 +46,10 @@ class Interceptor(xr.DynamicApiLayerBase):
 
     def _create_instance(self, info: Any, layer_info: Any, instance: Any) -> int:
         mine = layer_info.contents.next_info.contents
-        self._next_get = mine.next_get_instance_proc_addr
+        # By its address: the loader's structure, which holds the pointer, does not last.
+        self._next_get = xr.PFN_xrGetInstanceProcAddr(
+            ctypes.cast(mine.next_get_instance_proc_addr, ctypes.c_void_p).value
+        )
         create, layer_info.contents.next_info = mine.next_create_api_layer_instance, mine.next
         return create(info, layer_info, instance)
 

@@ -122,6 +122,7 @@ class LateFocus:
     """A renderer whose focus arrives three frames late, where the condition has any."""
 
     begun: list[tuple[Any, str]] = field(default_factory=list)
+    shortened: tuple[str, ...] = ()
 
     def begin(self, scene: Any, condition: Condition) -> None:
         self.begun.append((scene, condition.name))
@@ -138,6 +139,9 @@ class LateFocus:
     def drain(self) -> list[Sample]:
         late, self._late = self._late, []
         return late
+
+    def clamps(self) -> tuple[str, ...]:
+        return self.shortened if self._focus else ()
 
 
 @dataclass

@@ -4,13 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from render_parts import at, eye, glowing, scene, wall
+from test_effects_optics import evaluate
 
 from vrcomfort.geometry import Fov, Pose, View, axis_angle
 from vrcomfort.headset.base import Frame
+from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.render.output import read_depth, read_linear
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_data import Environment, Material, Node, Primitive, Scene
+from vrcomfort.render.scene_pass import ScenePass
 
 SUN = (60_000.0, 60_000.0, 60_000.0)
 FOV = Fov(-0.9, 0.7, 0.8, -0.85)
@@ -111,6 +116,85 @@ def test_no_aperture_and_no_motion_is_the_pinhole_image(ctx):
     closed = condition(1.0, "dioptre", max_radius_percent=0.0)
     for sharp, blurred in last_images(ctx, around(10.0), closed, (31, 23), still):
         np.testing.assert_array_equal(blurred, sharp)
+
+
+@pytest.mark.parametrize("law", ["linear", "dioptre"])
+def test_discs_of_half_a_pixel_leave_the_image_bit_for_bit(ctx, law):
+    """An aperture so small that no disc leaves its pixel: the pass is there and changes nothing."""
+    still = two_frames([0.0, 0.0, 0.0], 0.0)
+    tiny = condition(1.0, law, max_radius_percent=0.5 / 31 * 100 * 0.999)
+    assert tiny.depth_of_field.max_radius_percent > 0
+    for sharp, blurred in last_images(ctx, around(10.0), tiny, (31, 23), still):
+        np.testing.assert_array_equal(blurred, sharp)
+
+
+@pytest.mark.parametrize("samples", [2, 4])
+@pytest.mark.parametrize("near_m", [0.001, 0.02, 1.0])
+def test_thirty_kilometres_and_five_metres_less_differ(ctx, near_m, samples):
+    """Through many samples and the resolve, at every near plane."""
+    found = []
+    for distance_m in (30_000.0, 29_995.0):
+        content = scene([at(0, 0, -distance_m)], [wall(1e5)], [glowing((1.0, 1.0, 1.0))])
+        scene_pass = ScenePass(ctx, content, (4, 4), velocity=False, samples=samples)
+        scene_pass.render(replace(eye(), near_m=near_m), 0.0)
+        found.append(near_m / read_depth(scene_pass.depth)[1, 1])
+    np.testing.assert_allclose(found, [30_000, 29_995], atol=0.01)
+
+
+def test_a_surface_whose_normal_has_no_length_is_lit_as_if_it_faced_the_eye(ctx):
+    images = []
+    for length in (0.0, 1.0):
+        square = wall(4)
+        normals = np.tile(np.float32([0, 0, length]), (4, 1))
+        content = scene(
+            [at(0, 0, -3e4)],
+            [replace(square, positions=square.positions * 1e5, normals=normals)],
+            [Material(double_sided=True)],
+            environment=Environment(sun_irradiance=(0, 0, 0)),
+        )
+        scene_pass = ScenePass(ctx, content, (5, 5), velocity=False)
+        scene_pass.render(eye(), 0.0)
+        images.append(read_linear(scene_pass.colour))
+    # Pixels beside the middle look at a slant, where facing the eye is not facing +Z.
+    np.testing.assert_allclose(images[0][2, 2], images[1][2, 2], rtol=2e-3)
+    assert images[0].min() > 0.1
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("law", ["linear", "dioptre"])
+def test_radii_are_accurate_at_every_range(ctx, law, seed):
+    """Of float64: 1e-5 or 0.001 px up to 100 px, and 1e-5 at any size beyond 2 % from focus."""
+    rng = np.random.default_rng(seed)
+    near_m, offset_m = float(rng.choice([0.001, 0.02, 1.0])), float(rng.choice([0.0, -0.05, 0.05]))
+    focus_m = float(np.float32(rng.choice([0.06, 1.0, 10 ** rng.uniform(-1, 4.4), 30_000.0])))
+    least_m = max(near_m, 0.06)
+    distance_m = 10 ** rng.uniform(np.log10(least_m), np.log10(3e4), 400)
+    distance_m[::3] = np.clip(focus_m * (1 + rng.normal(0, 0.02, 134)), least_m, None)
+    depth = (near_m / distance_m).astype("f4")
+    rows = np.zeros((400, 4), "f4")
+    rows[:, 0] = depth
+    single = [np.float64(np.float32(each)) for each in (near_m, offset_m, 3e4)]
+    for limit_px, rate in ((100.0, 10 ** rng.uniform(0, 3)), (1e6, 10 ** rng.uniform(2, 5))):
+        constants = np.float32([[near_m, focus_m, offset_m, 3e4], [rate, limit_px, 0, 0]])
+        call = "vec4(signed_radius_px(x.x, a.x, a.y, a.z, a.w, b.x, b.y))"
+        found = evaluate(ctx, "coc.glsl", call, rows, constants=constants, law=law)[:, 0]
+        twin = coc.signed_radius_px(
+            depth,
+            law=law,
+            focus_m=focus_m,
+            near_m=single[0],
+            offset_m=single[1],
+            infinity_m=single[2],
+            radius_limit_px=limit_px,
+            full_blur=limit_px / np.float64(constants[1, 0]),
+        )
+        off_px = np.abs(found - twin)
+        if limit_px == 100.0:
+            assert (off_px <= np.maximum(1e-5 * np.abs(twin), 1e-3)).all()
+        from_head_m = np.minimum(near_m / depth.astype("f8") + offset_m, single[2])
+        apart = np.abs(from_head_m - focus_m) > 0.02 * focus_m
+        assert apart.sum() > 100
+        assert (off_px[apart] <= 1e-5 * np.abs(twin[apart])).all()
 
 
 def test_a_turned_head_blurs_nothing_where_rotation_is_cancelled(ctx):

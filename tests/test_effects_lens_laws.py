@@ -110,6 +110,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
     distance = np.geomspace(max(near_m, 0.05), 3e4, 2000).reshape(40, 50)
     rgb = np.zeros((40, 50, 3))
     colour, depth = textures(ctx, rgb, distance, near_m)
+    _, fours = textures(ctx, np.zeros((80, 100, 3)), np.kron(distance, np.ones((2, 2))), near_m)
     z = (near_m / distance).astype("f4").astype(float)
     eye_pose = Pose(np.array([0.03, 0.0, -0.01]))
     head = defocus_uniforms(LEFT_EYE, near_m, eye_pose)
@@ -120,11 +121,11 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
             ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(50, 40),
             infinity_m=3e4,
         )  # fmt: skip
-        # The record's shader, one texel per pixel: float32, before any limit.
+        # The record's shader on tiles of four equal pixels: float32, before any limit.
         peaks = FullscreenPass(
-            ctx, "defocus_peak.frag", size_px=(50, 40), inputs={"depth": depth, "focus": focus},
+            ctx, "defocus_peak.frag", size_px=(50, 40), inputs={"depth": fours, "focus": focus},
             constants=defocus._lens_constants(settings, 3e4), dtype="f4",
-            defines={**defocus._law_defines(settings), "TILE": 1},
+            defines={**defocus._law_defines(settings), "TILE": 2},
         )  # fmt: skip
         scale = effect._scale(focal_px, defocus._Limit(5.0))
         peaks.render(defocus._Together(head, scale))
@@ -209,6 +210,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
+    assert effect.limit_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
     # Law `linear`: 10 m of defocus reach the limit; the sky would have 2999.9 times as much.
     limit_px = np.tan(np.radians(1.0)) * focal_px
     assert effect.largest_radius_px() == pytest.approx(2999.9 * limit_px, rel=1e-5)
@@ -218,6 +220,10 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     )
     effect.forget()
     assert effect.clamps() == ()
+    # A narrower field of view has more pixels to the minute of arc; its own limit is the one told.
+    effect.render(fov=Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose())
+    narrow_px = np.tan(np.radians(1.0)) * 32 / np.tan(0.2)
+    assert effect.clamps()[0].endswith(f"limited to {narrow_px:.1f} px")
 
 
 def test_a_lens_without_an_opening_needs_no_pass():
@@ -242,10 +248,10 @@ def test_the_reference_blurs_as_much_as_the_law_says(ctx, name):
     condition = Condition(name="c", focus=Focus(infinity_m=1e4), depth_of_field=effect)
     size_px = (160, 160)
     camera = eye()
-    truth = Reference(ctx, content, condition, size_px, samples=256)
-    pinhole = Reference(ctx, content, Condition(name="p"), size_px, samples=1)
-    blurred = truth.render(camera, 0.0, None, focus_m=0.1).image[..., 0]
-    sharp = pinhole.render(camera, 0.0, None, focus_m=0.1).image[..., 0]
+    truth = Reference(ctx, content, condition, size_px)
+    pinhole = Reference(ctx, content, Condition(name="p"), size_px)
+    blurred = truth.render(camera, 0.0, None, focus_m=0.1, samples=256).image[..., 0]
+    sharp = pinhole.render(camera, 0.0, None, focus_m=0.1, samples=1).image[..., 0]
     x = np.arange(160) - 79.5
 
     def moment(image):
@@ -257,3 +263,23 @@ def test_the_reference_blurs_as_much_as_the_law_says(ctx, name):
     radius = px * (1 / (0.1 + offset_m) - 1 / (2.0 + offset_m))
     assert radius > 7
     assert moment(blurred) - moment(sharp) == pytest.approx(radius**2 / 4, rel=0.03)
+
+
+@pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17), (50, 40)])
+@pytest.mark.parametrize("corner", [(0, 0), (-1, -1), (0, -1), (-1, 0)])
+def test_the_largest_radius_is_found_wherever_it_is(ctx, size_px, corner):
+    width, height = size_px
+    distance = np.full((height, width), 2.0)
+    distance[corner] = 0.5
+    colour, depth = textures(ctx, np.zeros((height, width, 3)), distance)
+    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
+    settings = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=1.0)
+    effect = Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
+        infinity_m=3e4,
+    )  # fmt: skip
+    fov = Fov(-0.5, 0.5, 0.4, -0.4)
+    effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+    px = coc.eye_px_per_dioptre(20.0, focal_length_px(fov, size_px)[0])
+    assert effect.largest_radius_px() == pytest.approx(1.5 * px, rel=1e-5)
+    assert effect.clamps()[0].endswith(f"limited to {0.01 * width:.1f} px")

@@ -295,8 +295,8 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
         count_primitives(lambda: renderer.begin(still_life(), condition))  # noqa: B023 - called now
         for condition in (PLAIN, fast)
     )
-    # Streaks, two tile passes, their peak over 6 x 5 tiles, neighbours, gather; two Gaussians.
-    assert warm - plain == 1 + 2 + 30 + 2 + 2
+    # Streaks, two tile passes, their peak over 3 x 3 tiles, neighbours, gather; two Gaussians.
+    assert warm - plain == 1 + 2 + 9 + 2 + 2
 
 
 def test_the_same_frames_give_the_same_bytes(ctx):

@@ -1,17 +1,22 @@
-"""The focus estimate and the refocus laws, as mathematics."""
+"""Rays and what is estimated from them, as mathematics."""
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
-from vrcomfort.optics.focus import estimate_focus, ray_directions, refocus
+from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.optics.focus import (
+    GAZE_RING,
+    estimate_focus,
+    gaze_focus,
+    gaze_tangents,
+    ray_directions,
+)
 from vrcomfort.protocol.conditions import Focus
 
 means = st.sampled_from(["metres", "dioptres"])
-laws = st.sampled_from(["linear", "linear_dioptre", "instant"])
 distances = st.floats(0.05, 30_000.0)
-times = st.floats(0.0, 1.0)
 
 
 def test_rays_are_a_centre_and_a_ring_of_eight():
@@ -77,46 +82,30 @@ def test_the_mean_in_dioptres_is_harmonic():
     assert raw == pytest.approx(9 / (3 + 3 / 2 + 3 / 4))
 
 
-@given(distances, distances, times, times, laws)
-def test_two_steps_are_one_step_of_their_summed_time(start, target, first, second, law):
-    settings = Focus(law=law)
-    middle = refocus(start, target, first, settings)
-    twice = refocus(middle, target, second, settings)
-    assert 1 / twice == pytest.approx(
-        1 / refocus(start, target, first + second, settings), abs=1e-9
-    )
+@given(st.floats(-1.0, 1.0), st.floats(-0.8, 0.8), st.floats(-3.0, 3.0), st.floats(0.0, 5.0))
+def test_rays_around_a_line_of_sight_share_its_neighbourhood(yaw, pitch, roll, radius_deg):
+    gaze = Pose(np.zeros(3), yaw_pitch_roll(yaw, pitch, roll))
+    tangents = gaze_tangents(gaze, radius_deg)
+    rays = np.concatenate([tangents, -np.ones((9, 1))], axis=1)
+    unit = rays / np.linalg.norm(rays, axis=1, keepdims=True)
+    np.testing.assert_allclose(unit[0], gaze.forward, atol=1e-12)
+    across = np.linalg.norm(np.cross(unit[1:], unit[0]), axis=1)
+    np.testing.assert_allclose(across, np.sin(np.radians(GAZE_RING * radius_deg)), atol=2e-4)
 
 
-@given(distances, distances, times, laws)
-def test_refocusing_never_passes_its_target_nor_turns_away(start, target, dt, law):
-    focus = refocus(start, target, dt, Focus(law=law))
-    tolerance = 1e-12 * max(start, target)
-    assert min(start, target) - tolerance <= focus <= max(start, target) + tolerance
+def test_nobody_looks_at_right_angles_to_the_head():
+    for yaw_deg, there in ((80.0, True), (86.0, False), (95.0, False), (180.0, False)):
+        gaze = Pose(np.zeros(3), yaw_pitch_roll(np.radians(yaw_deg), 0, 0))
+        assert (gaze_tangents(gaze, 1.5) is not None) is there
 
 
-@given(distances, distances, laws)
-def test_focus_arrives_and_stays(start, target, law):
-    settings = Focus(law=law)
-    assert refocus(target, target, 0.01, settings) == pytest.approx(target, rel=1e-15)
-    assert refocus(start, target, 1e3, settings) == pytest.approx(target, rel=1e-15)
+@given(st.lists(st.floats(0.05, 3e4), min_size=9, max_size=9))
+def test_the_gaze_is_at_a_distance_that_is_there(distances_m):
+    focus_m, used = gaze_focus(distances_m, 3e4)
+    assert focus_m in distances_m
+    assert (np.array(distances_m)[used] == focus_m).all()
 
 
-@given(distances, distances, st.sampled_from(["linear", "linear_dioptre"]))
-def test_no_time_means_no_change(start, target, law):
-    assume(start != target)
-    assert refocus(start, target, 0.0, Focus(law=law)) == pytest.approx(start, rel=1e-15)
-
-
-def test_the_papers_law_takes_half_a_second_from_the_sky():
-    settings = Focus()
-    assert refocus(30_000.0, 1.0, 0.25, settings) == pytest.approx(15_000.0)
-    assert refocus(30_000.0, 1.0, 0.5, settings) == 1.0
-    # 10 m to 1 m at 60 km/s is done in 0.15 ms.
-    assert refocus(10.0, 1.0, 0.149e-3, settings) > 1.0
-    assert refocus(10.0, 1.0, 0.151e-3, settings) == 1.0
-
-
-def test_the_dioptre_law_takes_half_a_second_from_the_sky_to_one_metre():
-    settings = Focus(law="linear_dioptre")
-    assert refocus(30_000.0, 0.1, 0.5, settings) == pytest.approx(1.0, rel=1e-4)
-    assert refocus(1.0, 0.1, 0.5, settings) == pytest.approx(0.5)
+def test_a_thin_thing_near_the_gaze_does_not_take_the_focus():
+    distances_m = [0.5, 4.0, 4.0, 4.1, 0.5, 3.9, 4.0, np.inf, 0.5]
+    assert gaze_focus(distances_m, 3e4)[0] == 4.0

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
-from vrcomfort.optics.focus import estimate_focus, ray_directions, refocus
+from vrcomfort.optics.focus import estimate_focus, ray_directions
+from vrcomfort.optics.refocus import FocusState, advance
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.animation import Animation, Channel
 from vrcomfort.render.focus import LATENCY, FixedFocus, FocusPass, make_focus_pass
@@ -163,7 +164,17 @@ def jumping_squares(depths_m):
 
 
 @pytest.mark.parametrize("mean", ["metres", "dioptres"])
-@pytest.mark.parametrize("law", ["linear", "linear_dioptre", "instant"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "linear",
+        "linear_dioptre",
+        "low_pass",
+        "low_pass_backward_euler",
+        "duration",
+        "instant",
+    ],
+)
 def test_the_shader_computes_what_its_twin_does(ctx, mean, law):
     random = np.random.default_rng(5)
     depths_m = random.uniform(0.3, 12.0, (30, 1)) * random.uniform(0.8, 1.25, (30, 9))
@@ -180,15 +191,15 @@ def test_the_shader_computes_what_its_twin_does(ctx, mean, law):
         cuts=(10,),
         step_ns=step_ns,
     )
-    focus_m = None
+    state = FocusState(1.0)
     for index, (sample, depths) in enumerate(zip(samples, depths_m, strict=True)):
         np.testing.assert_allclose(sample.rays_m, depths, rtol=3e-6)
         raw_m, used = estimate_focus(sample.rays_m, settings)
         assert sample.used.tolist() == used.tolist()
         assert sample.focus_raw_m == pytest.approx(raw_m, rel=1e-6)
         cut = index in (0, 10)
-        focus_m = raw_m if cut else refocus(focus_m, raw_m, step_ns * 1e-9, settings)
-        assert sample.focus_m == pytest.approx(focus_m, rel=1e-5)
+        state = advance(state, raw_m, 1e9 if cut else step_ns * 1e-9, settings)
+        assert sample.focus_m == pytest.approx(raw_m if cut else state.focus_m, rel=1e-5)
 
 
 def test_samples_come_a_fixed_number_of_frames_late_and_all_of_them(ctx):

@@ -25,6 +25,8 @@ import xr
 from openxr_layers import Interceptor, answer
 
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+from vrcomfort.headset.openxr.binding import OPENGL
+from vrcomfort.headset.openxr.instance import connect
 
 pytestmark = needs_monado
 
@@ -104,6 +106,11 @@ def test_an_image_that_never_comes_is_a_runtime_lost(
     with pytest.raises(RuntimeLostError, match=r"no image within 5 s.*--resume"):
         session.submit(frame, eyes)
     session.close()
+
+
+def test_a_runtime_without_a_needed_extension_is_refused_by_name(monado: Monado) -> None:
+    with pytest.raises(InputError, match=r"does not offer XR_KHR_nothing, which OpenGL"):
+        connect(OpenXrSettings(), (OPENGL, "XR_KHR_nothing"), lambda _: None)
 
 
 def test_without_a_context_there_is_nothing_to_bind(tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from openxr_support import Participant, Script, fresh_monado, needs_monado, vali
 
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, Quad, View, axis_angle, yaw_pitch_roll
+from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 
@@ -152,23 +154,35 @@ def test_buttons_and_aim_arrive_once(
     ctx: moderngl.Context, play: Callable[[Script], Participant]
 ) -> None:
     aim = Pose([0.1, 1.3, -0.2], axis_angle([1.0, 0.0, 0.0], 0.3))
+    down: dict[str, bool] = {}
+    inputs: list[Inputs] = []
 
-    def script(frame: int) -> RemoteState:
-        hand = RemoteHand(
-            aim,
-            trigger=8 <= frame < 12,
-            b=14 <= frame < 16,
-            a=18 <= frame < 20,
-            thumbstick=(0.5, -1.0),
-        )
-        return RemoteState(Pose([0.0, 1.6, 0.0]), right=hand)
+    def script(_: int) -> RemoteState:
+        return replace(STANDING, right=RemoteHand(aim, **down, thumbstick=(0.5, -1.0)))
 
     with OpenXrHeadset(ctx, SMALL, before_wait=play(script)) as headset:
-        inputs = []
-        for frame in islice(headset.frames(), 24):
-            inputs.append(headset.inputs())
-            headset.submit(frame, None)
-            headset.tick(1)
+
+        def wait(seen: Callable[[Inputs], bool]) -> None:
+            """Let frames pass until something has come through the runtime, and three more."""
+            since = 0
+            for frame in islice(headset.frames(), 100):
+                inputs.append(headset.inputs())
+                headset.submit(frame, None)
+                headset.tick(1)
+                since = since + 1 if since or seen(inputs[-1]) else 0
+                if since > 3:
+                    return
+            pytest.fail("it did not come")
+
+        wait(lambda now: now.right.aim is not None and now.right.thumbstick[0] > 0)
+        down["trigger"] = True
+        wait(lambda now: now.right.held)
+        down.clear()
+        wait(lambda now: not now.right.held)
+        for button, came in (("b", "back"), ("a", "stop")):
+            down[button] = True
+            wait(lambda now, name=came: getattr(now, name))
+            down.clear()
         profile = headset.details["right_controller"]
     assert profile.endswith("valve/index_controller")
     assert [each.right.select for each in inputs].count(True) == 1

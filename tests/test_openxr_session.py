@@ -62,6 +62,9 @@ class FlatRenderer:
     def drain(self) -> tuple[Any, ...]:
         return ()
 
+    def clamps(self) -> tuple[str, ...]:
+        return ()
+
 
 def walk() -> Iterator[Pose]:
     for frame in count():
@@ -88,6 +91,7 @@ def run(
                 rehearsal.screen, watch=rehearsal.watch, chose=rehearsal.chose
             ),
             clock=session.WallClock(),
+            screen=rehearsal.screen,
             **kwargs,
         )
 
@@ -121,7 +125,11 @@ def test_a_session_records_the_fed_poses_and_the_scripted_answers(
     assert rehearsal.said == answers[: len(rehearsal.said)]
     assert asked["response"].astype(int).tolist()[:16] == answers[:16]
     assert set(read(tmp_path, "trials.csv")["status"]) == {"completed"}
-    assert "session_state" in set(read(tmp_path, "events.csv")["name"])
+    events = read(tmp_path, "events.csv")
+    states = events[events["name"] == "session_state"]
+    first_answer_s = events[events["name"] == "answer"]["onset_s"].min()
+    assert states["detail"].tolist() == ["idle", "ready", "synchronized", "visible", "focused"]
+    assert states["onset_s"].max() < first_answer_s
 
 
 def test_a_runtime_that_dies_leaves_every_row_up_to_then(

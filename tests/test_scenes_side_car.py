@@ -62,11 +62,11 @@ range_m = 5
 def test_patterns_reach_nodes_and_head_locking_reaches_children(tmp_path):
     scene = scene_with(
         tmp_path,
-        '[nodes."stone *"]\nsemantic_weight = 3.0\n'
+        '[nodes."stone *"]\nsemantic_weight = 0.5\n'
         '[nodes."stone 2"]\nhead_locked = true\nambient = 0.25\ncasts_shadow = false\n',
     )
     assert [node.name for node in scene.nodes] == ["stone 1", "stone 2", "moss"]
-    assert [node.semantic_weight for node in scene.nodes] == [3.0, 3.0, 1.0]
+    assert [node.semantic_weight for node in scene.nodes] == [0.5, 0.5, 0.004]
     assert [node.head_locked for node in scene.nodes] == [False, True, True]
     assert [node.ambient for node in scene.nodes] == [1.0, 0.25, 1.0]
     assert [node.casts_shadow for node in scene.nodes] == [True, False, True]
@@ -93,7 +93,7 @@ def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
         ("\n[spawn]\nposition = [0, 0, 'x']\n", 3, "position"),
         ("[fog]\ndensity_per_m = -1\n", 2, "density_per_m"),
         ("[[walkable]]\npolygon_xz = [[0, 0], [1, 1]]\n", 2, "polygon_xz"),
-        ('[nodes."tree"]\nsemantic_weight = 2\n', 1, "no node of the scene is called 'tree'"),
+        ('[nodes."tree"]\nsemantic_weight = 1\n', 1, "no node of the scene is called 'tree'"),
         (
             'exposure = 1.0\n[nodes.moss]\nlod = [{ from_distance_m = 3, node = "gone" }]\n',
             2,

@@ -11,12 +11,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
+from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.questionnaire import INSTRUMENTS, Instrument
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Page, Painter, Picture
 from vrcomfort.respondent.pointing import Pointing
+from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
 
 SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
@@ -31,6 +33,7 @@ class ScriptedScreen:
         self.pictures: list[Picture | None] = []
         self.ticks = 0
         self.frames = 0
+        self.absences_s: list[float] = []
 
     def watch(self, page: Page) -> None:
         self._next = next(self._choices)(page)
@@ -45,12 +48,15 @@ class ScriptedScreen:
         return self._now
 
     def allow_absence(self, duration_s: float) -> None:
-        """Stay."""
+        self.absences_s.append(duration_s)
+
+    def upcoming(self, pointing: Pointing) -> None:
+        self._next = pointing
 
     def next_frame(self) -> None:
         self.frames += 1
         self._now = self._next
-        self._next = replace(self._next, select=False)
+        self._next = replace(self._next, select=False, stop=False)
 
     def tick(self, hand: int) -> None:  # noqa: ARG002
         self.ticks += 1
@@ -122,6 +128,109 @@ def test_a_rating_is_taken_while_the_exposure_runs() -> None:
     assert screen.pictures[-1] is None
 
 
+@pytest.mark.parametrize(("late_s", "rating"), [(6.0, 7), (6.5, 7), (7.0, None)])
+def test_a_rating_counts_as_long_as_its_scale_is_there(late_s: float, rating: int | None) -> None:
+    screen = ScriptedScreen([choose(Act.ANSWER, 7)])
+    person = PanelRespondent(screen, watch=screen.watch)
+    person.prompt(FMS, 1.0, 5.0)
+    person.endure(1.1)
+    if late_s > 6.5:
+        person.endure(6.1)
+        assert screen.pictures[-1] is None
+    screen.next_frame()
+    person.endure(late_s)  # the frame in which it becomes late may still bring the answer
+    assert person.rating(late_s) == rating
+
+
+def test_a_panel_without_anything_to_point_with_says_so_after_a_while() -> None:
+    now = {"s": 0.0}
+    screen = ScriptedScreen([])
+    person = PanelRespondent(screen, now_s=lambda: now["s"])
+    person.prompt(FMS, 0.0, 60.0)
+
+    def shown(pointing: Pointing, at_s: float) -> Picture:
+        now["s"] = at_s
+        screen.do(pointing)
+        person.endure(at_s)
+        picture = screen.pictures[-1]
+        assert picture is not None
+        return picture
+
+    usual = shown(Pointing(), 0.0)
+    assert np.array_equal(shown(Pointing(unable=True), 1.0), usual)
+    assert np.array_equal(shown(Pointing(unable=True), 2.9), usual)
+    warned = shown(Pointing(unable=True), 3.1)
+    changed = np.argwhere((warned != usual).any(axis=2))
+    assert changed[:, 0].min() > 560
+    assert changed[:, 0].max() < 648
+    assert np.array_equal(shown(Pointing(), 3.2), usual)
+
+
+def test_a_rest_says_how_long_it_is_and_can_be_stopped() -> None:
+    screen = ScriptedScreen([choose(Act.BACK), choose(Act.STOP)])
+    person = PanelRespondent(screen, watch=screen.watch)
+    assert person.resting(121.0)
+    long = screen.pictures[-1]
+    assert person.resting(119.0)
+    assert not np.array_equal(long, screen.pictures[-1])
+    assert screen.absences_s == [121.0, 119.0]
+    screen.upcoming(Pointing(stop=True))
+    assert person.resting(60.0)  # not sure
+    screen.upcoming(Pointing(stop=True))
+    with pytest.raises(Withdrew, match="between exposures"):
+        person.resting(59.0)
+    person.rest(180.0)
+    assert screen.pictures[-1] is None
+
+
+class TwoHands:
+    """A headset with both controllers before a panel."""
+
+    head_pose = Pose(np.array([0.0, 1.6, 0.0]))
+
+    def __init__(self) -> None:
+        self.now = Inputs()
+
+    def inputs(self) -> Inputs:
+        return self.now
+
+    def show_panel(self, _size_px: tuple[int, int], quad: Quad) -> TwoHands:
+        self.quad = quad
+        return self
+
+    def draw(self, picture: Picture) -> None:
+        """Show nothing."""
+
+
+def test_of_two_controllers_the_one_that_presses_counts() -> None:
+    headset = TwoHands()
+    screen = PanelScreen(headset)
+    screen.show(np.zeros((2, 2, 4), np.uint8))
+    places = ((0.2, 0.5), (0.8, 0.5))
+
+    def point(left: bool, right: bool) -> tuple[int, bool, tuple[float, float] | None]:
+        hands = [
+            HandInput(aim_at(headset.quad, place), select=pressed)
+            for place, pressed in zip(places, (left, right), strict=True)
+        ]
+        headset.now = Inputs(*hands)
+        seen = screen.pointing()
+        return seen.hand, seen.select, seen.point
+
+    for left, right, hand in [
+        (False, False, 1),
+        (True, False, 0),
+        (False, False, 0),
+        (False, True, 1),
+        (False, False, 1),
+    ]:
+        number, select, place = point(left, right)
+        assert (number, select) == (hand, left or right)
+        assert place == pytest.approx(places[hand])
+    headset.now = Inputs()
+    assert screen.pointing().unable
+
+
 def test_a_look_chooses_after_it_has_rested() -> None:
     clock = iter(np.arange(0.0, 100.0, DWELL_S / 10))
 
@@ -185,3 +294,23 @@ def test_a_ray_from_behind_or_beside_misses() -> None:
 def test_a_cell_knows_its_middle() -> None:
     cell = Cell((0, 0, SIZE_PX[0], SIZE_PX[1] // 2), "", Act.ANSWER)
     assert cell.center == (0.5, 0.25)
+
+
+def test_pointing_changes_the_pointed_cell_and_a_dot_and_nothing_else():
+    cells = question_cells(FMS, first=True)
+    page = Page("", FMS.instruction, cells, chosen=2)
+    painter = Painter()
+    plain = painter.draw(page, None, None)
+    cell = cells[5]
+    pointed = painter.draw(page, cell.center, cell)
+    left, top, right, bottom = cell.box
+    changed = np.any(plain != pointed, axis=2)
+    assert changed[top : bottom + 1, left : right + 1].mean() > 0.9
+    changed[top : bottom + 1, left : right + 1] = False
+    assert not changed.any()
+    dot = painter.draw(page, (0.0, 1.0), None)  # half of it lies beside the panel
+    where = np.argwhere(np.any(plain != dot, axis=2))
+    assert len(where)
+    assert where.min(axis=0)[0] >= SIZE_PX[1] - 11
+    assert where.max(axis=0)[1] <= 11
+    assert np.array_equal(painter.draw(page, None, None), plain)

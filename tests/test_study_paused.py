@@ -6,10 +6,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import pytest
+from resume_parts import go, rows
 from study_parts import AheadHeadset, LateFocus, Scripted, tiny_protocol
 
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.records import read_rows, session_folder
+from vrcomfort.respondent import Withdrew
 from vrcomfort.session import run
 
 
@@ -47,3 +50,15 @@ def test_a_headset_taken_off_stops_the_exposure_clock(tmp_path: Path) -> None:
     assert respondent.felt_s == [10.0, 10.0]
     names = [row["name"] for row in read_rows(folder / "events.csv").rows]
     assert names.count("headset_off") == names.count("headset_on") == 2
+
+
+def test_a_wish_to_stop_in_a_rest_is_heard_at_once(tmp_path: Path) -> None:
+    class Rests(Scripted):
+        def resting(self, left_s: float) -> bool:
+            if left_s < 58.0:
+                raise Withdrew("enough")
+            return False
+
+    assert go(tmp_path, Rests()).status == "withdrawn"
+    (rest,) = (row for row in rows(tmp_path, "events") if row["name"] == "rest")
+    assert float(rest["duration_s"]) == pytest.approx(2.2, abs=0.2)

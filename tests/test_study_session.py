@@ -67,6 +67,20 @@ def test_a_whole_participant(tmp_path):
     assert manifest(tmp_path)["headset"]["refresh_hz"] == 10.0
 
 
+def test_what_a_limit_has_shortened_is_told_once_per_exposure(tmp_path):
+    sentence = "motion blur: half streaks of up to 40.0 px were shortened to 20.0 px"
+    go(tmp_path, Scripted(), renderer=LateFocus(shortened=(sentence,)), sessions=[1])
+    told = [row for row in rows(tmp_path, "events.csv") if row["name"] == "blur_limited"]
+    assert [row["detail"] for row in told] == [sentence]  # one of the two conditions blurs
+    (exposure,) = [
+        row
+        for row in rows(tmp_path, "events.csv")
+        if row["detail"] == "blur in room.glb" and row["name"] == "exposure"
+    ]
+    assert float(told[0]["onset_s"]) >= float(exposure["onset_s"]) + float(exposure["duration_s"])
+    assert f"blur in room.glb: {sentence}" in manifest(tmp_path)["clamps"]
+
+
 def test_questionnaires_by_timepoint(tmp_path):
     go(tmp_path, Scripted(), sessions=[1])
     found = rows(tmp_path, "questionnaires.csv")

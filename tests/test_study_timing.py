@@ -39,6 +39,20 @@ def test_a_flagged_trial_keeps_its_status_and_its_note(tmp_path):
     assert "session 1, trial 1, attempt 1" in person.note
 
 
+def test_slow_drawing_drops_frames_and_never_lengthens_an_exposure(tmp_path):
+    class Slow(AheadHeadset):
+        """A display that has gone on by three refreshes whenever a frame is ready."""
+
+        def frames(self):
+            for index in range(self.frames_left):
+                yield frame(index, time_ns=3 * index * 100_000_000)
+
+    go(tmp_path, headset_for=lambda *_: Slow())
+    for trial in rows(tmp_path, "trials"):
+        assert float(trial["end_s"]) - float(trial["start_s"]) == pytest.approx(10.0)
+        assert (trial["frames"], trial["dropped"]) == ("34", "33")
+
+
 def test_the_protocol_says_how_much_may_be_dropped(tmp_path):
     assert tiny_protocol(tmp_path).max_dropped_percent == 5.0
     with pytest.raises(InputError, match="max_dropped_percent"):

@@ -10,7 +10,8 @@ import pytest
 from study_parts import frame
 
 from vrcomfort.errors import InputError
-from vrcomfort.records import EventRow, FrameRow, RatingRow, Recorder, TrialRow, read_rows
+from vrcomfort.geometry import Gaze
+from vrcomfort.records import EventRow, FrameRow, GazeRow, RatingRow, Recorder, TrialRow, read_rows
 
 TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
 
@@ -19,8 +20,9 @@ def frame_row(index: int) -> FrameRow:
     shown = frame(index)
     left, right = shown.views
     return FrameRow(
-        index / 10, index, 100, 1, True, shown.head_pose, left, right, shown.avatar_pose
-    )
+        index / 10, index, 100, 1, True, shown.head_pose, left, right, shown.avatar_pose,
+        gaze=GazeRow(index / 10, index, Gaze(shown.head_pose)),
+    )  # fmt: skip
 
 
 def seconds(folder: Path) -> list[float]:
@@ -68,6 +70,8 @@ def test_a_stuck_disk_stops_no_frame_and_what_is_left_out_is_told(tmp_path):
     kept = seconds(recorder.folder)
     assert len(kept) == 401 - lost
     assert kept == sorted(kept)
+    seen = read_rows(recorder.folder / "gaze.csv").rows  # a frame and its gaze go together
+    assert [float(row["session_s"]) for row in seen] == kept
     gaps = read_rows(recorder.folder / "events.csv").rows
     assert {gap["name"] for gap in gaps} == {"frames_not_recorded"}
     assert sum(int(gap["detail"].split()[0]) for gap in gaps) == lost

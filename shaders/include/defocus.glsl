@@ -21,9 +21,8 @@ uniform float peripheral_px;
 uniform float peripheral_exponent;
 #endif
 
-// Radius of the point at a pixel, without a limit and without peripheral blur.
-float unlimited_radius_at(ivec2 pixel, vec2 uv) {
-    float z = texelFetch(depth, pixel, 0).r;
+// Radius of a depth at an image position, without a limit and without peripheral blur.
+float unlimited_radius_at(float z, vec2 uv) {
     float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
     float focus_m = texelFetch(focus, ivec2(0), 0).x;
 #ifdef LAW_THIN_LENS

@@ -22,3 +22,16 @@ vec2 velocity_px(vec4 clip_now, vec4 clip_before, vec2 size_px) {
 vec2 half_streak_px(vec2 velocity, float shutter_fraction, float radius_limit_px) {
     return shorten(velocity * (0.5 * shutter_fraction), radius_limit_px);
 }
+
+// The integral of a tent of half width 1, from far below up to x.
+float tent_integral(float x) {
+    float rest = 1.0 - min(abs(x), 1.0);
+    float beyond = 0.5 * rest * rest;
+    return x < 0.0 ? beyond : 1.0 - beyond;
+}
+
+// How long a streak from -reach to +reach px is over a pixel k px away, in px of its way, where the
+// image between pixels is interpolated linearly. Over all pixels this sums to 2 reach.
+float time_over(float k, float reach) {
+    return tent_integral(k + reach) - tent_integral(k - reach);
+}

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from typing import Protocol as Shape
 
 from vrcomfort.cli.bindings import require_bindings
-from vrcomfort.cli.wiring import describe_machine, open_trace
+from vrcomfort.cli.wiring import describe_machine, open_trace, require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
@@ -110,6 +110,7 @@ def live_lab(
         headset = owned.enter_context(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
+        require_eye_tracker(protocol, headset.details)
         screen = PanelScreen(headset)
         renderer = StereoRenderer(
             ctx,

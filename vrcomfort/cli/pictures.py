@@ -108,6 +108,10 @@ def play(
     trial: Annotated[
         str | None, typer.Option(help="Only this trial of a recorded frames.csv.")
     ] = None,
+    gaze: Annotated[
+        Path | None,
+        typer.Option(help="Where the eyes looked (gaze.csv); the one beside a frames.csv is used."),
+    ] = None,
     size: Size = "640x800",
     frames: Annotated[
         int | None,
@@ -124,7 +128,7 @@ def play(
     """
     study, shown = pick_condition(protocol, condition)
     count = play_trace(
-        open_trace(trace, trial=trial),
+        open_trace(trace, trial=trial, gaze=gaze),
         study.scene_source(scene) if study else scene,
         shown,
         size_px=parse_size(size),

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -91,11 +92,14 @@ def shipped_walk(scene_name: str) -> Trace:
     return read_trace(file)
 
 
-def open_trace(path: Path, *, trial: str | None = None) -> Trace:
-    """Read a trace, or one trial of it; say what was left out."""
+def open_trace(path: Path, *, trial: str | None = None, gaze: Path | None = None) -> Trace:
+    """Read a trace, or one trial of it, with a record of gaze; say what was left out."""
+    from vrcomfort.headset.gaze_track import read_gaze
     from vrcomfort.headset.trace import read_trace
 
     trace = read_trace(path)
+    if gaze is not None:
+        trace = replace(trace, gaze=read_gaze(gaze))
     for warning in trace.warnings:
         warn(warning)
     return trace if trial is None else trace.only_trial(trial)
@@ -123,6 +127,33 @@ def pick_condition(
         given = f"no condition {condition!r}" if condition else "--condition is missing"
         raise InputError(f"{given}; protocol {study.name} has: {', '.join(names)}")
     return study, study.condition(condition)
+
+
+def require_eye_tracker(protocol: Protocol, details: Mapping[str, str]) -> None:
+    """Refuse a headset without an eye tracker where a condition needs one.
+
+    Parameters
+    ----------
+    details
+        The headset's own; ``eye_tracker`` is "yes" where it has one.
+
+    Raises
+    ------
+    InputError
+        Before anybody is asked anything; says what to do.
+    """
+    needing = [
+        condition.name
+        for condition in protocol.conditions
+        if condition.depth_of_field is not None
+        and condition.focus.method == "gaze"
+        and condition.focus.without_gaze == "stop"
+    ]
+    if needing and details.get("eye_tracker") != "yes":
+        raise InputError(
+            f"focus follows the gaze in {', '.join(needing)}, and this headset has no eye tracker; "
+            'use one that has, or write without_gaze = "nine_ray" under [conditions.focus]'
+        )
 
 
 def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:

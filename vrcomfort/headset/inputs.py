@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Gaze, Pose
 
 
 @dataclass(frozen=True)
@@ -32,22 +32,16 @@ class HandInput:
 
 
 @dataclass(frozen=True)
-class Gaze:
-    """Where both eyes look.
+class SeenGaze(Gaze):
+    """Where both eyes look, and when the tracker saw them.
 
     Parameters
     ----------
-    pose
-        stage-from-gaze: it looks along −Z.
     time_ns
-        When the eyes were seen, on the clock of the frames' predicted display times.
-    valid
-        False where the pose is a guess (eyes closed, lost, not calibrated): do not use it then.
+        On the clock of the frames' predicted display times; 0 where the tracker does not say.
     """
 
-    pose: Pose
-    time_ns: int
-    valid: bool
+    time_ns: int = 0
 
 
 @dataclass(frozen=True)
@@ -84,7 +78,7 @@ class Inputs:
 
     left: HandInput = HandInput()
     right: HandInput = HandInput()
-    gaze: Gaze | None = None
+    gaze: SeenGaze | None = None
     keys: KeyInput = KeyInput()
 
     @property

@@ -206,6 +206,7 @@ class PlaybackHeadset:
             views=self._views(head, sample),
             avatar_pose=self._anchor if trace.avatar is None else _pose_at(trace.avatar, sample),
             discontinuity=sample.cut,
+            gaze=None if trace.gaze is None else trace.gaze.at(sample.time_ns),
         )
 
     def _views(self, head: Pose, sample: _Sample) -> tuple[View, View]:

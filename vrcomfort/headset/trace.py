@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
+from vrcomfort.headset.gaze_track import GazeTrack, read_gaze
 from vrcomfort.headset.pose_track import PoseTrack, Times
 from vrcomfort.headset.table import Table, int64, read_table
 from vrcomfort.headset.trace_columns import (
@@ -39,6 +40,7 @@ from vrcomfort.headset.trace_columns import (
 )
 from vrcomfort.headset.unity_euler import orientations_from_unity, positions_from_unity
 from vrcomfort.records.pose_columns import AVATAR, HEAD
+from vrcomfort.records.rows import FrameRow, GazeRow
 
 Format = Literal["unity-euler"]
 
@@ -65,6 +67,8 @@ class Trace:
         world-from-stage, or None where the trace knows no world.
     trial
         Name of the trial of each sample, or None.
+    gaze
+        What an eye tracker saw, or None.
     warnings
         What was left out while reading.
     """
@@ -77,6 +81,7 @@ class Trace:
     fovs: Array | None = None
     avatar: PoseTrack | None = None
     trial: tuple[str, ...] | None = None
+    gaze: GazeTrack | None = None
     warnings: tuple[str, ...] = ()
 
     def __len__(self) -> int:
@@ -127,7 +132,8 @@ class Trace:
 def read_trace(path: str | Path) -> Trace:
     """Read a trace, or a recorded `frames.csv`, which is one.
 
-    A half-written last line is left out and named in `Trace.warnings`.
+    A half-written last line is left out and named in `Trace.warnings`. The `gaze.csv` that a
+    session leaves beside its `frames.csv` belongs to it.
 
     Raises
     ------
@@ -146,8 +152,14 @@ def read_trace(path: str | Path) -> Trace:
         fovs=fovs_of(table),
         avatar=track_of(table, AVATAR) if has_group(table, AVATAR) else None,
         trial=trial,
+        gaze=_gaze_beside(table.file),
         warnings=table.warnings,
     )
+
+
+def _gaze_beside(file: Path) -> GazeTrack | None:
+    gaze = file.with_name(GazeRow.FILE)
+    return read_gaze(gaze) if file.name == FrameRow.FILE and gaze.exists() else None
 
 
 def write_trace(trace: Trace, path: str | Path) -> None:

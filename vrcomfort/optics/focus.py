@@ -1,7 +1,8 @@
-"""Where the eye focuses: nine rays, one estimate, and the time it takes to get there.
+"""Where the eye focuses: nine rays ahead or around the line of sight, and one estimate.
 
 NumPy twins of ``shaders/focus.frag``. Distances are metres along the head's forward axis.
-Source: Carnegie & Rhee 2015, p. 36; what its print leaves open is named at each function.
+Sources: Carnegie & Rhee 2015, p. 36; Mantiuk et al. 2011, section 4. What their print leaves open
+is named at each function.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import Array, Pose, normalize, rotate
 
 RAYS = 9
 MAD_TO_SIGMA = 1.4826
@@ -42,14 +43,6 @@ class FocusSettings(Protocol):
         """Return the same in dioptres, for the mean in dioptres."""
 
     @property
-    def law(self) -> str:
-        """Return how focus moves: `linear`, `linear_dioptre` or `instant`."""
-
-    @property
-    def refocus_s(self) -> float:
-        """Return the time from `infinity_m` to near."""
-
-    @property
     def infinity_m(self) -> float:
         """Return the distance taken for the sky."""
 
@@ -72,6 +65,51 @@ def ray_directions(ring_deg: float) -> Array:
     """
     tangents = ray_tangents(ring_deg)
     return np.concatenate([tangents, np.full((RAYS, 1), -1.0)], axis=1)
+
+
+GAZE_RING = 0.745
+"""Where the eight outer rays around a line of sight lie, in radii of its neighbourhood: each of the
+nine then stands for a ninth of its area."""
+
+WIDEST_GAZE = np.sin(np.radians(5.0))
+"""Least cosine between a ray and the head's forward axis: nobody looks beyond 85° from it."""
+
+
+def gaze_tangents(head_from_gaze: Pose, radius_deg: float) -> Array | None:
+    """Return (9, 2) tangents (right, up), in the head's frame, of rays around a line of sight.
+
+    Parameters
+    ----------
+    head_from_gaze
+        −Z along the line of sight; its place counts as the head centre.
+    radius_deg
+        Of the neighbourhood that stands for the error of the eye tracker.
+
+    Returns
+    -------
+    None where a ray is further than 85° from the head's forward axis: no eye looks there.
+    """
+    reach = np.tan(np.radians(GAZE_RING * radius_deg))
+    around = np.arange(RAYS - 1) * (np.pi / 4)
+    in_gaze = np.full((RAYS, 3), -1.0)
+    in_gaze[0, :2] = 0.0
+    in_gaze[1:, :2] = reach * np.stack([np.cos(around), np.sin(around)], axis=1)
+    rays = normalize(rotate(head_from_gaze.orientation, in_gaze))
+    if rays[:, 2].max() > -WIDEST_GAZE:
+        return None
+    tangents: Array = rays[:, :2] / -rays[:, 2:]
+    return tangents
+
+
+def gaze_focus(distances_m: ArrayLike, infinity_m: float, /) -> tuple[float, NDArray[np.bool_]]:
+    """Return the median of nine distances around a line of sight, and the rays that have it.
+
+    What covers most of the neighbourhood decides, wherever the nine rays fall on its rim: no
+    distance between two things is ever focused, as the mean of both would be.
+    """
+    metres = np.minimum(np.asarray(distances_m, dtype=np.float64), infinity_m)
+    median = float(np.median(metres))
+    return median, metres == median
 
 
 def estimate_focus(
@@ -105,27 +143,3 @@ def estimate_focus(
     used = deviations <= limit
     mean = float(values[used].mean())
     return (1.0 / mean if dioptres else mean), used
-
-
-def refocus(current_m: float, target_m: float, dt_s: float, settings: FocusSettings, /) -> float:
-    """Return the focus distance `dt_s` after it was `current_m`; it never passes `target_m`.
-
-    Notes
-    -----
-    `linear` moves in metres, `infinity_m` in `refocus_s`: 60 km/s for the paper's 30 km in
-    500 ms, 16.7 µs per metre (the printed 1.7 µs is a slip). Within a room that is instant.
-    `linear_dioptre` moves 1 D in `refocus_s`: 2 D/s, from the sky to 1 m in 500 ms, which is what
-    the physiology that the paper cites says. Both are exact at any frame time: two steps are the
-    same as one of their summed length.
-    """
-    if settings.law == "instant":
-        return target_m
-    if settings.law == "linear":
-        return _towards(current_m, target_m, settings.infinity_m / settings.refocus_s * dt_s)
-    return 1.0 / _towards(1.0 / current_m, 1.0 / target_m, dt_s / settings.refocus_s)
-
-
-def _towards(current: float, target: float, step: float) -> float:
-    return (
-        target if abs(target - current) <= step else current + np.copysign(step, target - current)
-    )

@@ -65,6 +65,22 @@ def half_streak_px(
     return shorten(reach, radius_limit_px)
 
 
+def time_over(k: ArrayLike, reach: ArrayLike, /) -> Array:
+    """Return how long a streak from -reach to +reach px is over a pixel `k` px away.
+
+    In px of its way, where the image between pixels is interpolated linearly: the integral of a
+    tent around `k`. Over all pixels it sums to 2 `reach`.
+    """
+    middle, ends = np.asarray(k, dtype=np.float64), np.asarray(reach, dtype=np.float64)
+    over: Array = _tent_integral(middle + ends) - _tent_integral(middle - ends)
+    return over
+
+
+def _tent_integral(x: Array) -> Array:
+    beyond = 0.5 * (1 - np.minimum(np.abs(x), 1)) ** 2
+    return np.where(x < 0, beyond, 1 - beyond)
+
+
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
     """Return how fast a frame turns, in degrees per second; 0 where no time has passed."""
     *xyz, w = (before.inverse() @ now).orientation

@@ -16,6 +16,8 @@ from vrcomfort.protocol.settings_file import Name
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Weight = Annotated[float, Field(ge=0.001, le=1)]
+ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
 
 Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
@@ -34,24 +36,62 @@ class Settings(BaseModel):
 
 
 class Focus(Settings):
-    """How the focus distance is found and how fast it follows (Carnegie & Rhee 2015, p. 36)."""
+    """How the focus distance is found and how fast it follows.
 
-    method: Literal["nine_ray", "fixed"] = "nine_ray"
+    Sources: Carnegie & Rhee 2015 (`nine_ray`), Hillaire et al. 2008 (`autofocus_zone`), Mantiuk et
+    al. 2011 (`gaze`).
+    """
+
+    method: Literal["nine_ray", "autofocus_zone", "gaze", "fixed"] = "nine_ray"
     fixed_m: Positive = 2.0
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
+    """In which unit distances are averaged (nine rays and autofocus zone)."""
     outlier_mad: Positive = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
     outlier_floor_fraction: NotNegative = 0.02
     """No ray nearer to the median than this fraction of it is dropped (mean in metres)."""
     outlier_floor_dioptre: NotNegative = 0.02
     """No ray nearer to the median than this is dropped (mean in dioptres)."""
-    law: Literal["linear", "linear_dioptre", "instant"] = "linear"
+    zone_ratio: Annotated[float, Field(ge=0.01, le=1)] = 0.25
+    """Side of the autofocus zone over that of the image: its area is the square of it."""
+    zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
+    """Width and height at which the zone is drawn, whatever the size of the image."""
+    zone_mean_on: Literal["gpu", "cpu"] = "gpu"
+    """Where the zone is averaged; the CPU waits for the GPU in every frame."""
+    semantic_min: Weight = 0.004
+    """W_S,min: least weight of anything, and that of the sky."""
+    semantic_max: Weight = 1.0
+    """W_S,max: greatest weight of anything; equal to `semantic_min`, all weigh the same."""
+    gauss_centre: Weight = 1.0
+    """W_G,max: weight of the middle of the zone."""
+    gauss_border: Weight = 0.7
+    """W_G,min: weight of its border."""
+    gaze_radius_deg: Annotated[float, Field(ge=0, le=20)] = 1.5
+    """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
+    without_gaze: Literal["stop", "nine_ray"] = "stop"
+    """What `gaze` does with a headset that has no eye tracker."""
+    law: Literal[
+        "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
+    ] = "linear"
+    """How focus moves to its target: see `vrcomfort.optics.refocus`."""
     refocus_s: Positive = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
+    cutoff_hz: Positive = 5.0
+    """Cut-off of `low_pass` and `low_pass_backward_euler`."""
+    duration_s: Positive = 0.37
+    """Time of every change of focus with `duration`."""
+    refixation_dioptre: NotNegative = 0.1
+    """With `duration`, a target that moves less is followed; further away, a new change begins."""
     infinity_m: Positive = 30_000.0
     """Distance taken for the sky (the paper's d_max)."""
+
+    @model_validator(mode="after")
+    def _weights_rise(self) -> Focus:
+        if self.semantic_min > self.semantic_max or self.gauss_border > self.gauss_centre:
+            raise ValueError("least weights are greater than greatest ones; swap them")
+        return self
 
 
 class Peripheral(Settings):

@@ -136,7 +136,9 @@ def _in_words(detail: ErrorDetails) -> str:
         return "should be a list [...]"
     if detail["type"] == "string_pattern_mismatch":
         return _PATTERNS[detail["ctx"]["pattern"]]
-    message = detail["msg"].removeprefix("Input ").replace("a valid ", "a ")
+    message = (
+        detail["msg"].removeprefix("Input ").removeprefix("Value error, ").replace("a valid ", "a ")
+    )
     return message.replace("a integer", "a whole number")
 
 

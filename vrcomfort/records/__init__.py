@@ -7,6 +7,7 @@ from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
+    GazeRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,
@@ -29,6 +30,7 @@ from vrcomfort.records.study import (
 __all__ = [
     "EventRow",
     "FrameRow",
+    "GazeRow",
     "Interrupted",
     "Machine",
     "Manifest",

@@ -11,7 +11,7 @@ from typing import Any
 
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorder import SESSION_ROWS, csv_line, refused
+from vrcomfort.records.recorder import OPTIONAL_ROWS, SESSION_ROWS, csv_line, refused
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
@@ -64,6 +64,8 @@ def take_up(folder: Path) -> Interrupted:
     """
     manifest = read_manifest(folder)
     cuts = [mend(folder / row_type.FILE, row_type.columns()) for row_type in SESSION_ROWS]
+    files = [(folder / row_type.FILE, row_type.columns()) for row_type in OPTIONAL_ROWS]
+    cuts += [mend(file, columns) for file, columns in files if file.exists()]
     begun = manifest.get("under_way")
     frames = _Frames.read(folder, begun)
     end_s = max(_latest(folder), default=0.0)

@@ -17,6 +17,7 @@ from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.rows import (
     EventRow,
     FrameRow,
+    GazeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -28,6 +29,9 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
+OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow,)
+"""Their files appear with their first rows."""
+
 _SYNCED = (QuestionnaireRow, TrialRow)
 
 
@@ -176,7 +180,14 @@ class Recorder:
             self._background.put(EventRow(gap.start_s, length_s, "frames_not_recorded", detail))
 
     def _append(self, row: Row) -> None:
+        self._append_row(row)
+        if isinstance(row, FrameRow) and row.gaze is not None:
+            self._append_row(row.gaze)
+
+    def _append_row(self, row: Row) -> None:
         try:
+            if row.FILE not in self._files:  # a file that not every session has
+                self._open(type(row))
             stream = self._files[row.FILE]
             stream.write(self._line(row))
             stream.flush()

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
 
-from vrcomfort.geometry import Pose, View
+from vrcomfort.geometry import Gaze, Pose, View
 from vrcomfort.records.pose_columns import POSE_COLUMNS
 
 Cell: TypeAlias = str | int | float | None
@@ -197,6 +197,41 @@ RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
 
 
 @dataclass(frozen=True)
+class GazeRow:
+    """Where the participant looked in one frame, predicted for its display time.
+
+    Parameters
+    ----------
+    gaze
+        In the stage; blank where it is not valid.
+    hit_m
+        Where focus follows the gaze: how far away what it meets is, along the head's forward axis.
+    """
+
+    FILE: ClassVar[str] = "gaze.csv"
+    session_s: float
+    xr_time_ns: int
+    gaze: Gaze
+    hit_m: float | None = None
+    resumed: int = 0
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the header."""
+        origin = tuple(f"origin_{axis}_m" for axis in "xyz")
+        direction = tuple(f"direction_{axis}" for axis in "xyz")
+        return ("session_s", "xr_time_ns", "valid", *origin, *direction, "hit_m", "resumed")
+
+    def cells(self) -> Sequence[Cell]:
+        """Return the values in the order of the header."""
+        ray: list[float | None] = [None] * 6
+        if self.gaze.valid:
+            ray = [*self.gaze.pose.position.tolist(), *self.gaze.pose.forward.tolist()]
+        hit_m = self.hit_m if self.gaze.valid else None
+        return [self.session_s, self.xr_time_ns, int(self.gaze.valid), *ray, hit_m, self.resumed]
+
+
+@dataclass(frozen=True)
 class FrameRow:
     """One frame as it was shown.
 
@@ -216,6 +251,8 @@ class FrameRow:
         1 where the interval to the frame before exceeded 1.2 × the period.
     discontinuity
         Whether the pose before has nothing to do with this one; a playback cuts there again.
+    gaze
+        Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -238,6 +275,7 @@ class FrameRow:
     dropped: int = 0
     discontinuity: bool = False
     resumed: int = 0
+    gaze: GazeRow | None = None
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:

@@ -13,7 +13,8 @@ from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.defocus import radius_limit_px
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
-from vrcomfort.render.frames import EyeImages, FrameToRender
+from vrcomfort.render.focus_probes import screen_tangents
+from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes
@@ -137,6 +138,8 @@ class ConditionPasses:
             display_time_ns=frame.predicted_display_time_ns,
             world_from_head=world_from_head,
             discontinuity=frame.discontinuity,
+            screen_tangents=screen_tangents(frame.views),
+            gaze=head_from_gaze(frame),
         )
 
     def render_eye(
@@ -167,6 +170,8 @@ class ConditionPasses:
             self._depth_of_field.render(
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
+            streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
+            self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
 
     def _blur_motion(self, eye: PlacedEye) -> None:
         if self._motion_blur is not None:

@@ -15,7 +15,7 @@ from vrcomfort.render.camera import Lens, LensLaw
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Uniforms
 from vrcomfort.render.peak import PeakPass
 
-PEAK_TILE_PX = 32
+PEAK_TILE_PX = 16
 """Side of the tiles whose largest radii are compared on the way to the largest of all."""
 
 
@@ -172,7 +172,9 @@ class Defocus:
         self.size_px = size_px
         self._settings = settings
         self.limit_px = radius_limit_px(settings, size_px)
-        """Largest radius of any point."""
+        """No eye's image can have a larger radius."""
+        self.limit_now_px = self.limit_px
+        """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
         lens = _lens_constants(settings, infinity_m)
         self._pass = FullscreenPass(
             ctx,
@@ -203,7 +205,8 @@ class Defocus:
         focal_px = focal_length_px(fov, self.size_px)[0]
         limit = _Limit(radius_limit_in_px(self._settings, focal_px, self.size_px))
         scale = self._scale(focal_px, limit)
-        self._least_limit_px = min(self._least_limit_px, *limit)
+        self.limit_now_px = limit.radius_limit_px
+        self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
         self._pass.render(_Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px)))
         needs_limit = self._settings.law == "linear"
         self._peaks.render(_Together(eye, scale, *([limit] if needs_limit else [])))
@@ -212,6 +215,7 @@ class Defocus:
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         self._peak.forget()
+        self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
         """Return the largest radius of all frames before its limit; waits for the GPU."""

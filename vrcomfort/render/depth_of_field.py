@@ -53,6 +53,11 @@ class DepthOfFieldPass:
         self._defocus.render(fov=fov, near_m=near_m, head_from_eye=head_from_eye)
         self._kernel.render(focal_y / focal_x)
 
+    @property
+    def limit_px(self) -> float:
+        """Return the largest radius that the last eye could have."""
+        return self._defocus.limit_now_px
+
     def clamps(self) -> tuple[str, ...]:
         """Return what the largest radius has cut off so far, in words; waits for the GPU."""
         return self._defocus.clamps()

@@ -70,6 +70,7 @@ class DrawList:
     base_level: NDArray[np.bool_]
     ambient: NDArray[np.float32]
     casts_shadow: NDArray[np.bool_]
+    semantic_weight: NDArray[np.float32]
 
     @classmethod
     def of(cls, scene: Scene) -> DrawList:
@@ -96,6 +97,9 @@ class DrawList:
             base_level=np.array([item.base_level for item in items], dtype=bool),
             ambient=np.array([scene.nodes[item.node].ambient for item in items], dtype=np.float32),
             casts_shadow=np.array([scene.nodes[item.node].casts_shadow for item in items], bool),
+            semantic_weight=np.array(
+                [scene.nodes[item.node].semantic_weight for item in items], dtype=np.float32
+            ),
         )
 
     def world_boxes(self, world_from_node: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:

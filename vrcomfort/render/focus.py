@@ -1,75 +1,48 @@
-"""Focus at the head centre: nine rays into what is drawn, decided on the GPU, read back late.
+"""Focus at the head centre: found in a small image of its own, decided on the GPU, read back late.
 
 ::
 
-    head ──────────────● ray 1       Each ray is a frustum one texel wide around it, so the centre
-         ╲╲────────● ray 2..9        of texel k of a 9 × 1 depth image lies exactly on ray k.
+    probe (rays, gaze, zone) ──► target ──► refocus law ──► texture ──► both eyes
+                                               ▲ focus of the frame before
 
 One focus distance serves both eyes; it never comes from an eye's depth buffer.
 """
 
 from __future__ import annotations
 
-from collections import deque
-from dataclasses import dataclass
-from typing import NamedTuple
-
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array, Fov, Pose, clip_from_view, rotation_matrix
-from vrcomfort.optics.focus import RAYS, ray_tangents
+from vrcomfort.geometry import Gaze, Pose
+from vrcomfort.optics.focus import RAYS
+from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render import gl, shaders
-from vrcomfort.render.camera import rotation_only
+from vrcomfort.render.focus_probes import GazeRays, NineRays, Probe, Sight
+from vrcomfort.render.focus_readback import LATENCY, FocusSample, Readback
+from vrcomfort.render.focus_zone import AutofocusZone
 from vrcomfort.render.gpu_scene import GpuScene
 
-LATENCY = 2
-"""Frames between drawing and reading: the CPU never waits for the frame it has just sent."""
-
-RAY_WIDTH = 1e-4
-"""Tangent across a ray's frustum, 0.3 arcmin. Thin enough that alpha masks are read at full size,
-as a ray meets them; a pixel's width would read a mip level and see other holes."""
+__all__ = ["LATENCY", "FixedFocus", "FocusPass", "FocusSample", "make_focus_pass", "step_size"]
 
 AT_ONCE = 3e38
-"""A step of the refocus law that reaches everything."""
+"""A step of any refocus law that reaches everything."""
 
-
-@dataclass(frozen=True, eq=False)
-class FocusSample:
-    """The focus of one frame.
-
-    Parameters
-    ----------
-    frame_index
-        `Frame.index`.
-    focus_m, focus_raw_m
-        After and before the refocus law, metres along the head's forward axis.
-    rays_m
-        (9,) metres along the head's forward axis, NaN where focus is not found by rays.
-    used
-        (9,) bool, False for outliers.
-    """
-
-    frame_index: int
-    focus_m: float
-    focus_raw_m: float
-    rays_m: Array
-    used: NDArray[np.bool_]
-
-
-class _Constants(NamedTuple):
-    """Uniforms of ``focus.frag`` that never change."""
-
-    near_m: float
-    infinity_m: float
-    outlier_mad: float
-    outlier_floor: float
+_PROBES: dict[str, type[NineRays | GazeRays | AutofocusZone]] = {
+    "nine_ray": NineRays,
+    "gaze": GazeRays,
+    "autofocus_zone": AutofocusZone,
+}
+_LAWS = {
+    "linear_dioptre": "LAW_DIOPTRE",
+    "low_pass": "LAW_SHARE",
+    "low_pass_backward_euler": "LAW_SHARE",
+    "duration": "LAW_DURATION",
+}
 
 
 class FocusPass:
-    """Finds the focus distance of each frame by nine rays; `texture` holds it.
+    """Finds the focus distance of each frame as `settings.method` says; `texture` holds it.
 
     Parameters
     ----------
@@ -83,21 +56,23 @@ class FocusPass:
         self, ctx: moderngl.Context, gpu: GpuScene, settings: Focus, *, near_m: float = 0.02
     ) -> None:
         self._ctx = ctx
-        self._gpu = gpu
         self._settings = settings
-        self._near_m = near_m
-        self._clips_from_head = ray_projections(settings.ring_deg, near_m)
-        self._depth = gl.depth_texture(ctx, (RAYS, 1))
-        self._rays = ctx.framebuffer([], self._depth)
-        self._before = _state(ctx, settings.infinity_m)
-        self.texture = _state(ctx, settings.infinity_m)
-        """1×1 RGBA32F: x = focus, y = mean before the refocus law, z = bits of the rays used."""
-        self._target = ctx.framebuffer([self.texture])
-        self._history = ctx.framebuffer([self._before])
-        self._triangle = self._estimate_program()
-        self._readback = _Readback(ctx, near_m, settings.infinity_m)
+        self._probe: Probe = _PROBES[settings.method](ctx, gpu, settings, near_m=near_m)
+        states = 2 if settings.law == "duration" else 1
+        now = [_state(ctx, settings.infinity_m) for _ in range(states)]
+        self._before = [_state(ctx, settings.infinity_m) for _ in range(states)]
+        self.texture = now[0]
+        """1×1 RGBA32F: x = focus, y = target of the refocus law, z = bits of the rays used."""
+        self._target = ctx.framebuffer(now)
+        self._history = ctx.framebuffer(self._before)
+        self._triangle = self._program()
+        self._readback = Readback(ctx, near_m, settings.infinity_m)
         self._last_time_ns: int | None = None
-        self.triangles = 0
+
+    @property
+    def triangles(self) -> int:
+        """Return those that the last frame sent."""
+        return self._probe.triangles
 
     def render(
         self,
@@ -106,64 +81,59 @@ class FocusPass:
         display_time_ns: int,
         world_from_head: Pose,
         discontinuity: bool = False,
+        screen_tangents: tuple[float, float] = (1.0, 1.0),
+        gaze: Gaze | None = None,
     ) -> tuple[FocusSample, ...]:
         """Find the focus of a frame, and return the samples that have arrived meanwhile.
 
         The refocus law gets the time since the frame before; at a discontinuity, at the first
-        frame, and where time goes back, focus is at once where the rays say.
+        frame, and where time goes back, focus is at once at its target.
+
+        Parameters
+        ----------
+        screen_tangents
+            Half width and half height of the eyes' images (`autofocus_zone`).
+        gaze
+            head-from-gaze (`gaze`), None without an eye tracker.
         """
-        self._draw_rays(world_from_head)
         last_ns, self._last_time_ns = self._last_time_ns, display_time_ns
         cut = discontinuity or last_ns is None or display_time_ns < last_ns
         dt_s = 0.0 if cut or last_ns is None else (display_time_ns - last_ns) * 1e-9
-        self._estimate(AT_ONCE if cut else step_size(self._settings, dt_s))
-        return self._readback.record(frame_index, self._rays, self._target)
+        uniforms = self._probe.look(Sight(world_from_head, screen_tangents, gaze, cut))
+        step = AT_ONCE if cut else step_size(self._settings, dt_s)
+        self._decide({**uniforms, "step_size": step})
+        rays = None if uniforms.get("estimate") == GazeRays.KEEP else self._probe.rays
+        return self._readback.record(frame_index, rays, self._target)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the samples that are still on their way."""
         return self._readback.drain()
 
-    def _draw_rays(self, world_from_head: Pose) -> None:
-        ctx = self._ctx
-        self._rays.use()
-        self._rays.viewport = (0, 0, RAYS, 1)
-        self._rays.clear(depth=0.0)
-        ctx.enable_only(moderngl.DEPTH_TEST)
-        ctx.depth_func = gl.DEPTH_FUNC
-        head_from_relative = rotation_only(rotation_matrix(world_from_head.orientation).T)
-        self.triangles = self._gpu.draw_depth_views(
-            self._clips_from_head @ head_from_relative, world_from_head.position, self._aim
-        )
-        self._rays.viewport = (0, 0, RAYS, 1)
-        ctx.enable_only(moderngl.NOTHING)
-
-    def _aim(self, ray: int) -> None:
-        self._rays.viewport = (ray, 0, 1, 1)
-
-    def _estimate(self, step: float) -> None:
+    def _decide(self, uniforms: dict[str, float]) -> None:
         self._ctx.copy_framebuffer(self._history, self._target)
         self._target.use()
-        self._depth.use(0)
-        self._before.use(1)
-        self._triangle.program["step_size"] = step
+        for unit, texture in enumerate(self._before):
+            texture.use(unit)
+        for name, value in uniforms.items():
+            self._triangle.program[name] = value
         self._triangle.render(vertices=3)
 
-    def _estimate_program(self) -> moderngl.VertexArray:
-        settings = self._settings
-        dioptres = settings.mean == "dioptres"
-        variants = {"MEAN_DIOPTRES": dioptres, "LAW_DIOPTRE": settings.law == "linear_dioptre"}
-        triangle = shaders.fullscreen(
-            self._ctx, "focus.frag", {name: 1 for name, wanted in variants.items() if wanted}
-        )
-        floor = settings.outlier_floor_dioptre if dioptres else settings.outlier_floor_fraction
-        constants = _Constants(self._near_m, settings.infinity_m, settings.outlier_mad, floor)
-        for name, value in {"depth": 0, "before": 1, **constants._asdict()}.items():
+    def _program(self) -> moderngl.VertexArray:
+        settings, probe = self._settings, self._probe
+        law = {_LAWS[settings.law]: 1} if settings.law in _LAWS else {}
+        triangle = shaders.fullscreen(self._ctx, probe.fragment, {**probe.defines, **law})
+        constants = {"before": 0, **probe.constants}
+        if settings.law == "duration":
+            constants["change_before"] = 1
+            constants["duration_s"] = settings.duration_s
+            constants["refixation_dioptre"] = settings.refixation_dioptre
+        for name, value in constants.items():
             triangle.program[name] = value
         return triangle
 
 
 class FixedFocus:
-    """Focus that no ray decides: the same interface, no rays, no draw calls."""
+    """Focus that nothing decides: the same interface, no rays, no draw calls."""
 
     def __init__(self, ctx: moderngl.Context, settings: Focus) -> None:
         self._focus_m = settings.fixed_m
@@ -177,6 +147,8 @@ class FixedFocus:
         display_time_ns: int,  # noqa: ARG002 - the interface of `FocusPass`
         world_from_head: Pose,  # noqa: ARG002
         discontinuity: bool = False,  # noqa: ARG002
+        screen_tangents: tuple[float, float] = (1.0, 1.0),  # noqa: ARG002
+        gaze: Gaze | None = None,  # noqa: ARG002
     ) -> tuple[FocusSample, ...]:
         """Return the sample of this frame."""
         no_rays, unused = np.full(RAYS, np.nan), np.zeros(RAYS, dtype=bool)
@@ -196,62 +168,20 @@ def make_focus_pass(
     return FocusPass(ctx, gpu, settings, near_m=near_m)
 
 
-def ray_projections(ring_deg: float, near_m: float) -> Array:
-    """Return (9, 4, 4) reverse-Z projections of the head's frame, one narrow frustum per ray.
-
-    Depth stays ``near_m / distance`` with distance along the head's forward axis.
-    """
-    half = RAY_WIDTH / 2
-    corners = ray_tangents(ring_deg)[:, :, None] + [-half, half]
-    return np.stack(
-        [
-            clip_from_view(Fov(*np.arctan([left, right, up, down]).tolist()), near_m)
-            for (left, right), (down, up) in corners
-        ]
-    )
-
-
 def step_size(settings: Focus, dt_s: float) -> float:
-    """Return how far focus may move in `dt_s`: metres, or dioptres for `linear_dioptre`."""
-    if settings.law == "instant":
-        return AT_ONCE
-    reach = settings.infinity_m if settings.law == "linear" else 1.0
-    return reach / settings.refocus_s * dt_s
+    """Return how far focus may move in `dt_s`, in the unit of the law (``refocus.glsl``)."""
+    steps = {
+        "instant": AT_ONCE,
+        "linear": settings.infinity_m / settings.refocus_s * dt_s,
+        "linear_dioptre": dt_s / settings.refocus_s,
+        "low_pass": low_pass_share(dt_s, settings.cutoff_hz),
+        "low_pass_backward_euler": backward_euler_share(dt_s, settings.cutoff_hz),
+        "duration": dt_s,
+    }
+    return steps[settings.law]
 
 
 def _state(ctx: moderngl.Context, focus_m: float) -> moderngl.Texture:
     texture = gl.color_texture(ctx, (1, 1), dtype="f4")
     texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))
     return texture
-
-
-class _Readback:
-    """Copies depths and result into buffers in GPU order; each is read `LATENCY` frames later."""
-
-    def __init__(self, ctx: moderngl.Context, near_m: float, infinity_m: float) -> None:
-        self._near_m = near_m
-        self._infinity_m = infinity_m
-        self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
-        self._pending: deque[tuple[int, moderngl.Buffer]] = deque()
-
-    def record(
-        self, frame_index: int, rays: moderngl.Framebuffer, result: moderngl.Framebuffer
-    ) -> tuple[FocusSample, ...]:
-        buffer = self._free.pop()
-        rays.read_into(buffer, components=1, attachment=-1, dtype="f4")
-        result.read_into(buffer, components=4, dtype="f4", write_offset=RAYS * 4)
-        self._pending.append((frame_index, buffer))
-        return (self._read(),) if len(self._pending) > LATENCY else ()
-
-    def drain(self) -> tuple[FocusSample, ...]:
-        return tuple(self._read() for _ in range(len(self._pending)))
-
-    def _read(self) -> FocusSample:
-        frame_index, buffer = self._pending.popleft()
-        values = np.frombuffer(buffer.read(), dtype=np.float32).astype(np.float64)
-        self._free.append(buffer)
-        focus_m, raw_m, used = values[RAYS : RAYS + 3].tolist()
-        sky = values[:RAYS] * self._infinity_m <= self._near_m
-        rays_m = self._near_m / np.where(sky, self._near_m / self._infinity_m, values[:RAYS])
-        bits = (int(used) >> np.arange(RAYS)) & 1
-        return FocusSample(frame_index, focus_m, raw_m, rays_m, bits.astype(bool))

@@ -45,6 +45,13 @@ class FrameToRender(Protocol):
         """Where the participant looks, None without an eye tracker."""
 
 
+def head_from_gaze(frame: FrameToRender) -> Gaze | None:
+    """Return a frame's gaze in the head's frame."""
+    if frame.gaze is None:
+        return None
+    return Gaze(frame.head_pose.inverse() @ frame.gaze.pose, frame.gaze.valid)
+
+
 class EyeImages(NamedTuple):
     """The textures of the eye that was just drawn; the next eye overwrites all but `encoded`.
 

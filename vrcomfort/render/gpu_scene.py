@@ -8,17 +8,17 @@ one row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal, cast
+from functools import partial
+from typing import Any, cast
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.render import culling, gl, lighting, shaders
-from vrcomfort.render.draw_list import COMMAND, Batch, DrawList, batches, front_to_back
-from vrcomfort.render.node_poses import NodePoses, relative_rows
+from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.scene_data import Scene
+from vrcomfort.render.scene_rows import Movement, Rows, SceneRows
 from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
     VERTEX_FORMAT,
@@ -27,8 +27,7 @@ from vrcomfort.render.vertex_data import (
     vertex_bytes,
 )
 
-Rows = NDArray[np.intp]
-Movement = Literal["all", "static", "moving"]
+DepthArrays = list[moderngl.VertexArray | None]
 
 _ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
 _PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
@@ -51,52 +50,32 @@ class GpuScene:
         self.scene = scene
         self._ctx = ctx
         self._list = DrawList.of(scene)
-        self._poses = NodePoses(scene)
         self._velocity = "VELOCITY" in (defines or {})
-        rows = max(len(self._list.node), 1)
+        self._rows = SceneRows(ctx, scene, self._list, velocity=self._velocity)
         self._vertices = gl.buffer(ctx, vertex_bytes(scene.primitives))
         self._indices = gl.buffer(ctx, index_bytes(scene.primitives))
-        self._rows = gl.dynamic_buffer(ctx, rows * 64)
-        self._previous_rows = gl.dynamic_buffer(ctx, rows * 48) if self._velocity else None
-        self._commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
         self._materials = MaterialBuffer(ctx, scene.materials)
         features = {**lighting.features(scene.environment), **(defines or {})}
-        factory = SurfaceFactory(ctx, scene, self._vertex_array, scene_features=features)
+        # Not a method of this object: buffers must go with it, not when cycles are collected.
+        self._arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
+        factory = SurfaceFactory(ctx, scene, self._arrays, scene_features=features)
         self._surfaces = [factory.make(key) for key in self._list.keys]
         self._depth_programs = factory.depth_programs
-        self._prepare_rows()
+        self._depth_arrays = [surface.depth for surface in self._surfaces]
+        self._semantic_arrays: DepthArrays | None = None
+        blended = np.array([surface.blended for surface in self._surfaces], dtype=bool)
+        self._blended_row = blended[self._list.key]
         self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
         self.draws = 0
 
-    def _vertex_array(self, program: moderngl.Program) -> moderngl.VertexArray:
+    def _vertex_content(self) -> list[tuple[Any, ...]]:
         content: list[tuple[Any, ...]] = [
             (self._vertices, VERTEX_FORMAT, *VERTEX_NAMES),
-            (self._rows, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
+            (self._rows.buffer, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
         ]
-        if self._previous_rows is not None:
-            content.append((self._previous_rows, "4f4 4f4 4f4/i", *_PREVIOUS_NAMES))
-        # Without a fragment shader moderngl would take the program for one that feeds points back.
-        return self._ctx.vertex_array(
-            program, content, self._indices, skip_errors=True, mode=moderngl.TRIANGLES
-        )
-
-    def _prepare_rows(self) -> None:
-        """Compute what never changes: boxes and lamps of what does not move, kinds of surfaces."""
-        table = self._list
-        self._locked_row = self._poses.locked[table.node]
-        self._moving_row = self._poses.moving[table.node] | self._locked_row
-        self._moving_rows = np.flatnonzero(self._moving_row)
-        self._shadow_row = table.casts_shadow & ~self._locked_row
-        self._blended_row = np.array([s.blended for s in self._surfaces], dtype=bool)[table.key]
-        self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
-        self._thing[:, 0] = table.ambient
-        self._thing[:, 1] = self._locked_row
-        world = self._poses.world_from_node(0.0, Pose())
-        self._centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
-        self._thing[:, 2] = lighting.lamp_bits(self.scene, self._centers, self._halves)
-        self._world = self._previous_world = world
-        self._updated: tuple[float, float, Pose] | None = None
-        self.update(0.0, Pose())
+        if self._rows.previous_buffer is not None:
+            content.append((self._rows.previous_buffer, "4f4 4f4 4f4/i", *_PREVIOUS_NAMES))
+        return content
 
     def update(self, time_s: float, head: Pose, previous_time_s: float | None = None) -> None:
         """Move everything to where it is at a time; doing it again for the other eye is free.
@@ -108,34 +87,12 @@ class GpuScene:
         head
             world-from-head: decides levels of detail and places head-locked nodes.
         """
-        before_s = time_s if previous_time_s is None else previous_time_s
-        if self._updated == (time_s, before_s, head):
-            return
-        self._updated = (time_s, before_s, head)
-        self._world = self._poses.world_from_node(time_s, head)
-        self._previous_world = (
-            self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
-        )
-        self._update_moving()
-        centers = self._list.node_centers(self._centers, self._halves, len(self.scene.nodes))
-        self._node_centers = centers
-        self._in_use = self._level_in_use(head.position)
-
-    def _update_moving(self) -> None:
-        rows = self._moving_rows
-        if not len(rows):
-            return
-        self._centers[rows], self._halves[rows] = self._list.world_boxes(self._world, rows)
-        bits = lighting.lamp_bits(self.scene, self._centers[rows], self._halves[rows])
-        self._thing[rows, 2] = bits
-
-    def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
-        return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
+        self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
 
     @property
     def moves(self) -> bool:
         """Return whether anything in the scene moves by itself (not with the head)."""
-        return bool(self._poses.moving.any())
+        return self._rows.moves
 
     @property
     def has_blended(self) -> bool:
@@ -154,15 +111,15 @@ class GpuScene:
         blended
             False: opaque and masked surfaces, front to back. True: blended ones, back to front.
         """
-        seen = self._seen(culling.planes(clip_from_relative), eye_m)
-        rows = np.flatnonzero(seen & self._in_use & (self._blended_row == blended))
-        distance = culling.lengths(self._centers - eye_m)
+        seen = self._rows.seen(culling.planes(clip_from_relative), eye_m)
+        rows = np.flatnonzero(seen & self._rows.in_use & (self._blended_row == blended))
+        distance = culling.lengths(self._rows.centers - eye_m)
         order = (
             rows[np.argsort(-distance[rows], kind="stable")]
             if blended
             else front_to_back(rows, self._list.key, distance)
         )
-        self._upload(order, eye_m, previous=self._velocity)
+        self._rows.upload(order, eye_m, previous=self._velocity)
         for batch in batches(self._list.key, order):
             self._draw_batch(self._surfaces[batch.key], batch)
         return self._triangles(order)
@@ -191,16 +148,37 @@ class GpuScene:
             Draw for a shadow map: what casts one only, back faces too, levels of detail by the
             distance from `origin_m`, no near plane (the target must clamp depth).
         """
-        seen = self._seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
-        in_use = self._level_in_use(origin_m) & self._shadow_row if shadow else self._in_use
-        rows = np.flatnonzero(seen & in_use & self._chosen(movement) & ~self._blended_row)
+        seen = self._rows.seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
+        in_use = (
+            self._rows.level_in_use(origin_m) & self._rows.shadow if shadow else self._rows.in_use
+        )
+        rows = np.flatnonzero(seen & in_use & self._rows.chosen(movement) & ~self._blended_row)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._depth_arrays, cull=not shadow
+        )
+
+    def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
+        """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
+        if self._semantic_arrays is None:
+            factory = SurfaceFactory(self._ctx, self.scene, self._arrays, scene_features={})
+            self._semantic_arrays = [factory.semantic(key) for key in self._list.keys]
+            self._depth_programs += factory.depth_programs
+        seen = self._rows.seen(culling.planes(clip_from_relative), origin_m)
+        rows = np.flatnonzero(seen & self._rows.in_use & ~self._blended_row)
+        return self._draw_depth_rows(
+            rows, clip_from_relative, origin_m, self._semantic_arrays, cull=True
+        )
+
+    def _draw_depth_rows(
+        self, rows: Rows, clip: Array, origin_m: Array, arrays: DepthArrays, *, cull: bool
+    ) -> int:
         if not len(rows):
             return 0
         order = rows[np.argsort(self._list.key[rows], kind="stable")]
-        self._upload(order, origin_m, previous=False)
-        self._look_through(clip_from_relative)
+        self._rows.upload(order, origin_m, previous=False)
+        self._look_through(clip)
         for batch in batches(self._list.key, order):
-            self._draw_depth_batch(self._surfaces[batch.key], batch, cull=not shadow)
+            self._draw_depth_batch(batch.key, batch, arrays, cull=cull)
         return self._triangles(order)
 
     def draw_depth_views(
@@ -215,11 +193,11 @@ class GpuScene:
         begin_view
             Called with the number of each view before it is drawn, to set its viewport.
         """
-        seen = self._seen(culling.planes(clips_from_relative), origin_m)
-        view, row = np.nonzero(seen & self._in_use & ~self._blended_row)
+        seen = self._rows.seen(culling.planes(clips_from_relative), origin_m)
+        view, row = np.nonzero(seen & self._rows.in_use & ~self._blended_row)
         key = self._list.key[row] + view * len(self._surfaces)
         order = np.argsort(key, kind="stable")
-        self._upload(row[order], origin_m, previous=False)
+        self._rows.upload(row[order], origin_m, previous=False)
         begun = -1
         for batch in batches(key, order):
             number, surface = divmod(batch.key, len(self._surfaces))
@@ -227,7 +205,7 @@ class GpuScene:
                 begun = number
                 begin_view(number)
                 self._look_through(clips_from_relative[number])
-            self._draw_depth_batch(self._surfaces[surface], batch, cull=True)
+            self._draw_depth_batch(surface, batch, self._depth_arrays, cull=True)
         return self._triangles(row)
 
     def _look_through(self, clip_from_relative: Array) -> None:
@@ -235,35 +213,8 @@ class GpuScene:
         for program in self._depth_programs:
             cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
-    def _chosen(self, movement: Movement) -> NDArray[np.bool_]:
-        if movement == "all":
-            return np.ones_like(self._moving_row)
-        return self._moving_row if movement == "moving" else ~self._moving_row
-
     def _triangles(self, rows: Rows) -> int:
         return int(self._triangles_of_row[rows].sum())
-
-    def _seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
-        return culling.visible(planes, self._centers - origin_m, self._halves)
-
-    def _upload(self, order: Rows, origin_m: Array, *, previous: bool) -> None:
-        """Write rows and commands in drawing order; row i belongs to command i."""
-        if not len(order):
-            return
-        nodes = self._list.node[order]
-        rows = np.empty((len(order), 4, 4), dtype=np.float32)
-        rows[:, :3] = relative_rows(self._world, nodes, origin_m)
-        rows[:, 3] = self._thing[order]
-        self._rows.orphan(rows.nbytes)
-        self._rows.write(rows)
-        if previous and self._previous_rows is not None:
-            before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
-            self._previous_rows.orphan(before.nbytes)
-            self._previous_rows.write(before)
-        commands = self._list.commands[order]
-        commands["base_instance"] = np.arange(len(order))
-        self._commands.orphan(commands.nbytes)
-        self._commands.write(commands)
 
     def _draw_batch(self, surface: Surface, batch: Batch) -> None:
         self._materials.bind(surface.material)
@@ -272,20 +223,21 @@ class GpuScene:
         self._cull(surface, cull=True)
         if surface.masked:
             self._ctx.enable_direct(_ALPHA_TO_COVERAGE)
-        surface.color.render_indirect(self._commands, count=batch.length, first=batch.first)
+        surface.color.render_indirect(self._rows.commands, count=batch.length, first=batch.first)
         if surface.masked:
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
         self.draws += 1
 
-    def _draw_depth_batch(self, surface: Surface, batch: Batch, *, cull: bool) -> None:
-        if surface.depth is None:
+    def _draw_depth_batch(self, key: int, batch: Batch, arrays: DepthArrays, *, cull: bool) -> None:
+        surface, array = self._surfaces[key], arrays[key]
+        if array is None:
             return
         if surface.masked:
             self._materials.bind(surface.material)
             for unit, texture in surface.textures[:1]:
                 texture.use(unit)
         self._cull(surface, cull=cull)
-        surface.depth.render_indirect(self._commands, count=batch.length, first=batch.first)
+        array.render_indirect(self._rows.commands, count=batch.length, first=batch.first)
         self.draws += 1
 
     def _cull(self, surface: Surface, *, cull: bool) -> None:
@@ -297,3 +249,13 @@ class GpuScene:
 
 
 _ALPHA_TO_COVERAGE = 0x809E
+
+
+def _vertex_array(
+    ctx: moderngl.Context,
+    content: list[tuple[Any, ...]],
+    indices: moderngl.Buffer,
+    program: moderngl.Program,
+) -> moderngl.VertexArray:
+    # Without a fragment shader moderngl would take the program for one that feeds points back.
+    return ctx.vertex_array(program, content, indices, skip_errors=True, mode=moderngl.TRIANGLES)

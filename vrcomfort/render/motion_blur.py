@@ -23,7 +23,7 @@ class _Limit(NamedTuple):
 
 
 class _Sampling(NamedTuple):
-    samples_per_px: float
+    px_per_sample: int
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
@@ -125,7 +125,7 @@ def _reconstruction(
         size_px=colour.size,
         inputs={"colour": colour, "streaks": streaks.points, "longest": neighbours.target},
         filtered={"colour"},
-        constants=_Sampling(settings.samples / STREAK_OF_SAMPLES_PX),
+        constants=_Sampling(max(1, round(STREAK_OF_SAMPLES_PX / settings.samples))),
         defines={"TILE": streaks.tile_px},
     )
     return neighbours, gather

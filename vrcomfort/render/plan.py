@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render.scene_data import Scene
 
 
@@ -50,7 +50,24 @@ def focus(condition: Condition) -> PlannedPass:
         return PlannedPass("focus", False, "nothing is out of focus without depth of field")
     if condition.focus.method == "fixed":
         return PlannedPass("focus", False, f"focus is fixed at {condition.focus.fixed_m:g} m")
-    return PlannedPass("focus", True, "depth of field follows what is in front of the head")
+    return PlannedPass("focus", True, _focus_reason(condition.focus))
+
+
+def _focus_reason(settings: Focus) -> str:
+    if settings.method == "autofocus_zone":
+        share = f"{settings.zone_ratio:g} of the image's sides"
+        return (
+            f"depth of field follows what is in the middle: {share}, averaged by the "
+            f"{settings.zone_mean_on.upper()}"
+        )
+    if settings.method == "gaze":
+        instead = (
+            "nine rays ahead without one"
+            if settings.without_gaze == "nine_ray"
+            else "the session stops without one"
+        )
+        return f"depth of field follows the gaze: needs an eye tracker; {instead}"
+    return "depth of field follows what is in front of the head"
 
 
 def velocity(scene: Scene, condition: Condition) -> PlannedPass:
@@ -73,6 +90,10 @@ def depth_of_field(condition: Condition) -> PlannedPass:
     if settings.peripheral is None and settings.pinhole:
         return PlannedPass("depth_of_field", False, "its lens has no opening")
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
+    if settings.max_diameter_arcmin is not None:
+        reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
+    if settings.peripheral is not None:
+        reason += ", with peripheral blur"
     return PlannedPass("depth_of_field", True, reason)
 
 

@@ -119,7 +119,8 @@ class Node:
     mesh
         Indices into `Scene.primitives`.
     semantic_weight
-        How much an observer is presumed to look at this node; 1 is neutral.
+        How much an observer is presumed to look at this node, W_S of Hillaire et al. 2008: 0.004
+        for everything but what people are to look at, which has 1.
     head_locked
         The node's root frame is the head, not the world.
     lod
@@ -139,7 +140,7 @@ class Node:
     scale: Array = field(default_factory=lambda: np.ones(3))
     matrix: Array | None = None
     mesh: tuple[int, ...] = ()
-    semantic_weight: float = 1.0
+    semantic_weight: float = 0.004
     head_locked: bool = False
     lod: tuple[LodLevel, ...] = ()
     moving: bool = False

@@ -15,8 +15,9 @@ import numpy as np
 
 from vrcomfort.geometry import Array, Pose, normalize
 from vrcomfort.render import gl
-from vrcomfort.render.gpu_scene import GpuScene, Movement
+from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.lighting import relative_to
+from vrcomfort.render.scene_rows import Movement
 
 TEXTURE_UNIT = 4
 STEPS = 16

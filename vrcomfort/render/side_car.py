@@ -128,7 +128,8 @@ class Lod(_Table):
 class NodeSettings(_Table):
     """What the glTF file cannot say about its nodes; left out means unchanged."""
 
-    semantic_weight: NotNegative | None = None
+    semantic_weight: Annotated[float, Field(gt=0, le=1)] | None = None
+    """W_S of the autofocus zone: 1 for what people are to look at, 0.004 for the rest."""
     head_locked: bool | None = None
     ambient: Share | None = None
     casts_shadow: bool | None = None

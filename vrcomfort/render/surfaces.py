@@ -120,13 +120,19 @@ class SurfaceFactory:
             self._color[features] = self._vertex_array(program)
         return self._color[features]
 
+    def semantic(self, key: BatchKey) -> moderngl.VertexArray | None:
+        """Return what draws a batch's depth and semantic weights, None where it writes no depth."""
+        material = self._scene.materials[key.material]
+        if material.alpha_mode == "BLEND":
+            return None
+        return self._depth_array((*_features(material, vertex_colors=False), "SEMANTIC"))
+
     def _depth_array(self, features: Features) -> moderngl.VertexArray:
-        masked = "ALPHA_MASK" in features
-        relevant = ("ALPHA_MASK", "BASE_COLOR_IMAGE") if masked else ()
-        features = tuple(name for name in features if name in relevant)
+        relevant = ("ALPHA_MASK", "BASE_COLOR_IMAGE") if "ALPHA_MASK" in features else ()
+        features = tuple(name for name in features if name in (*relevant, "SEMANTIC"))
         if features not in self._depth:
+            fragment = "depth.frag" if features else None
             defines = dict.fromkeys(features, 1)
-            fragment = "depth.frag" if masked else None
             program = shaders.program(self._ctx, fragment, "depth.vert", defines)
             self._depth[features] = self._vertex_array(program)
         return self._depth[features]

@@ -25,7 +25,11 @@ class WarmUpFrame:
     index: int = -1
     predicted_display_time_ns: int = LATEST_NS
     discontinuity: bool = True
-    gaze: Gaze | None = None
+
+    @property
+    def gaze(self) -> Gaze:
+        """Return a look straight ahead: whether there is an eye tracker matters later."""
+        return Gaze(self.head_pose)
 
     @property
     def views(self) -> tuple[View, View]:

@@ -56,30 +56,73 @@ class Page:
 
 
 class Painter:
-    """Draws pages; keeps the last one, because text takes long and pointers move every frame."""
+    """Draws pages; keeps the last one, because text takes long and pointers move every frame.
+
+    A pointed cell and the pointer are small pictures on a copy of the page.
+    """
 
     def __init__(self) -> None:
         self._page: Page | None = None
-        self._pointed: Cell | None = None
-        self._image = Image.new("RGBA", SIZE_PX, BACKGROUND)
+        self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
+        self._cells: dict[Cell, Picture] = {}
 
     def draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> Picture:
         """Return the page as (height, width, 4) pixels, with the pointer at `point`."""
-        if page is not self._page or pointed != self._pointed:
-            self._page, self._pointed = page, pointed
-            self._image = _draw_page(page, pointed)
-        image = self._image.copy()
+        if page is not self._page:
+            self._page, self._pixels = page, np.asarray(_draw_page(page))
+            self._cells.clear()
+        picture = self._pixels.copy()
+        if pointed is not None:
+            left, top, right, bottom = _around(pointed)
+            picture[top:bottom, left:right] = self._pointed_cell(pointed)
         if point is not None:
-            _draw_pointer(ImageDraw.Draw(image), point)
-        return np.asarray(image)
+            _paste_pointer(picture, point)
+        return picture
+
+    def _pointed_cell(self, cell: Cell) -> Picture:
+        kept = self._cells.get(cell)
+        if kept is None:
+            left, top, right, bottom = _around(cell)
+            image = Image.fromarray(self._pixels[top:bottom, left:right])
+            _draw_cell(ImageDraw.Draw(image), cell, POINTED, corner=(left, top))
+            kept = self._cells[cell] = np.asarray(image)
+        return kept
 
 
-def _draw_page(page: Page, pointed: Cell | None) -> Image.Image:
+def _around(cell: Cell) -> tuple[int, int, int, int]:
+    """Return the pixels that a cell covers, from left and top, up to right and bottom."""
+    left, top, right, bottom = cell.box
+    return left, top, right + 1, bottom + 1
+
+
+def _paste_pointer(picture: Picture, point: tuple[float, float]) -> None:
+    """Draw the pointer, as far as it is on the picture."""
+    reach = POINTER_RADIUS_PX + 1
+    x, y = (round(part * size) for part, size in zip(point, SIZE_PX, strict=True))
+    left, top = max(x - reach, 0), max(y - reach, 0)
+    here = picture[top : max(y + reach, 0), left : max(x + reach, 0)]
+    dot, mask = _pointer()
+    part = slice(top - y + reach, None), slice(left - x + reach, None)
+    height, width = here.shape[:2]
+    here[:] = np.where(mask[part][:height, :width], dot[part][:height, :width], here)
+
+
+@lru_cache(maxsize=1)
+def _pointer() -> tuple[Picture, NDArray[np.bool_]]:
+    """Return the pointer's pixels, and which of them it covers."""
+    reach = POINTER_RADIUS_PX + 1
+    image = Image.new("RGBA", (2 * reach, 2 * reach))
+    _draw_pointer(ImageDraw.Draw(image), (reach, reach))
+    pixels = np.asarray(image)
+    return pixels, pixels[..., 3:] > 0
+
+
+def _draw_page(page: Page) -> Image.Image:
     image = Image.new("RGBA", SIZE_PX, BACKGROUND)
     canvas = ImageDraw.Draw(image)
     _draw_head(canvas, page)
     for cell in page.cells:
-        _draw_cell(canvas, cell, _colour(cell, page, pointed))
+        _draw_cell(canvas, cell, _colour(cell, page))
     if page.ends is not None:
         _draw_ends(canvas, page)
     middle = SIZE_PX[0] / 2, HINT_PX
@@ -98,9 +141,18 @@ def _draw_head(canvas: ImageDraw.ImageDraw, page: Page) -> None:
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width * page.done, 144), fill=POINTED)
 
 
-def _draw_cell(canvas: ImageDraw.ImageDraw, cell: Cell, colour: tuple[int, ...]) -> None:
-    left, top, right, bottom = cell.box
-    canvas.rounded_rectangle(cell.box, radius=min(12, (right - left) // 3), fill=colour)
+def _draw_cell(
+    canvas: ImageDraw.ImageDraw,
+    cell: Cell,
+    colour: tuple[int, ...],
+    *,
+    corner: tuple[int, int] = (0, 0),
+) -> None:
+    """Draw a cell on a canvas whose upper left pixel is `corner` of the page."""
+    left, top, right, bottom = (edge - corner[i % 2] for i, edge in enumerate(cell.box))
+    canvas.rounded_rectangle(
+        (left, top, right, bottom), radius=min(12, (right - left) // 3), fill=colour
+    )
     size = MIDDLE_PX if bottom - top > LARGE_PX else SMALL_PX
     size = _fitting(canvas, cell.text, size, right - left - 8)
     middle = (left + right) / 2, (top + bottom) / 2
@@ -115,14 +167,12 @@ def _draw_ends(canvas: ImageDraw.ImageDraw, page: Page) -> None:
     canvas.text((SIZE_PX[0] - MARGIN_PX, y), high, fill=QUIET, font=font, anchor="rm")
 
 
-def _draw_pointer(canvas: ImageDraw.ImageDraw, point: tuple[float, float]) -> None:
-    x, y, r = point[0] * SIZE_PX[0], point[1] * SIZE_PX[1], POINTER_RADIUS_PX
+def _draw_pointer(canvas: ImageDraw.ImageDraw, middle: tuple[float, float]) -> None:
+    x, y, r = *middle, POINTER_RADIUS_PX
     canvas.ellipse((x - r, y - r, x + r, y + r), fill=POINTER, outline=(0, 0, 0, 255), width=3)
 
 
-def _colour(cell: Cell, page: Page, pointed: Cell | None) -> tuple[int, ...]:
-    if cell == pointed:
-        return POINTED
+def _colour(cell: Cell, page: Page) -> tuple[int, ...]:
     if cell.act is Act.ANSWER and cell.value == page.chosen:
         return CHOSEN
     return STOP if cell.act is Act.STOP else CELL

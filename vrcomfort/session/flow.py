@@ -194,7 +194,9 @@ class SessionFlow:
         lab = self._lab
         scene = lab.load_scene(lab.protocol.scene_source(place.scene))
         headset = lab.headset_for(place.scene, scene)
-        lab.renderer.begin(scene, lab.protocol.condition(place.condition or ""))
+        condition = lab.protocol.condition(place.condition or "")
+        lab.renderer.begin(scene, condition)
+        self._log.focus_follows_gaze = condition.focus.method == "gaze"
         return FrameLoop(headset, lab.renderer, self._respondent, self._diary, self._log)
 
     def _train(self, loop: FrameLoop, place: Place, ending: _Ending) -> None:
@@ -228,6 +230,13 @@ class SessionFlow:
             )
         finally:
             self._diary.event("exposure", start_s, detail=_shown(place))
+            self._note_clamps(place)
+
+    def _note_clamps(self, place: Place) -> None:
+        """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
+        for sentence in self._lab.renderer.clamps():
+            self._diary.event("blur_limited", detail=sentence)
+            self._ledger.clamp(f"{_shown(place)}: {sentence}")
 
     def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:
         return Exhibit(number, place.condition or "", duration_s, self._lab.stretch)

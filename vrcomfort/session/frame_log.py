@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Protocol
 
 from vrcomfort.headset.base import Frame
-from vrcomfort.records import FrameRow, Row
+from vrcomfort.records import FrameRow, GazeRow, Row
 from vrcomfort.session.parts import FocusSample, GpuTime, RenderedFrame
 from vrcomfort.session.timing import TrialTiming
 
@@ -40,6 +40,8 @@ class FrameLog:
         Of the trial since `start_trial`.
     times_gpu
         Whether the renderer times the GPU.
+    focus_follows_gaze
+        Whether the distance before the refocus law is that of what the gaze meets.
     """
 
     def __init__(self, recorder: RowWriter, *, last_ns: int | None = None) -> None:
@@ -49,7 +51,7 @@ class FrameLog:
         self._gpu_ms: dict[int, float] = {}
         self._offset_ns = 0
         self._last_ns = last_ns
-        self.times_gpu = False
+        self.times_gpu = self.focus_follows_gaze = False
         self.start_trial()
 
     @property
@@ -71,10 +73,10 @@ class FrameLog:
         self, frame: Frame, rendered: RenderedFrame | None, *, trial: int, session_s: float
     ) -> None:
         """Take a frame, and whatever focus and GPU times arrived with it."""
-        dropped = self._count(frame)
+        dropped, time_ns = self._count(frame), self._continuous_ns(frame)
         self._waiting[frame.index] = FrameRow(
             session_s=session_s,
-            xr_time_ns=self._continuous_ns(frame),
+            xr_time_ns=time_ns,
             period_ns=frame.period_ns,
             trial=trial,
             should_render=frame.should_render,
@@ -86,6 +88,7 @@ class FrameLog:
             cpu_ms=rendered.cpu_ms if rendered else None,
             dropped=int(dropped),
             discontinuity=frame.discontinuity,
+            gaze=None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze),
         )
         if rendered is None:
             self.take(())
@@ -141,6 +144,8 @@ class FrameLog:
     def _write(self, index: int) -> None:
         row = replace(self._waiting.pop(index), gpu_ms=self._gpu_ms.pop(index, None))
         sample = self._focus.pop(index, None)
+        if sample and row.gaze and self.focus_follows_gaze:
+            row = replace(row, gaze=replace(row.gaze, hit_m=float(sample.focus_raw_m)))
         self._recorder.write(_with_focus(row, sample) if sample else row)
 
 

@@ -55,6 +55,11 @@ class Ledger:
         self._manifest.timing_flags.append(sentence)
         self._write()
 
+    def clamp(self, sentence: str) -> None:
+        """Note a limit that has shortened a blur."""
+        self._manifest.clamps.append(sentence)
+        self._write()
+
     def close(self, status: str) -> None:
         """Note how the run ended."""
         manifest = self._manifest
@@ -93,6 +98,8 @@ def limits(protocol: StudyProtocol) -> list[str]:
         if blur := condition.depth_of_field:
             radius = f"{blur.max_radius_percent:g} % of one eye's image width"
             found.append(f"{condition.name}: circle of confusion at most {radius} (radius)")
+            if condition.focus.method == "gaze" and condition.focus.without_gaze == "nine_ray":
+                found.append(f"{condition.name}: without an eye tracker nine rays ahead find focus")
         if motion := condition.motion_blur:
             streak = f"{motion.max_radius_percent:g} % of one eye's image width"
             found.append(f"{condition.name}: half a motion streak at most {streak}")

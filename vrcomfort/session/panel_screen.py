@@ -71,7 +71,7 @@ class PanelScreen:
     Attributes
     ----------
     notice
-        Called with what happens to the headset while a question is open.
+        Called with what happens to the headset while a question is open; None leaves it to others.
     """
 
     def __init__(self, headset: PanelHeadset) -> None:
@@ -80,7 +80,7 @@ class PanelScreen:
         self._panel: Panel | None = None
         self._picture: Picture | None = None
         self._hand = 1
-        self.notice: Callable[[HeadsetEvent], None] = lambda _: None
+        self.notice: Callable[[HeadsetEvent], None] | None = None
 
     @property
     def quad(self) -> Quad | None:
@@ -149,10 +149,8 @@ class PanelScreen:
                 "are kept: run with --resume"
             )
         self._headset.submit(frame, None)
-        for event in self._headset.take_events():
-            self.notice(event)
-            if event.name == "recentered":
-                self._place_again()
+        if self.notice is not None:
+            self._tell(self.notice)
 
     def allow_absence(self, duration_s: float) -> None:
         """Let the participant take the headset off for so long."""
@@ -161,6 +159,12 @@ class PanelScreen:
     def tick(self, hand: int) -> None:
         """Confirm an answer to the hand that gave it."""
         self._headset.tick(hand)
+
+    def _tell(self, notice: Callable[[HeadsetEvent], None]) -> None:
+        for event in self._headset.take_events():
+            notice(event)
+            if event.name == "recentered":
+                self._place_again()
 
     def _place_again(self) -> None:
         """Put the panel before the participant, who has been given a new straight ahead."""

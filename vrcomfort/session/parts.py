@@ -88,6 +88,9 @@ class Renderer(Protocol):
     def drain_times(self) -> Sequence[GpuTime]:
         """Return the GPU times that have not arrived yet."""
 
+    def clamps(self) -> Sequence[str]:
+        """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""
+
 
 LoadScene: TypeAlias = Callable[[str], Any]
 """Takes a scene's name or file (`Protocol.scene_source`), returns what the renderer draws."""

@@ -9,7 +9,7 @@ from typing import Any
 import xr
 
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.inputs import Gaze, HandInput, Inputs
+from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.headset.openxr.bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.instance import Runtime, check
@@ -115,7 +115,7 @@ class Actions:
         down = bool(state.current_state)
         return down, down and bool(state.changed_since_last_sync)
 
-    def _read_gaze(self, stage: Stage, time_ns: int) -> Gaze | None:
+    def _read_gaze(self, stage: Stage, time_ns: int) -> SeenGaze | None:
         if self._gaze_space is None:
             return None
         seen = xr.EyeGazeSampleTimeEXT()
@@ -124,8 +124,9 @@ class Actions:
         check(locate(self._gaze_space, stage.space, time_ns, ctypes.byref(location)))
         flags = location._location_flags  # the enum costs 10 µs
         if flags & VALID != VALID:
-            return Gaze(Pose(), int(seen.time), valid=False)
-        return Gaze(pose_from_xr(location.pose), int(seen.time), flags & TRACKED == TRACKED)
+            return SeenGaze(Pose(), valid=False, time_ns=int(seen.time))
+        pose = pose_from_xr(location.pose)
+        return SeenGaze(pose, flags & TRACKED == TRACKED, int(seen.time))
 
     def _make(self, name: str, kind: xr.ActionType) -> xr.Action:
         return xr.create_action(

@@ -196,10 +196,7 @@ class OpenXrHeadset:
         self._where.send(spawn, floors or Floors())
 
     def recenter(self) -> None:
-        """Make the floor under the head the stage's origin, and its heading straight ahead.
-
-        The participant stays where they are in the world, and panels where they stand.
-        """
+        """Make the floor point and heading of the head the stage's origin; nothing else moves."""
         self._where.recenter()
         self._cut = True
         self._events.append(HeadsetEvent("recentered", "by the experimenter"))
@@ -269,6 +266,7 @@ class OpenXrHeadset:
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=self._attendance.away,
+            gaze=inputs.gaze,
         )
         self._next_index, self._cut = self._next_index + 1, False
         return frame

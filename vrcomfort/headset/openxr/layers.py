@@ -160,6 +160,7 @@ class PanelLayer:
     def move(self, quad: Quad) -> None:
         """Put the panel elsewhere, from the next frame on."""
         self.quad = quad
+        self._layer.pose = pose_to_xr(quad.pose)
 
     @property
     def picture(self) -> NDArray[np.uint8] | None:

@@ -1,0 +1,84 @@
+"""The ready studies after Hillaire et al. 2008 and Mantiuk et al. 2011: the papers' numbers."""
+
+import subprocess
+import sys
+from itertools import pairwise
+
+import pytest
+
+from vrcomfort.design import build_design
+from vrcomfort.protocol import load_protocol
+from vrcomfort.protocol.conditions import Focus
+from vrcomfort.render import plan
+from vrcomfort.session.ledger import limits
+
+STUDIES = ["hillaire_2008", "mantiuk_2011"]
+
+
+def test_hillaire_in_numbers():
+    study = load_protocol("hillaire_2008")
+    assert (study.participants, study.exposure_s, study.training_s) == (30, 300.0, 240.0)
+    blur = study.condition("blur_on")
+    focus, lens = blur.focus, blur.depth_of_field
+    assert (focus.method, focus.zone_ratio, focus.mean) == ("autofocus_zone", 0.25, "metres")
+    weights = (focus.semantic_min, focus.semantic_max, focus.gauss_centre, focus.gauss_border)
+    assert weights == (0.004, 1.0, 1.0, 0.7)
+    assert (focus.law, focus.cutoff_hz) == ("low_pass", 5.0)
+    assert lens.law == "thin_lens"
+    assert lens.peripheral.exponent == 2.0
+    # D_max: 11 px of 1280 over 90°, whose focal length is 640 px.
+    assert lens.max_diameter_arcmin == pytest.approx(59.09, abs=0.005)
+    assert study.condition("blur_off").depth_of_field is None
+    sequences = [
+        build_design(study, seed=0).sequence(name) for name in ("blur_first", "blur_second")
+    ]
+    for number, sequence in enumerate(sequences):
+        assert sequence.trials[0].condition == ("blur_on", "blur_off")[number]
+        trials = [trial.condition for trial in sequence.trials]
+        assert len(trials) == 2 + 6
+        assert all(before != after for before, after in pairwise(trials))
+
+
+def test_mantiuk_in_numbers():
+    study = load_protocol("mantiuk_2011")
+    assert (study.participants, study.exposure_s) == (21, 15.0)
+    by_gaze = [c for c in study.conditions if c.focus.method == "gaze"]
+    assert [c.depth_of_field.aperture_m for c in by_gaze] == [0.019, 0.007, 0.002]
+    for condition in by_gaze:
+        assert (condition.focus.law, condition.focus.duration_s) == ("duration", 0.37)
+        assert condition.focus.gaze_radius_deg == 1.5
+    for condition in study.conditions:
+        assert condition.depth_of_field.law == "thin_lens"
+        assert condition.depth_of_field.distance_offset_m == 0.6
+    assert study.condition("no_tracker").focus.method == "fixed"
+
+
+def test_the_plan_says_how_focus_is_found():
+    zone = load_protocol("hillaire_2008").condition("blur_on")
+    assert "0.25 of the image's sides" in plan.focus(zone).reason
+    assert "peripheral" in plan.depth_of_field(zone).reason
+    gaze = load_protocol("mantiuk_2011").condition("gaze_7")
+    assert "needs an eye tracker; nine rays ahead without one" in plan.focus(gaze).reason
+    strict = gaze.model_copy(update={"focus": Focus(method="gaze")})
+    assert "the session stops without one" in plan.focus(strict).reason
+
+
+def test_the_manifest_says_that_nine_rays_may_stand_in_for_the_gaze():
+    noted = [line for line in limits(load_protocol("mantiuk_2011")) if "eye tracker" in line]
+    assert len(noted) == 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", STUDIES)
+def test_simulated_participants_go_through_it(name, tmp_path):
+    out = tmp_path / "study"
+    size = ["--size", "32x40", "--refresh-hz", "20", "--exposure-s", "0.1"]
+    command = ["simulate", name, "-n", "1", *size, "--out", str(out), "--quiet"]
+    main = "from vrcomfort.cli import main; main()"
+    answer = subprocess.run(
+        [sys.executable, "-c", main, *command], capture_output=True, text=True, check=False
+    )
+    assert answer.returncode == 0, answer.stderr
+    rows = (out / "sub-P01" / "ses-1" / "trials.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 1 + 8
+    assert all(",completed," in row for row in rows[1:])

@@ -1,0 +1,190 @@
+"""Gaze: written beside the frames, found again beside them, and never guessed."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
+from vrcomfort.headset.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
+from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.headset.pose_track import PoseTrack
+from vrcomfort.headset.trace import Trace, read_trace
+from vrcomfort.protocol import Condition
+from vrcomfort.records import FrameRow, GazeRow, Recorder, read_rows, session_folder, take_up
+from vrcomfort.session import VirtualClock, run
+from vrcomfort.session.frame_log import FrameLog
+
+HEADER = (
+    "session_s,xr_time_ns,valid,origin_x_m,origin_y_m,origin_z_m,"
+    "direction_x,direction_y,direction_z,hit_m,resumed"
+)
+
+
+def looking(index: int) -> Gaze:
+    """To the side by 0.1 rad per frame; every fifth frame is a blink."""
+    pose = Pose(np.array([0.0, 1.6, 0.01 * index]), yaw_pitch_roll(0.1 * index, 0.05, 0.0))
+    return Gaze(pose, valid=index % 5 != 4)
+
+
+@dataclass
+class TrackedHeadset(AheadHeadset):
+    """`AheadHeadset` with an eye tracker."""
+
+    def frames(self):
+        for each in super().frames():
+            yield replace(each, gaze=looking(each.index))
+
+
+def record(tmp_path, headset):
+    protocol = tiny_protocol(tmp_path)
+    run(
+        protocol,
+        "P01",
+        study=tmp_path / "S",
+        load_scene=lambda source: source,
+        headset_for=lambda *_: headset,
+        renderer=LateFocus(),
+        respondent=Scripted(),
+        sessions=[1],
+        clock=VirtualClock(),
+    )
+    return session_folder(tmp_path / "S", "P01", 1)
+
+
+def test_a_headset_without_an_eye_tracker_leaves_no_file(tmp_path):
+    assert not (record(tmp_path, AheadHeadset()) / "gaze.csv").exists()
+
+
+def test_a_session_writes_one_row_per_frame(tmp_path):
+    folder = record(tmp_path, TrackedHeadset())
+    lines = (folder / "gaze.csv").read_text().splitlines()
+    assert lines[0] == HEADER
+    frames, gazes = (read_rows(folder / name).rows for name in ("frames.csv", "gaze.csv"))
+    assert [row["xr_time_ns"] for row in gazes] == [row["xr_time_ns"] for row in frames]
+    assert [row["session_s"] for row in gazes] == [row["session_s"] for row in frames]
+    blink, first = gazes[4], gazes[0]
+    assert (blink["valid"], blink["origin_x_m"], blink["direction_z"]) == ("0", "", "")
+    assert (first["valid"], first["origin_y_m"], first["hit_m"]) == ("1", "1.6", "")
+    assert float(first["direction_z"]) == pytest.approx(-np.cos(0.05))
+
+
+def test_playing_a_session_back_gives_its_gaze(tmp_path):
+    folder = record(tmp_path, TrackedHeadset())
+    trace = read_trace(folder / "frames.csv").only_trial("1")
+    headset = PlaybackHeadset(trace, image_size_px=(4, 4), loop=False)
+    played = [each.gaze for each in headset.frames()]
+    # Training was index 0 to 9 of the same headset's frames; the exposure goes on after it.
+    shown = [looking(10 + index) for index in range(len(played))]
+    assert len(played) == 100
+    assert [gaze.valid for gaze in played] == [gaze.valid for gaze in shown]
+    for gaze, wanted in zip(played, shown, strict=True):
+        if wanted.valid:
+            assert np.array_equal(gaze.pose.position, wanted.pose.position)
+            assert np.allclose(gaze.pose.forward, wanted.pose.forward, atol=1e-15)
+
+
+def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        log, renderer = FrameLog(recorder), LateFocus()
+        renderer.begin(None, Condition(name="blur", depth_of_field={}))
+        log.focus_follows_gaze = True
+        for index in range(6):
+            shown = replace(frame(index), gaze=looking(index))
+            log.add(shown, renderer.render(shown, 0.0), trial=1, session_s=0.1 * index)
+        log.finish(renderer.drain())
+    rows = read_rows(recorder.folder / "gaze.csv").rows
+    assert [row["hit_m"] for row in rows] == ["3.5"] * 4 + [""] + ["3.5"]  # a blink hits nothing
+
+
+def test_a_resumed_session_goes_on_in_the_same_file(tmp_path):
+    shown = frame(0)
+    row = FrameRow(
+        0.0, 1, 100, 1, True, shown.head_pose, *shown.views, shown.avatar_pose,
+        gaze=GazeRow(0.0, 1, looking(1)),
+    )  # fmt: skip
+    with Recorder(tmp_path, "P1", 1) as recorder:
+        recorder.write(row)
+    folder = recorder.folder
+    (folder / "manifest.json").write_text(json.dumps({"timing_flags": []}))
+    with (folder / "gaze.csv").open("a") as file:
+        file.write("0.1,2,1,0.0,")
+    warnings = take_up(folder).warnings
+    assert [warning.rpartition("/")[2] for warning in warnings] == [
+        "gaze.csv, line 3: a half-written row was moved to gaze.csv.cut"
+    ]
+    with Recorder(tmp_path, "P1", 1, resumed=True) as recorder:
+        recorder.write(replace(row, xr_time_ns=2, gaze=GazeRow(0.1, 2, looking(2))))
+    assert [each["resumed"] for each in read_rows(folder / "gaze.csv").rows] == ["0", "1"]
+
+
+def track(times_ns, valid=None) -> GazeTrack:
+    count = len(times_ns)
+    directions = normalize(np.stack([np.arange(count), np.zeros(count), -np.ones(count)], axis=1))
+    kept = np.ones(count, bool) if valid is None else np.array(valid)
+    return GazeTrack(np.array(times_ns, np.int64), kept, np.zeros((count, 3)), directions)
+
+
+def test_the_nearest_sample_counts_and_an_old_one_does_not():
+    seen = track([0, 10_000_000, 20_000_000], valid=[True, False, True])
+    assert np.allclose(seen.at(4_000_000).pose.forward, [0, 0, -1])
+    assert not seen.at(6_000_000).valid  # a blink is nearest
+    assert np.allclose(seen.at(16_000_000).pose.forward, seen.directions[2])
+    assert seen.at(20_000_000 + LONGEST_NS).valid
+    assert not seen.at(20_000_001 + LONGEST_NS).valid
+    assert not seen.at(-1 - LONGEST_NS).valid
+
+
+@given(st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: np.linalg.norm(v) > 1e-3))
+def test_turning_from_straight_ahead_gives_the_direction(vector):
+    direction = normalize(vector)
+    assert np.allclose(rotate(turn_to(direction), [0, 0, -1]), direction, atol=1e-7)
+
+
+def gaze_file(tmp_path, *rows):
+    file = tmp_path / "gaze.csv"
+    file.write_text("\n".join([HEADER, *rows, ""]))
+    return file
+
+
+def test_a_file_of_blinks_is_read(tmp_path):
+    seen = read_gaze(gaze_file(tmp_path, "0.0,5,0,,,,,,,,0", "0.1,9,0,,,,,,,,0"))
+    assert not seen.at(5).valid
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("0.1,9,1,0,0,0,0,0,-2,,0", "line 3.*direction has length 2"),
+        ("0.1,9,1,0,0,0,,0,-1,,0", "line 3.*direction_x.*empty"),
+        ("0.1,4,1,0,0,0,0,0,-1,,0", "line 3.*goes back by 1 ns"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_its_line(tmp_path, row, message):
+    file = gaze_file(tmp_path, "0.0,5,0,,,,,,,,0", row)
+    with pytest.raises(InputError, match=message):
+        read_gaze(file)
+
+
+def test_a_missing_column_is_named(tmp_path):
+    file = tmp_path / "gaze.csv"
+    file.write_text("xr_time_ns,valid\n1,1\n")
+    with pytest.raises(InputError, match="origin_x_m"):
+        read_gaze(file)
+
+
+def test_gaze_of_another_rate_is_looked_up_by_time():
+    positions = np.tile([0.0, 1.6, 0.0], (4, 1))
+    head = PoseTrack(positions, np.tile([0.0, 0.0, 0.0, 1.0], (4, 1)))
+    times = np.arange(4) * 10_000_000
+    trace = Trace(times, head, np.arange(4) == 0, gaze=track([0, 20_000_000]))
+    frames = PlaybackHeadset(trace, image_size_px=(4, 4), loop=False).frames()
+    ahead = [-each.gaze.pose.forward[2] for each in frames]
+    assert np.allclose(ahead, [1, 1, np.sqrt(0.5), np.sqrt(0.5)])

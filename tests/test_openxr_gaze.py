@@ -1,0 +1,106 @@
+"""Eye gaze through OpenXR, as far as Monado goes: it offers the extension, but no eyes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import moderngl
+import numpy as np
+import pytest
+from openxr_support import Participant, fresh_monado, needs_monado, validation
+
+from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.headset.monado import Monado
+from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
+from vrcomfort.records import FrameRow, Recorder, read_rows
+from vrcomfort.session.frame_log import FrameLog
+
+pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+import xr
+
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+from vrcomfort.headset.openxr.instance import Runtime
+
+pytestmark = needs_monado
+
+SETTINGS = OpenXrSettings(image_size_px=(32, 24))
+HEAD = Pose(np.array([0.5, 1.6, -0.2]), yaw_pitch_roll(0.4, -0.2, 0.1))
+
+
+@pytest.fixture(scope="module")
+def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
+    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
+        yield service
+
+
+@pytest.fixture
+def participant(monado: Monado) -> Iterator[Participant]:
+    with monado.feed() as feed:
+        yield _still(feed)
+
+
+def _still(feed: RemoteFeed) -> Participant:
+    return Participant(feed, lambda _: RemoteState(HEAD))
+
+
+@pytest.fixture
+def says_it_has_eyes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Monado says of its headset that it has no eye tracker, but takes the bindings of one."""
+    monkeypatch.setattr(Runtime, "has_gaze", True)
+
+
+def test_a_headset_without_an_eye_tracker_gives_no_gaze(
+    ctx: moderngl.Context, participant: Participant
+) -> None:
+    with OpenXrHeadset(ctx, SETTINGS, before_wait=participant) as headset:
+        assert xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME in headset.details["extensions"]
+        assert headset.details["eye_tracker"] == "no"
+        assert [frame.gaze for frame in islice(headset.frames(), 3)] == [None] * 3
+
+
+@pytest.mark.usefixtures("says_it_has_eyes")
+def test_eyes_that_are_not_seen_are_recorded_as_such(
+    ctx: moderngl.Context, participant: Participant, tmp_path: Path
+) -> None:
+    with (
+        validation(tmp_path / "validation.txt") as layers,
+        OpenXrHeadset(
+            ctx,
+            OpenXrSettings(image_size_px=(32, 24), api_layers=layers),
+            before_wait=participant,
+        ) as headset,
+        Recorder(tmp_path, "P1", 1) as recorder,
+    ):
+        log = FrameLog(recorder)
+        for frame in islice(headset.frames(), 10):
+            assert frame.gaze is not None
+            assert not frame.gaze.valid
+            headset.submit(frame, None)
+            log.add(frame, None, trial=1, session_s=frame.index / 20)
+        log.finish()
+        heard = [event for event in headset.take_events() if event.name.startswith("openxr_")]
+    assert heard == []
+    rows = read_rows(recorder.folder / "gaze.csv").rows
+    frames = read_rows(recorder.folder / FrameRow.FILE).rows
+    assert [row["xr_time_ns"] for row in rows] == [row["xr_time_ns"] for row in frames]
+    assert {(row["valid"], row["origin_x_m"], row["direction_z"]) for row in rows} == {
+        ("0", "", "")
+    }
+
+
+@pytest.mark.usefixtures("says_it_has_eyes")
+def test_a_space_that_is_tracked_is_a_valid_gaze(
+    ctx: moderngl.Context, participant: Participant
+) -> None:
+    with OpenXrHeadset(ctx, SETTINGS, before_wait=participant) as headset:
+        # The head's own space stands in for that of the eyes, which no headset here has.
+        headset._xr.actions._gaze_space = headset._xr.stage._head
+        for frame in islice(headset.frames(), 10):
+            headset.submit(frame, None)
+        assert frame.gaze is not None
+        assert frame.gaze.valid
+        assert np.allclose(frame.gaze.pose.position, frame.head_pose.position, atol=1e-6)
+        assert np.allclose(frame.gaze.pose.forward, frame.head_pose.forward, atol=1e-6)

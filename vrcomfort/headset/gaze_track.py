@@ -1,0 +1,97 @@
+"""Recorded gaze over time, and its file ``gaze.csv``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, Gaze, Pose, normalize
+from vrcomfort.headset.pose_track import Times
+from vrcomfort.headset.table import Table, read_table
+
+TIME, VALID = "xr_time_ns", "valid"
+ORIGIN = ("origin_x_m", "origin_y_m", "origin_z_m")
+DIRECTION = ("direction_x", "direction_y", "direction_z")
+
+LONGEST_NS = 50_000_000
+"""A sample says nothing of a moment further away: the eyes may have jumped, or blinked."""
+
+
+@dataclass(frozen=True, eq=False)
+class GazeTrack:
+    """What an eye tracker saw.
+
+    Parameters
+    ----------
+    time_ns
+        (n,) int64, rising, on the clock of the trace it belongs to.
+    valid
+        (n,) bool.
+    origins, directions
+        (n, 3) metres and unit vectors in the stage; NaN where not valid.
+    """
+
+    time_ns: Times
+    valid: NDArray[np.bool_]
+    origins: Array
+    directions: Array
+
+    def at(self, time_ns: int) -> Gaze:
+        """Return the nearest sample's gaze: eyes jump, so nothing between two samples is known."""
+        after = int(np.searchsorted(self.time_ns, time_ns))
+        near = range(max(after - 1, 0), min(after + 1, len(self.time_ns)))
+        away_ns, index = min((abs(int(self.time_ns[i]) - time_ns), i) for i in near)
+        if away_ns > LONGEST_NS or not self.valid[index]:
+            return Gaze(Pose(), valid=False)
+        return Gaze(Pose(self.origins[index], turn_to(self.directions[index])))
+
+
+def turn_to(direction: Array) -> Array:
+    """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""
+    x, y, z = direction
+    if z > 1 - 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])  # straight back: any axis across will do
+    return normalize(np.array([y, -x, 0.0, 1.0 - z]))
+
+
+def read_gaze(path: str | Path) -> GazeTrack:
+    """Read a ``gaze.csv``.
+
+    Raises
+    ------
+    InputError
+        With file, line and column: a missing column, time that does not rise, a valid row without
+        numbers, or a direction that is no unit vector.
+    """
+    table = read_table(path, _require)
+    time_ns = table.rising(TIME, table.integers(TIME))
+    valid = table.integers(VALID) != 0
+    rays = np.full((len(time_ns), 6), np.nan)
+    if valid.any():
+        rays[valid] = _rays(table, valid)
+    return GazeTrack(time_ns, valid, rays[:, :3], rays[:, 3:])
+
+
+def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
+    """Return (valid rows, 6) origins and directions; rows that are not valid may be blank."""
+    kept = np.flatnonzero(valid).tolist()
+    rows, lines = [table.rows[i] for i in kept], [table.lines[i] for i in kept]
+    part = replace(table, rows=rows, lines=lines)
+    rays = part.floats([*ORIGIN, *DIRECTION])
+    lengths = np.linalg.norm(rays[:, 3:], axis=1)
+    bad = np.flatnonzero(np.abs(lengths - 1) > 1e-3)
+    if len(bad):
+        message = f"the direction has length {lengths[bad[0]]:.6g}; it needs length 1"
+        raise part.error(bad[0], DIRECTION[0], message)
+    return rays
+
+
+def _require(file: Path, header: list[str]) -> None:
+    missing = [name for name in (TIME, VALID, *ORIGIN, *DIRECTION) if name not in header]
+    if missing:
+        message = f"a record of gaze needs the column {missing[0]!r}"
+        raise InputError(message, file=file, line=1, column=missing[0])
