@@ -9,8 +9,13 @@ from collections.abc import Callable, Iterator
 
 import moderngl
 import pytest
+from hypothesis import HealthCheck, settings
 
 from vrcomfort.render import gl
+
+# A busy machine fails no test.
+settings.register_profile("unhurried", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("unhurried")
 
 KINDS = ("Texture", "Buffer", "Framebuffer", "Program", "VertexArray", "Query", "Sampler")
 
