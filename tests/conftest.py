@@ -9,11 +9,16 @@ from collections.abc import Callable, Iterator
 
 import moderngl
 import pytest
+from hypothesis import HealthCheck, settings
 
 from vrcomfort.render import gl
 
 # Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+# A busy machine fails no test.
+settings.register_profile("unhurried", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("unhurried")
 
 KINDS = ("Texture", "Buffer", "Framebuffer", "Program", "VertexArray", "Query", "Sampler")
 
