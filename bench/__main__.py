@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, memory, python_time, requires
+from bench import effects, mask, memory, python_time, requires
 from bench.table import Result, write
 from vrcomfort.headset.monado import SERVICE
 from vrcomfort.render.gl import create_context
@@ -33,6 +33,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "memory_openxr": lambda ctx, options: _openxr().measure_memory(
         ctx, frames=options.memory_frames // 50
     ),
+    "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
 }
 
 

@@ -12,6 +12,9 @@ import pytest
 
 from vrcomfort.render import gl
 
+# Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 KINDS = ("Texture", "Buffer", "Framebuffer", "Program", "VertexArray", "Query", "Sampler")
 
 

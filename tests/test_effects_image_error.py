@@ -7,7 +7,14 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Fov
-from vrcomfort.render.image_error import accuracy, hdr_flip, pixels_per_degree, psnr_db, rms
+from vrcomfort.render.image_error import (
+    accuracy,
+    hdr_flip,
+    pixels_per_degree,
+    psnr_db,
+    rms,
+    ssim,
+)
 
 
 @pytest.fixture
@@ -47,6 +54,36 @@ def test_accuracy_knows_how_good_its_reference_is(image):
     assert found.rms == pytest.approx(0.3, rel=0.01)
     assert found.counts
     assert not accuracy(image + 0.05, halves, pixels_per_degree=8.0).counts
+
+
+def ssim_by_the_formula(a, b):
+    """Return SSIM (Wang et al. 2004) of two (h, w) images, window by window."""
+    offset = np.arange(-5, 6)
+    weight = np.exp(-(offset[:, None] ** 2 + offset**2) / (2 * 1.5**2))
+    weight /= weight.sum()
+    found = []
+    for y in range(5, a.shape[0] - 5):
+        for x in range(5, a.shape[1] - 5):
+            p, q = (image[y - 5 : y + 6, x - 5 : x + 6] for image in (a, b))
+            mean_p, mean_q = (weight * p).sum(), (weight * q).sum()
+            var_p, var_q = (weight * (p - mean_p) ** 2).sum(), (weight * (q - mean_q) ** 2).sum()
+            cov = (weight * (p - mean_p) * (q - mean_q)).sum()
+            up = (2 * mean_p * mean_q + 0.01**2) * (2 * cov + 0.03**2)
+            found.append(up / ((mean_p**2 + mean_q**2 + 0.01**2) * (var_p + var_q + 0.03**2)))
+    return np.mean(found)
+
+
+def test_ssim_is_the_formula():
+    a, b = np.random.default_rng(5).uniform(0, 1, (2, 15, 17))
+    grey = [np.repeat(image[..., None], 3, axis=-1) for image in (a, 0.7 * a + 0.3 * b)]
+    expected = ssim_by_the_formula(a, 0.7 * a + 0.3 * b)
+    assert ssim(*grey) == pytest.approx(expected, rel=1e-9)
+
+
+def test_ssim_of_equal_images_is_one_however_small(image):
+    assert ssim(image, image) == pytest.approx(1)
+    assert ssim(image[:4, :3], image[:4, :3]) == pytest.approx(1)
+    assert ssim(image, 4 - image) < 0.1
 
 
 def test_pixels_per_degree_of_a_known_view():

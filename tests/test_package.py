@@ -41,7 +41,7 @@ for law in ("linear", "dioptre"):
         name="all", depth_of_field=DepthOfField(law=law), motion_blur=MotionBlur()
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
-    Reference(context, scene, condition, (16, 16))
+    Reference(context, scene, condition, (16, 16))._pass
 fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)

@@ -72,8 +72,26 @@ def test_a_blurred_front_spreads_over_a_sharp_back():
     found = ideal_scatter(flat(image, depth, radius), LENS)[16, :, 0]
     x = np.clip((np.arange(48) - 23.5) / 5, -1, 1)
     covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
-    np.testing.assert_allclose(found[24:], covered[24:], atol=0.02)
-    np.testing.assert_allclose(found[:24], 1, atol=1e-12)  # nobody knows what is behind the front
+    np.testing.assert_allclose(found, covered, atol=0.02)
+
+
+def test_what_was_hidden_continues_what_is_beside_it():
+    """A blurred white post before a sharp black wall: the wall goes on behind it."""
+    image = np.zeros((24, 48, 3))
+    image[:, 20:30] = 1
+    depth = np.where(image[..., 0] > 0, 0.1, 0.01)
+    radius = np.where(image[..., 0] > 0, -4.0, 0.0)
+    found = ideal_scatter(flat(image, depth, radius), LENS)[12, :, 0]
+    x = np.arange(48) - 24.5
+    edges = [np.clip((x + side) / 4, -1, 1) for side in (5, -5)]
+    covered = [0.5 + (e * np.sqrt(1 - e**2) + np.arcsin(e)) / np.pi for e in edges]
+    np.testing.assert_allclose(found, covered[0] - covered[1], atol=0.02)
+
+
+def test_an_image_that_moves_away_altogether_still_shows_something():
+    image = np.full((5, 4, 3), 0.25)
+    found = ideal_scatter(flat(image, radius=50.0), [[1.0, 0.0, 0.0]])
+    np.testing.assert_array_equal(found, image)
 
 
 def test_a_slanted_wall_does_not_tear():

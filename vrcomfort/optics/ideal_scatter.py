@@ -43,8 +43,9 @@ def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
     Every pixel is a square of its surface, at its depth. A sample (x, y of the unit disc, time in
     [−½, ½)) moves it by ``radius · (x, y) + streak · time``; the nearest wins. So each pixel's
     light is spread evenly over its disc and along its streak, except where something nearer
-    hides it from that part of the lens at that time. Nothing is invented: where a sample shows
-    a place that the pinhole image did not see, that sample does not count for that pixel.
+    hides it from that part of the lens at that time. Where a sample looks at what the pinhole image
+    did not see, the farthest of the four surfaces next to that place (along row and column) is
+    taken to go on behind the nearer ones: a post-process cannot know better.
 
     Squares grow by what they move relative to their neighbours (up to 1 px), so that slanted
     surfaces do not tear; wider gaps are edges of surfaces.
@@ -59,20 +60,17 @@ def ideal_scatter(pinhole: Pinhole, samples: ArrayLike, /) -> Array:
     colours = pinhole.image.reshape(-1, 3)[order].astype(np.float64)
     rows, columns = np.divmod(order, width)
     connected = _connected(pinhole, 0), _connected(pinhole, 1)
-    total, weight = np.zeros((height, width, 3)), np.zeros((height, width, 1))
-    for x, y, time in np.asarray(samples, dtype=np.float64):
+    total = np.zeros((height, width, 3))
+    samples = np.asarray(samples, dtype=np.float64)
+    for x, y, time in samples:
         shift_x = pinhole.radius_px * x + pinhole.streak_px[..., 0] * time
         shift_y = pinhole.radius_px * y * pinhole.pixel_aspect + pinhole.streak_px[..., 1] * time
         places = [
             _covered(base + shift.reshape(-1)[order], _growth(shift, connected).reshape(-1)[order])
             for base, shift in ((columns, shift_x), (rows, shift_y))
         ]
-        seen = _nearest(places[0], places[1], (height, width))
-        hit = (seen >= 0)[..., None]
-        total += np.where(hit, colours[seen], 0.0)
-        weight += hit
-    mean: Array = total / np.maximum(weight, 1)
-    return np.where(weight > 0, mean, pinhole.image)
+        total += colours[_continued(_nearest(places[0], places[1], (height, width)))]
+    return total / len(samples)
 
 
 def _connected(pinhole: Pinhole, axis: int) -> NDArray[np.bool_]:
@@ -117,3 +115,25 @@ def _nearest(
     # Of several values for one pixel NumPy keeps the last: the nearest.
     seen[y[inside], x[inside]] = index[inside]
     return seen
+
+
+def _continued(seen: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Fill what is not seen (−1) with the farthest (least) index next to it in four directions."""
+    if seen.min() >= 0:
+        return seen
+    nothing = seen.size
+    found = np.full_like(seen, nothing)
+    for turned, filled in ((seen, found), (seen.T, found.T)):
+        for view, out in ((turned, filled), (turned[:, ::-1], filled[:, ::-1])):
+            np.minimum(out, _last_seen(view, nothing), out=out)
+    continued = np.where(seen >= 0, seen, found)
+    # A row and a column without anything: any surface at all, the farthest.
+    return np.where(continued == nothing, 0, continued)
+
+
+def _last_seen(seen: NDArray[np.intp], nothing: int) -> NDArray[np.intp]:
+    """Return for each place the last index at or before it in its row that is seen."""
+    column = np.where(seen >= 0, np.arange(seen.shape[1]), -1)
+    last = np.maximum.accumulate(column, axis=1)
+    rows = np.arange(seen.shape[0])[:, None]
+    return np.where(last >= 0, seen[rows, np.maximum(last, 0)], nothing)

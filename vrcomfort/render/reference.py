@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import moderngl
@@ -100,8 +101,7 @@ class Reference:
         moving = plan.motion_blur(scene, condition).needed
         self._shutter_effect = condition.motion_blur if moving else None
         self._seed = seed
-        law = defocus.lens_law(self._lens_effect)
-        self._pass = ScenePass(ctx, scene, size_px, velocity=False, lens_law=law)
+        self._ctx, self._scene = ctx, scene
 
     def render(
         self,
@@ -164,6 +164,12 @@ class Reference:
             "lens": str(self._lens(camera, focus_m, (1.0, 1.0))),
             "shutter_fraction": shutter and shutter.shutter_fraction,
         }
+
+    @cached_property
+    def _pass(self) -> ScenePass:
+        """Return what draws samples; none is needed to say who one is."""
+        law = defocus.lens_law(self._lens_effect)
+        return ScenePass(self._ctx, self._scene, self._size_px, velocity=False, lens_law=law)
 
     @property
     def note(self) -> str:

@@ -27,7 +27,7 @@ class Scope:
     size_px
         (width, height) of one eye's image.
     samples
-        Of each reference.
+        Of each reference with a lens; a shutter alone (one dimension) takes a quarter.
     quick
         Fewer steps of each dial.
     methods
@@ -44,7 +44,7 @@ class Scope:
     samples: int = 2048
     quick: bool = False
     methods: tuple[str, ...] | None = None
-    rounds: int = 9
+    rounds: int = 7
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,11 @@ class Case:
     def name(self) -> str:
         """Return what files are called."""
         return f"{self.scene}_{self.effect}_pose{self.pose + 1}_{self.motion}"
+
+
+def samples_of(case: Case, scope: Scope) -> int:
+    """Return the samples of a case's reference."""
+    return scope.samples if case.effect != "motion_blur" else max(2, scope.samples // 4)
 
 
 def cases(scope: Scope) -> list[Case]:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
@@ -22,7 +24,7 @@ Row = dict[str, Any]
 
 COLOURS = {"source": "#b4541a", "ours": "#20639b", "dial": "#3a7d44"}
 MARKERS = {"source": "s", "ours": "o", "dial": "D"}
-WORDS = {"source": "methods of the sources", "ours": "ours", "dial": "ours, K views of the lens"}
+WORDS = {"source": "sources' methods", "ours": "ours", "dial": "ours, K views"}
 INK, FAINT = "#222222", "#8a8a8a"
 STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -90,30 +92,36 @@ def _lines(axes: Axes, rows: Sequence[Row]) -> None:
     }
     marks = [
         (named["no blur"]["rms"], "no blur", ":"),
-        (named[SCATTER]["rms"], "ideal scatter of the pinhole image (R2)", "--"),
-        (named[SCATTER]["reference_rms"], "the reference's own error", "-."),
+        (named[SCATTER]["rms"], "ideal scatter (R2)", "--"),
+        (named[SCATTER]["reference_rms"], "R1's own error", "-."),
     ]
     for error, text, style in marks:
         if error > 0:
             axes.axhline(error, color=FAINT, lw=0.9, ls=style, zorder=1)
-            axes.text(0.995, error, text, ha="right", va="bottom", **place)
+            axes.text(1.01, error, text, va="center", **place)
 
 
 def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     first = rows[0]
     views = "view" if first["views"] == 1 else "views"
     title = f"{first['scene']}: {first['effect'].replace('_', ' ')} ({first['views']} {views})"
-    axes.set_title(title, loc="left", fontsize=10)
+    axes.set_title(title, loc="left", fontsize=10, pad=24)
     axes.set_xlabel("cost of the effect ÷ cost of copying the stereo frame")
     axes.set_ylabel("RMS error against brute force (R1)\nlinear light, display white = 1")
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        start, end = axis.get_view_interval()
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if end / start < 300 else (1,)))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         axis.set_minor_formatter(NullFormatter())
     axes.margins(x=0.12, y=0.12)
+    low, high = axes.get_xlim()
+    widen = max(1.0, (10 / (high / low)) ** 0.5)  # at least a decade, or noise looks like a trend
+    axes.set_xlim(low / widen, high * widen)
     axes.grid(visible=True, lw=0.4, color="#e2e2e2", zorder=0)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+        axes.legend(
+            frameon=False, fontsize=8, loc="lower left", bbox_to_anchor=(-0.01, 1.0), ncols=3
+        )
 
 
 def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
@@ -121,6 +129,7 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     centers = [axes.transData.transform((r["effect_to_copy"], r["rms"])) for r in rows]
+    lines = [point for line in axes.lines for point in _along(axes, line)]
     taken: list[Bbox] = [text.get_window_extent() for text in axes.texts]
     for row, center in zip(rows, centers, strict=True):
         text = row["method"].removeprefix("ours, ")
@@ -133,9 +142,23 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
             fontsize=7.5,
             color=COLOURS[row["family"]],
         )
-        best = min(OFFSETS, key=lambda offset: _clash(spot, offset, axes, taken, centers, center))
+        best = min(
+            OFFSETS, key=lambda offset: _clash(spot, offset, axes, taken, lines, centers, center)
+        )
         _put(spot, best)
         taken.append(spot.get_window_extent())
+
+
+def _along(axes: Axes, line: Any) -> Any:
+    """Return places along a drawn line, some pixels apart, on the canvas."""
+    if line.get_linestyle() == "None":
+        return []
+    corners = line.get_transform().transform(np.column_stack(line.get_data()))
+    left, right = axes.get_window_extent().x0, axes.get_window_extent().x1
+    corners[:, 0] = np.clip(corners[:, 0], left, right)
+    steps = np.linspace(0, 1, 60)[:, None]
+    parts = [a + (b - a) * steps for a, b in pairwise(corners)]
+    return np.concatenate(parts) if parts else []
 
 
 def _put(spot: Any, offset: tuple[float, float, str]) -> None:
@@ -144,12 +167,19 @@ def _put(spot: Any, offset: tuple[float, float, str]) -> None:
 
 
 def _clash(
-    spot: Any, offset: tuple[float, float, str], axes: Axes, taken: Any, centers: Any, own: Any
+    spot: Any,
+    offset: tuple[float, float, str],
+    axes: Axes,
+    taken: Any,
+    lines: Any,
+    centers: Any,
+    own: Any,
 ) -> float:
     """Return how bad a place is: square pixels on other texts, markers, or outside the axes."""
     _put(spot, offset)
     box = spot.get_window_extent()
     bad: float = sum(_overlap(box, other) for other in taken)
+    bad += sum(8.0 for x, y in lines if _holds(box, x, y))
     bad += sum(60.0 for x, y in centers if _holds(box, x, y) and (x, y) != tuple(own))
     inside = axes.get_window_extent()
     bad += 1e4 * (

@@ -24,7 +24,7 @@ SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_
 
 RINGS = (1, 2, 3, 5, 8)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
-VIEWS = (2, 4, 8, 16, 32, 64, 128, 256)
+VIEWS = (1, 4, 16, 64, 256)
 
 
 @dataclass(frozen=True)
@@ -120,19 +120,23 @@ def _sources(effect: Effect, settings: type[BaseModel], field: str, make: Any) -
     ]
 
 
-def _dial(effect: Effect, family: Family, field: str, steps: Any, make: Any) -> list[Method]:
+def _dial(
+    effect: Effect, family: Family, field: str, steps: tuple[int, ...], make: Any
+) -> list[Method]:
     return [
-        Method(
-            f"ours, {step} {field}", effect, family, make(f"{field}_{step}", **{field: step}), step
-        )
+        Method(_name(step, field), effect, family, make(f"{field}_{step}", **{field: step}), step)
         for step in steps
     ]
+
+
+def _name(step: int, field: str) -> str:
+    return f"ours, {step} {field if step > 1 else field.removesuffix('s')}"
 
 
 def _views(quick: bool) -> list[Method]:
     if "views" not in DepthOfField.model_fields:
         return []
-    steps = VIEWS[1:6:2] if quick else VIEWS
+    steps = VIEWS[:4] if quick else VIEWS
     return _dial("depth_of_field", "dial", "views", steps, _lens_condition)
 
 

@@ -163,7 +163,7 @@ def _dials(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
             {
                 "scene": key[0],
                 "effect": key[1],
-                "dial": rows[0]["method"].split()[-1],
+                "dial": rows[-1]["method"].split()[-1],
                 "steps": [row["step"] for row in rows],
                 "rms": [row["rms"] for row in rows],
                 "slope": log_slope([r["step"] for r in rows], [r["rms"] for r in rows]),

@@ -65,7 +65,8 @@ def shoot(
 
     renderer = StereoRenderer(context(), size_px)
     renderer.begin(scene, condition)
-    renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    if condition.motion_blur is not None:
+        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
     renderer.render(frame, time_s(frame), keep)
     renderer.release()
     return found[0], found[1]

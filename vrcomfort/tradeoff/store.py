@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,9 +49,9 @@ class Store:
     def read(self, key: str) -> dict[str, NDArray[Any]] | None:
         """Return what was kept under a key; None where there is nothing, or half of it."""
         try:
-            with np.load(self._path(key), allow_pickle=False) as found:
+            with self._path(key).open("rb") as file, np.load(file, allow_pickle=False) as found:
                 return dict(found)
-        except (OSError, ValueError, EOFError):
+        except (OSError, ValueError, EOFError, BadZipFile):
             return None
 
     def write(self, key: str, **arrays: NDArray[Any]) -> None:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
+
 Row = dict[str, Any]
 
 COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
@@ -20,6 +22,7 @@ COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
     ("FLIP R2", "filter_flip", lambda v: number(v, 2)),
     ("rivalry", "rivalry", lambda v: number(v, 2)),
     ("shower door", "shower_door", lambda v: "–" if v is None else f"{v:+.2f}"),
+    ("CoC mismatch px", "coc_mismatch_px", lambda v: number(v, 2)),
     ("split-half", "split_half", lambda v: number(v, 2)),
     ("counts", "counts", lambda v: "yes" if v else "no"),
 )
@@ -63,12 +66,13 @@ def notes(found: dict[str, Any]) -> list[str]:
     poses = scope["poses"]
     return [
         f"{width}×{height} px per eye, {poses} view{'s' if poses > 1 else ''} of each scene's walk "
-        "(each where the head is fastest in its part); motions: as walked, and the head turning "
-        "at 90°/s. Errors are means over views and both eyes, on linear HDR light times the "
-        "scene's exposure, PSNR with peak 1.",
+        f"(each where the head is fastest in its part); motion blur {_motions(scope['motions'])}. "
+        "Errors are means over views and both eyes, on linear HDR light times the scene's "
+        "exposure, PSNR with peak 1.",
         f"Lens: focus {settings['focus_m']} m, {settings['lens']['max_radius_percent']} % of the "
         f"image's width at {settings['lens']['full_blur_dioptre']} D. Shutter fully open.",
-        f"R1: {scope['samples']} samples, the scene drawn again for each; R2: ideal scatter of "
+        f"R1: {scope['samples']} samples (a quarter for motion blur alone), the scene drawn again "
+        "for each; R2: ideal scatter of "
         "the pinhole image. R1 − R2 (the row of R2) is the error of the model, R2 − method that "
         "of the filter. `split-half` is R1's own error in parts of the method's; the row counts "
         "where it is at most 0.1.",
@@ -76,6 +80,15 @@ def notes(found: dict[str, Any]) -> list[str]:
         "stereo frame (RGBA16F, read once and written once) in the same run.",
         *_again(found["copy"]),
     ]
+
+
+def _motions(motions: Sequence[str]) -> str:
+    words = {
+        "still": "at rest",
+        "walk": "as walked",
+        "turn": f"with the head turning at {TURN_DEG_PER_S:g}°/s",
+    }
+    return " and ".join(words[motion] for motion in motions)
 
 
 def _again(copies: Sequence[Row]) -> list[str]:

@@ -34,14 +34,18 @@ PASSES: dict[type[Any], str] = {
 }
 """What is timed: the outermost of these at any moment."""
 
-COPIES = 8
+COPIES = 32
 """Copies of a stereo frame that are timed together: one is too short."""
 
 SLOW_S = 1.0
-"""A frame that takes longer is timed in few rounds."""
+"""A frame that takes longer is timed once, pass by pass."""
 
 Timed: TypeAlias = dict[str, tuple[float, int]]
 """Seconds and calls of each pass in one frame."""
+
+
+Pair: TypeAlias = tuple[Frame | None, Frame]
+"""The frame before (None where nothing moves: it would be the same one) and the one to time."""
 
 
 class CopyFloor:
@@ -90,7 +94,7 @@ def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime
     todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
     renderers = {method.name: _renderer(case, scope, method) for method in todo}
     plain = renderers[next(method.name for method in todo if method.family == "none")]
-    pair = frames(case, scope)
+    pair = frames(case, scope) if case.motion != "still" else (None, frames(case, scope)[1])
     rounds: dict[str, list[tuple[float, Timed]]] = defaultdict(list)
     floors: list[tuple[float, float]] = []
     plains: list[tuple[float, float]] = []
@@ -100,12 +104,13 @@ def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime
         if turn:
             floors.append((floor[0] / COPIES, floor[1] / COPIES))
             plains.append(twice)
-        for name, renderer in renderers.items():
-            if not _worth_another(rounds[name], scope.rounds):
+        for method in todo:
+            known = rounds[method.name]
+            if known and known[0][0] > SLOW_S:
                 continue
-            found = _frame_s(clock, renderer, pair), _pass_times(clock, renderer, pair)
+            found = _times(clock, renderers[method.name], pair)
             if turn or found[0] > SLOW_S:
-                rounds[name].append(found)
+                known.append(found)
         advance()
     copy_s, plain_s = np.array(floors), np.array(plains)
     return CaseTime(
@@ -118,12 +123,6 @@ def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime
     )
 
 
-def _worth_another(timed: list[tuple[float, Timed]], rounds: int) -> bool:
-    """Return whether a method is to be timed once more: slow ones know their time early."""
-    spent_s = sum(seconds for seconds, _ in timed)
-    return spent_s < SLOW_S * max(1, rounds / 3) if timed and timed[0][0] > SLOW_S else True
-
-
 def _renderer(case: Case, scope: Scope, method: Method) -> StereoRenderer:
     scene, _ = scene_and_hash(case.scene)
     renderer = StereoRenderer(context(), scope.size_px)
@@ -131,18 +130,24 @@ def _renderer(case: Case, scope: Scope, method: Method) -> StereoRenderer:
     return renderer
 
 
-def _frame_s(clock: Stopwatch, renderer: StereoRenderer, pair: tuple[Frame, Frame]) -> float:
-    before, frame = pair
-    renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
-    return clock.seconds(lambda: renderer.render(frame, time_s(frame)))
+def _frame_s(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> float:
+    _render_before(renderer, pair)
+    return clock.seconds(lambda: renderer.render(pair[1], time_s(pair[1])))
 
 
-def _pass_times(clock: Stopwatch, renderer: StereoRenderer, pair: tuple[Frame, Frame]) -> Timed:
-    before, frame = pair
-    renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+def _times(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> tuple[float, Timed]:
+    """Return the seconds of a frame and of its passes: of two frames, unless they are slow."""
+    _render_before(renderer, pair)
     with clocked_passes(clock) as timed:
-        renderer.render(frame, time_s(frame))
-    return {name: (seconds, calls) for name, (seconds, calls) in timed.items()}
+        renderer.render(pair[1], time_s(pair[1]))
+    whole_s = sum(seconds for seconds, _ in timed.values())
+    return (whole_s if whole_s > SLOW_S else _frame_s(clock, renderer, pair)), timed
+
+
+def _render_before(renderer: StereoRenderer, pair: Pair) -> None:
+    before, frame = pair
+    if before is not None:
+        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
 
 
 @contextmanager

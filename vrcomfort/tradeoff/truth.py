@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -12,14 +13,14 @@ from vrcomfort.optics.ideal_scatter import ideal_scatter
 from vrcomfort.optics.sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.reference import Accumulator, Reference
-from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.cases import Case, Scope, frames, samples_of
 from vrcomfort.tradeoff.methods import base_condition
 from vrcomfort.tradeoff.shots import Shot, context, pinhole, shoot
 from vrcomfort.tradeoff.store import Store, key_of, reference_code, scene_and_hash
 from vrcomfort.tradeoff.walk import time_s
 
 SAVE_EVERY_S = 5.0
-MOST_SCATTER_SAMPLES = 512
+MOST_SCATTER_SAMPLES = 256
 """R2 has no small lights that need more: its image is one of W × H pixels."""
 
 
@@ -51,6 +52,7 @@ def truths(case: Case, scope: Scope, shots: tuple[Shot, Shot], store: Store) -> 
     return left, right
 
 
+@lru_cache(maxsize=2)
 def base_shots(case: Case, scope: Scope) -> tuple[Shot, Shot]:
     """Draw what the references are references of."""
     scene, _ = scene_and_hash(case.scene)
@@ -59,7 +61,7 @@ def base_shots(case: Case, scope: Scope) -> tuple[Shot, Shot]:
 
 def _truth(case: Case, scope: Scope, shot: Shot, store: Store) -> Truth:
     sums, _ = _accumulated(case, scope, shot, store)
-    scatter = _scattered(shot, base_condition(case.effect), scope.samples)
+    scatter = _scattered(shot, base_condition(case.effect), samples_of(case, scope))
     return Truth(sums.halves, scatter, sums.samples)
 
 
@@ -83,13 +85,11 @@ def _accumulated(case: Case, scope: Scope, shot: Shot, store: Store) -> tuple[Ac
     device = str(context().info["GL_RENDERER"])
     key = key_of("reference", scene_hash, facts, reference_code(), device)
     sums = _read(store, key, scope)
-    reused = sums.samples
-    if reused < scope.samples:
+    reused, wanted = sums.samples, samples_of(case, scope)
+    if reused < wanted:
         keeper = _Keeper(store, key)
         try:
-            reference.render(
-                *view, focus_m=focus_m, samples=scope.samples, start=sums, on_sample=keeper
-            )
+            reference.render(*view, focus_m=focus_m, samples=wanted, start=sums, on_sample=keeper)
         finally:
             keeper.save(sums)
     return sums, Drawn(sums.samples, reused)

@@ -1,0 +1,156 @@
+"""`vrcomfort tradeoff` as a user meets it, at 16×20 pixels."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+
+from vrcomfort.cli import main
+from vrcomfort.tradeoff import truth
+from vrcomfort.tradeoff.methods import methods
+from vrcomfort.tradeoff.store import Store
+
+SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
+ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
+FEW = (*ONE, "--methods", "ours, 1 ring")
+
+
+@pytest.fixture
+def run(monkeypatch, capsys):
+    def call(*arguments):
+        monkeypatch.setattr("sys.argv", ["vrcomfort", "tradeoff", *map(str, arguments)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = int(end.code or 0)
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call
+
+
+def refused(result, *words):
+    code, _, err = result
+    assert code == 2
+    assert err.count("\n") == 1, "one sentence, no traceback"
+    assert all(word in err for word in words), err
+
+
+def timeless(path):
+    """Return the rows of a tradeoff.json without what a clock says."""
+    found = json.loads(path.read_text())
+    clocked = ("_ms", "_to_copy", "_to_plain", "_interval", "rounds")
+    return [{k: v for k, v in row.items() if not k.endswith(clocked)} for row in found["rows"]]
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+def test_everything_is_written(run, tmp_path, cache):
+    code, out, err = run(*ONE, "--cache", cache, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    assert "index.html" in out
+    names = {method.name for method in methods("depth_of_field", quick=True)}
+    with (tmp_path / "tradeoff.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["method"] for row in rows} == names | {"ideal scatter (R2)"}
+    found = json.loads((tmp_path / "tradeoff.json").read_text())
+    assert all(math.isfinite(row["rms"]) for row in found["rows"])
+    assert all(row["effect_ms"] > 0 for row in found["rows"] if row["family"] == "ours")
+    assert "llvmpipe" in found["device"] or found["timer"] == "time stamps of the GPU"
+    for name in ("figures/temple_depth_of_field.svg", "figures/temple_depth_of_field.png"):
+        assert (tmp_path / name).stat().st_size > 1000
+    page = (tmp_path / "index.html").read_text()
+    assert all(name in page for name in names)
+    assert "sheets/temple_depth_of_field_pose1_still.png" in page
+    assert (tmp_path / "sheets/temple_depth_of_field_pose1_still.png").exists()
+
+
+def test_a_second_run_does_nothing_twice_and_says_so(run, tmp_path, cache):
+    run(*FEW, "--cache", cache, "--out", tmp_path / "a")
+    code, out, _ = run(*FEW, "--cache", cache, "--out", tmp_path / "b")
+    assert code == 0
+    assert "16 of 16 reference samples and 2 of 2 measurements" in out
+    assert timeless(tmp_path / "a/tradeoff.json") == timeless(tmp_path / "b/tradeoff.json")
+
+
+def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monkeypatch):
+    """Stopped in the third sample of the second eye."""
+    whole, stopped = tmp_path / "whole", tmp_path / "stopped"
+    run(*FEW, "--cache", tmp_path / "c1", "--out", whole)
+    drawn = []
+
+    def stop(self, sums):
+        drawn.append(sums.samples)
+        if len(drawn) == 11:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(truth._Keeper, "__call__", stop)
+        code, _, _ = run(*FEW, "--cache", tmp_path / "c2", "--out", stopped)
+    assert code == 130
+    code, out, _ = run(*FEW, "--cache", tmp_path / "c2", "--out", stopped)
+    assert code == 0
+    assert out.startswith("11 of 16 reference samples and 0 of ")
+    assert timeless(whole / "tradeoff.json") == timeless(stopped / "tradeoff.json")
+
+
+@pytest.mark.slow
+def test_processes_find_what_one_finds(run, tmp_path, cache):
+    motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
+    motion = (*motion, "--methods", "ours, 2 samples")
+    run(*motion, "--cache", tmp_path / "c1", "--out", tmp_path / "a")
+    code, _, _ = run(*motion, "--jobs", 2, "--cache", tmp_path / "c2", "--out", tmp_path / "b")
+    assert code == 0
+    assert timeless(tmp_path / "a/tradeoff.json") == timeless(tmp_path / "b/tradeoff.json")
+
+
+@pytest.mark.slow
+def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
+    distributed = pytest.importorskip("distributed")
+    run(*FEW, "--cache", cache, "--out", tmp_path / "a")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None, protocol="tcp"
+    ) as cluster:
+        address = cluster.scheduler_address
+        folders = ("--cache", tmp_path / "c2", "--out", tmp_path / "b")
+        code, _, err = run(*FEW, "--cluster", address, *folders)
+    assert code == 0, err
+    assert timeless(tmp_path / "a/tradeoff.json") == timeless(tmp_path / "b/tradeoff.json")
+
+
+def test_what_is_not_there_is_named(run, tmp_path):
+    refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
+    refused(run("--effects", "glow", "--out", tmp_path), "glow", "motion_blur")
+    refused(run("--methods", "magic", "--out", tmp_path), "magic", "no blur")
+
+
+def test_a_cache_that_cannot_be_written_is_refused(run, tmp_path):
+    (tmp_path / "file").touch()
+    refused(run(*ONE, "--cache", tmp_path / "file" / "x", "--out", tmp_path / "o"), "--cache")
+
+
+def test_a_cluster_that_does_not_answer_is_refused(run, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("vrcomfort.tradeoff.workers.CONNECT_S", 1.0)
+    result = run(
+        *ONE, "--cluster", "tcp://127.0.0.1:9", "--cache", tmp_path, "--out", tmp_path / "o"
+    )
+    refused(result, "127.0.0.1:9", "dask scheduler")
+
+
+def test_half_a_file_in_the_cache_is_nothing(tmp_path):
+    store = Store(tmp_path)
+    store.write("key", values=np.arange(3))
+    np.testing.assert_array_equal(store.read("key")["values"], [0, 1, 2])
+    file = tmp_path / "key.npz"
+    file.write_bytes(file.read_bytes()[:40])
+    assert store.read("key") is None
+    assert store.read("other") is None

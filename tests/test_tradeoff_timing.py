@@ -1,0 +1,56 @@
+"""What is clocked, and what counts as an effect's cost."""
+
+import time
+
+import pytest
+
+from vrcomfort.render import gpu_timer
+from vrcomfort.render.gpu_timer import Stopwatch
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.methods import base_condition
+from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.store import scene_and_hash
+from vrcomfort.tradeoff.timing import clocked_passes, effect_s
+
+
+def test_each_pass_is_clocked_once_for_each_eye_and_methods_are_put_back():
+    case, scope = Case("temple", 0, "still", "depth_of_field"), Scope(size_px=(16, 20), poses=1)
+    scene, _ = scene_and_hash(case.scene)
+    renderer, method = StereoRenderer(context(), scope.size_px), ScenePass.render
+    renderer.begin(scene, base_condition(case.effect))
+    with clocked_passes(Stopwatch(context())) as timed:
+        renderer.render(frames(case, scope)[1], 0.0)
+    assert {name: calls for name, (_, calls) in timed.items()} == {
+        "scene": 2,
+        "depth_of_field": 2,
+        "tone_map": 2,
+    }
+    assert all(seconds > 0 for seconds, _ in timed.values())
+    assert ScenePass.render is method
+
+
+def test_the_first_drawing_of_the_scene_is_no_effect():
+    assert effect_s({"scene": (8.0, 2), "tone_map": (1.0, 2)}) == 0
+    assert effect_s({"scene": (8.0, 2), "depth_of_field": (3.0, 2)}) == pytest.approx(3)
+    assert effect_s({"scene": (8.0, 8), "depth_of_field": (3.0, 8)}) == pytest.approx(9)
+
+
+def test_time_stamps_work_inside_a_frame_that_is_timed_and_leave_nothing(ctx, monkeypatch):
+    """On a software rasteriser they say little, but they are there."""
+    monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
+    target = ctx.simple_framebuffer((4, 4))
+    timer, watch = gpu_timer.GpuTimer(ctx), Stopwatch(ctx)
+    assert watch.on_gpu
+    with timer.frame(0):
+        seconds = watch.seconds(lambda: target.clear(1.0))
+    assert 0 <= seconds < 10
+    assert timer.drain()[0].gpu_ms >= 0
+
+
+def test_a_software_rasteriser_is_timed_by_the_wall(ctx, monkeypatch):
+    monkeypatch.setattr(gpu_timer, "SOFTWARE", (str(ctx.info["GL_RENDERER"]).lower(),))
+    watch = Stopwatch(ctx)
+    assert not watch.on_gpu
+    assert watch.seconds(lambda: time.sleep(0.02)) >= 0.02
