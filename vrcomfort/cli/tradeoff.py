@@ -15,7 +15,6 @@ from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
 QUICK_SAMPLES = 256
-Csv = Annotated[str | None, typer.Option(metavar="NAME,…", help="Only these, by comma.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -36,7 +35,7 @@ def tradeoff(
     ] = None,
     methods: Annotated[
         str | None,
-        typer.Option(metavar="NAME;…", help="Only these methods, by semicolon; without it, all."),
+        typer.Option(metavar="NAME,…", help="Only these methods; without it, all."),
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Small: one view, fewer samples and steps.")
@@ -83,7 +82,7 @@ def tradeoff(
         size_px=parse_size(size),
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,
-        methods=tuple(name.strip() for name in methods.split(";")) if methods else None,
+        methods=tuple(name.strip() for name in methods.split(",")) if methods else None,
         rounds=rounds or (3 if quick else Scope.rounds),
     )
     with ExitStack() as bars:

@@ -50,6 +50,7 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
         columns=tables.COLUMNS,
         notes=tables.notes(found),
         verdicts=[_emphasis(line) for line in tables.verdicts(found)],
+        both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
         dials=tables.dials(found),
         figures={name: _inline(svg, name) for name, svg in figures.items()},
         gain=GAIN,

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 
 Row = dict[str, Any]
@@ -35,6 +36,7 @@ def number(value: float | None, digits: int) -> str:
         return "–"
     if value == 0:
         return "0"
+    value = float(f"{value:.{digits}g}")
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
     return f"{value:.{decimals}f}"
 
@@ -50,6 +52,7 @@ def markdown(found: dict[str, Any]) -> str:
         rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
         parts += ["", f"### {title(*key)}", "", *_table(rows)]
     parts += ["", "### Ours against each source", "", *[f"- {line}" for line in verdicts(found)]]
+    parts += ["", "### Both eyes", "", *[f"- {line}" for line in both_eyes(found)]]
     parts += ["", "### Dials", "", *[f"- {line}" for line in dials(found)], ""]
     return "\n".join(parts)
 
@@ -122,6 +125,32 @@ def _verdict(row: Row) -> str:
         f"nothing of ours is both faster and closer than *{row['theirs']}*; *{row['ours']}* "
         f"fails by a factor of {number(row['factor'], 3)} ({costs})."
     )
+
+
+def both_eyes(found: dict[str, Any]) -> list[str]:
+    """Return one sentence on the binocular errors of the closest of ours, for each scene."""
+    lines = []
+    for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
+        rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
+        ours = [r for r in rows if r["family"] == "ours" and r["rivalry"] is not None]
+        theirs = [row["rivalry"] for row in rows if row["family"] == "source"]
+        if not ours:
+            continue
+        best = min(ours, key=lambda row: row["rms"])
+        ideal = next(row["rivalry"] for row in rows if row["method"] == SCATTER)
+        ratios = [f"{number(_ratio(best['rivalry'], ideal), 2)} × that of R2"]
+        if theirs:
+            least = _ratio(best["rivalry"], min(theirs))
+            ratios.append(f"{number(least, 2)} × the least of the sources' methods")
+        lines.append(
+            f"{title(*key)}: rivalry of *{best['method']}* is {' and '.join(ratios)}; shower door "
+            f"{best['shower_door']:+.2f}, CoC mismatch {number(best['coc_mismatch_px'], 2)} px."
+        )
+    return lines
+
+
+def _ratio(a: float, b: float) -> float | None:
+    return a / b if b else None
 
 
 def dials(found: dict[str, Any]) -> list[str]:
