@@ -27,7 +27,7 @@ runtime:
 	@scripts/runtime.sh
 
 test-openxr:
-	@scripts/in_runtime.sh pytest -q -m monado
+	@scripts/in_runtime.sh pytest -q -n 2 --dist loadfile -m monado
 
 check: setup
 	@$(BIN)/ruff check .

@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, memory, python_time
+from bench import effects, mask, memory, python_time, requires
 from bench.table import Result, write
 from vrcomfort.headset.monado import SERVICE
 from vrcomfort.render.gl import create_context
@@ -26,12 +26,14 @@ def _openxr() -> Any:
 
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
+    "requires": lambda ctx, options: requires.measure(ctx, rounds=options.rounds),
     "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
     "openxr": lambda ctx, options: _openxr().measure(ctx, frames=options.frames),
     "memory": lambda ctx, options: memory.measure(ctx, frames=options.memory_frames),
     "memory_openxr": lambda ctx, options: _openxr().measure_memory(
         ctx, frames=options.memory_frames // 50
     ),
+    "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
 }
 
 

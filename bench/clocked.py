@@ -89,6 +89,14 @@ class Clock:
         return Lap(python_s, opengl_s, runtime_s, rig_s)
 
 
+def yardstick_s() -> float:
+    """Return the CPU time of a fixed piece of Python: how busy the machine is with other things."""
+    start_s, value = time.thread_time(), 0.0
+    for step in range(2000):
+        value = value * 0.5 + step
+    return time.thread_time() - start_s
+
+
 def _nothing() -> None:
     """Do nothing."""
 

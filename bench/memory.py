@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from bench.effects import CONDITIONS
 from bench.table import Result
-from bench.walk import REFRESH_HZ
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder
@@ -25,6 +24,7 @@ from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.tradeoff.walk import REFRESH_HZ
 
 SIZE_PX = (16, 16)
 SCENE = "temple"

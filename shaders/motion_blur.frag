@@ -2,6 +2,7 @@
 // Motion blur by gathering along streaks, with who hides whom.
 //
 // Input:  colour (linear HDR, filtered), streaks (streaks.frag), longest (streak_neighbours.frag).
+//         KIND: the tiles that this variant is for (streak_tiles.vert).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
@@ -13,12 +14,15 @@
 //
 // Fronts are looked for along the longest streak around. Where that is p's own streak as well,
 // one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
-// Most tiles need none of that: where the streaks change slowly from pixel to pixel, all taps move
-// along with p, nothing is uncovered, and a plain average along p's streak is the same to the bit.
+// Most tiles need none of that (ALIKE): where the streaks change slowly from pixel to pixel, all taps
+// move along with p, nothing is uncovered, and a plain average along p's streak is the same.
+// Limits: one velocity for each pixel, so what is seen through holes or hidden by p stays unknown,
+// paths are straight, and highlights go with the surface, though they stay where the light is.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
 // Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
 #include "velocity.glsl"
+#include "streak_kinds.glsl"
 
 uniform sampler2D colour;
 uniform sampler2D streaks;
@@ -27,8 +31,6 @@ uniform int px_per_sample;
 
 out vec4 blurred;
 
-const float LEAST_PX = 0.25;  // half streaks below this are left alone: half a pixel in all
-
 ivec2 pixel = ivec2(gl_FragCoord.xy);
 ivec2 last = textureSize(streaks, 0) - 1;
 vec4 p = texelFetch(streaks, pixel, 0);
@@ -36,50 +38,45 @@ vec4 p = texelFetch(streaks, pixel, 0);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-// By how much another streak may differ from p's and still count as moving along with it.
-float tolerance_px = 0.25 + 0.1 * length(p.xy);
-
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
 float in_front(vec4 q) {
     float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
-    return nearer * clamp(length(q.xy - p.xy) / tolerance_px - 1.0, 0.0, 1.0);
+    return nearer * clamp(length(q.xy - p.xy) / tolerance_px(length(p.xy)) - 1.0, 0.0, 1.0);
 }
 
 // Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
 // Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
 // streak does.
 struct Walk {
-    vec2 step;    // px of the image for one px along the longer axis
-    float reach;  // of the half streak, along the longer axis
+    vec2 step;         // px of the image for one px along the longer axis
+    float per_square;  // 1 / (its length squared)
+    float reach;       // of the half streak, along the longer axis
     int stride;
     bool whole_pixels;
 };
 
 struct Tap {
-    vec2 pixels;  // the first and the last that it stands for, px from p
+    float first;  // pixel that it stands for, px from p
     float along;  // where it lies, px from p
     float time;   // that p's streak is over it, in px of its way
 };
 
 Walk walk_along(vec2 half_streak, int stride, bool whole_pixels) {
     float reach = max(abs(half_streak.x), abs(half_streak.y));
-    return Walk(half_streak / reach, reach, stride, whole_pixels);
+    vec2 step = half_streak / reach;
+    return Walk(step, 1.0 / dot(step, step), reach, stride, whole_pixels);
 }
 
 int taps(Walk walk) {
     return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
 }
 
-float time_over_pixels(vec2 pixels, int stride, float reach) {
-    return 0.5 * float(stride) * (time_over(pixels.x, reach) + time_over(pixels.y, reach));
-}
-
 Tap tap_of(Walk walk, int j) {
-    vec2 k = float((j - 1) * walk.stride + 1) + vec2(0.0, float(walk.stride - 1));
-    float first = time_over(k.x, walk.reach), second = time_over(k.y, walk.reach);
-    float along = mix(k.x, k.y, second / max(first + second, 1e-6));
-    return Tap(k, along, 0.5 * float(walk.stride) * (first + second));
+    float first = float((j - 1) * walk.stride + 1), other = first + float(walk.stride - 1);
+    float a = time_over(first, walk.reach), b = time_over(other, walk.reach);
+    float along = mix(first, other, b / max(a + b, 1e-6));
+    return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
 }
 
 vec4 colour_at(vec2 at, bool whole_pixels) {
@@ -88,11 +85,10 @@ vec4 colour_at(vec2 at, bool whole_pixels) {
 }
 
 vec4 streak_at(vec2 at) {
-    // A tap between two pixels counts as the one that is closer to p.
-    vec2 towards_p = sign(vec2(pixel) + 0.5 - at) * 0.01;
-    return texelFetch(streaks, clamp(ivec2(floor(at + towards_p)), ivec2(0), last), 0);
+    return texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
 }
 
+#ifdef ONLY_ALIKE
 // Nothing in front anywhere near: the average along p's streak.
 void gather_plain(Walk walk) {
     vec2 centre = vec2(pixel) + 0.5;
@@ -102,19 +98,17 @@ void gather_plain(Walk walk) {
         back += tap.time * (colour_at(centre - offset, false) + colour_at(centre + offset, false));
     }
 }
-
-void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
-    vec4 q = streak_at(at);
+#else
+void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
+    vec2 at = vec2(pixel) + 0.5 + offset;
+    vec4 q = streak_at(at - offset * (0.01 / tap.along));  // between two pixels, the closer one
     float is_front = in_front(q);
     // p's own surface and what is behind it.
     float shown = for_back ? (1.0 - is_front) * tap.time : 0.0;
     // What sweeps over p: q does for the part of the time that its own streak is over p.
-    float over = 0.0;
-    if (for_front && is_front > 0.0) {
-        float sweep = abs(dot(q.xy, walk.step)) / dot(walk.step, walk.step);
-        float time = time_over_pixels(tap.pixels, walk.stride, sweep);
-        over = is_front * time / max(2.0 * sweep, 1e-3);
-    }
+    float sweep = abs(dot(q.xy, walk.step)) * walk.per_square;
+    float time = clamp(sweep + 0.5 - tap.first, 0.0, float(walk.stride));
+    float over = for_front ? is_front * time / max(2.0 * sweep, 1e-3) : 0.0;
     if (shown + over > 0.0) {
         vec4 c = colour_at(at, walk.whole_pixels);
         back += shown * c;
@@ -123,44 +117,45 @@ void gather_at(vec2 at, Walk walk, Tap tap, bool for_back, bool for_front) {
 }
 
 void gather(Walk walk, bool for_back, bool for_front) {
-    vec2 centre = vec2(pixel) + 0.5;
     for (int j = 1; j <= taps(walk); ++j) {
         Tap tap = tap_of(walk, j);
-        vec2 offset = tap.along * walk.step;
-        gather_at(centre - offset, walk, tap, for_back, for_front);
-        gather_at(centre + offset, walk, tap, for_back, for_front);
+        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
+        gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
     }
 }
+#endif
 
+#ifdef ONLY_ALIKE
+void main() {
+    blurred = texelFetch(colour, pixel, 0);
+    if (length(p.xy) < LEAST_PX)
+        return;
+    Walk own = walk_along(p.xy, px_per_sample, false);
+    back = time_over(0.0, own.reach) * vec4(blurred.rgb, 1.0);
+    gather_plain(own);
+    blurred.rgb = min(back.rgb / back.a, 65504.0);
+}
+#else
 void main() {
     vec4 tile = texelFetch(longest, pixel / TILE, 0);
     vec2 around = tile.xy;
     float reach = length(around);
-    blurred = texelFetch(colour, pixel, 0);
-    if (reach < LEAST_PX)
-        return;
     bool moves = length(p.xy) >= LEAST_PX;
-    // Between p and the farthest tap lie at most sqrt(2) * reach + 2 steps from pixel to pixel.
-    bool alike = tile.w * (1.4143 * reach + 2.0) <= tolerance_px;
-    bool nearest = tile.z <= p.z * 1.02;
-    if (!moves && (alike || nearest))
-        return;
     // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > 0.75 * reach;
-    Walk own = walk_along(p.xy, whole_pixels ? 1 : px_per_sample, whole_pixels);
+    int stride = whole_pixels ? 1 : px_per_sample;
+    blurred = texelFetch(colour, pixel, 0);
+    Walk own = walk_along(p.xy, stride, whole_pixels);
     back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
-    if (alike || nearest) {
-        gather_plain(own);
-    } else {
-        float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
-        bool together = moves && apart < 0.25 + 0.05 * reach;
-        if (moves)
-            gather(own, true, together);
-        if (!together)
-            gather(walk_along(around, own.stride, whole_pixels), false, true);
-        if (front.a <= 0.0 && !moves)
-            return;
-    }
+    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
+    bool together = moves && apart < 0.25 + 0.05 * reach;
+    if (moves)
+        gather(own, true, together);
+    if (!together)
+        gather(walk_along(around, stride, whole_pixels), false, true);
+    if (front.a <= 0.0 && !moves)
+        return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
 }
+#endif

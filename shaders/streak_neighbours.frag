@@ -3,9 +3,10 @@
 // those that are long enough to come here.
 //
 // Input:  tiles of streak_tiles.frag.
-// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = depth of
-//         the nearest point, and w = steepness of the steepest tile, within that reach.
+// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = which pass
+//         the tile needs (streak_kinds.glsl); w = steepness of the steepest tile within that reach.
 #include "velocity.glsl"
+#include "streak_kinds.glsl"
 
 uniform sampler2D tiles;
 uniform float radius_limit_px;
@@ -33,13 +34,9 @@ void main() {
             around = comes_here && dot(s, s) > dot(around, around) ? s : around;
         }
     float reach = length(around);
-    longest = vec4(around, 0.0, 0.0);
+    float steepness = 0.0;
     for (int y = -REACH; y <= REACH; ++y)
-        for (int x = -REACH; x <= REACH; ++x) {
-            if (reach < gap_px(ivec2(x, y)))
-                continue;
-            vec4 t = at(ivec2(x, y));
-            longest.z = max(longest.z, t.z);
-            longest.w = max(longest.w, t.w);
-        }
+        for (int x = -REACH; x <= REACH; ++x)
+            steepness = reach >= gap_px(ivec2(x, y)) ? max(steepness, at(ivec2(x, y)).w) : steepness;
+    longest = vec4(around, kind_of(around, at(ivec2(0)).z, steepness), steepness);
 }

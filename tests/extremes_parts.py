@@ -29,8 +29,14 @@ HALF_MAX = 65_504.0
 SIZES = [(1, 1), (150, 24), (7, 5), (17, 33), (151, 25)]
 NEAREST_M = (0.001, 0.01, 0.05, 1.0)
 """Near planes."""
-FOCUS_M = (0.001, 0.0170, 0.017 * 1.001, 1.0, 30_000.0, 1e9)
+FOCUS_M = (0.001, 0.017, 0.017 * 1.001, 1.0, 30_000.0, 1e9)
 """At, beside and beyond the focal length of an eye; at the sky and beyond it."""
+ENDS = {
+    "fixed_m": FOCUS_M,
+    "focal_length_m": (0.001, 0.017, 0.2),
+    "aperture_m": (0.0, 1e-6, 0.007, 1.0),
+}
+"""Settings that the schema leaves open at the top, or whose ends belong together."""
 DISTANCES_M = (0.002, 0.1, 10.0, 30_000.0, np.inf)
 SPEEDS_PX = (0.0, 1e-3, 0.4, 30.0, 2e3, 1e5)
 MOST = {"views": 5, "rings": 8, "samples": 64}
@@ -101,8 +107,8 @@ def _value(name, field, rng):
     tops = [getattr(limit, side, None) for limit in field.metadata for side in ("le", "lt")]
     high = next((top for top in tops if top is not None), 3e4 if name.endswith("_m") else 1e3)
     high = min(high, MOST.get(name, high))
-    if name.endswith("fixed_m"):
-        return float(rng.choice(FOCUS_M))
+    if name in ENDS:
+        return float(rng.choice(ENDS[name]))
     if kind is int:
         return int(rng.integers(low, high + 1))
     least = max(low, 1e-3)

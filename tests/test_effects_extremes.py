@@ -10,6 +10,7 @@ from test_effects_optics import evaluate
 from vrcomfort.geometry import Fov, Pose, View, axis_angle
 from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.optics import motion
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_depth, read_linear
 from vrcomfort.render.pipeline import StereoRenderer
@@ -195,6 +196,20 @@ def test_radii_are_accurate_at_every_range(ctx, law, seed):
         apart = np.abs(from_head_m - focus_m) > 0.02 * focus_m
         assert apart.sum() > 100
         assert (off_px[apart] <= 1e-5 * np.abs(twin[apart])).all()
+
+
+def test_time_over_a_pixel_is_the_twin(ctx):
+    """From streaks far below a pixel to 1e4 px, within 1e-6 of a pixel and of the reach."""
+    rng = np.random.default_rng(2)
+    rows = np.zeros((400, 4), "f4")
+    rows[:, 1] = 10 ** rng.uniform(-3, 4, 400)
+    rows[:, 0] = rows[:, 1] * rng.choice([-1, 1], 400) + rng.uniform(-2, 2, 400)
+    rows[::3, 0] *= rng.random(134)
+    found = evaluate(ctx, "velocity.glsl", "vec4(time_over(x.x, x.y))", rows)[:, 0]
+    twin = motion.time_over(rows[:, 0].astype("f8"), rows[:, 1].astype("f8"))
+    assert (np.abs(found - twin) <= 1e-6 * (1 + rows[:, 1])).all()
+    assert found.min() >= -1e-6
+    assert found.max() <= 1 + 1e-6
 
 
 def test_a_turned_head_blurs_nothing_where_rotation_is_cancelled(ctx):

@@ -117,7 +117,8 @@ def test_depth_of_field(ctx, cases):
         colour, depth = textures(
             ctx, rgb, np.maximum(distances(rng, (height, width)), near_m), near_m
         )
-        focus_m = rng.choice([*FOCUS_M, np.inf, np.nan])
+        lens_m = settings.focal_length_m
+        focus_m = rng.choice([*FOCUS_M, lens_m, 1.001 * lens_m, np.inf, np.nan])
         focus = gl.color_texture(ctx, (1, 1), dtype="f4")
         focus.write(np.full(4, focus_m, "f4").tobytes())
         effect = DepthOfFieldPass(
@@ -188,6 +189,16 @@ def test_tone_map(ctx, cases):
         assert (encoded[..., 3] == 1).all()
 
 
+def test_copy(ctx, cases):
+    """The measure of all costs: the same bits."""
+    for number, rng in cases:
+        width, height = SIZES[number % len(SIZES)]
+        colour, _ = textures(ctx, hdr(rng, (height, width, 3)), 1.0)
+        copy = FullscreenPass(ctx, "copy.frag", size_px=(width, height), inputs={"source": colour})
+        copy.render()
+        np.testing.assert_array_equal(rgb_of(copy.target), rgb_of(colour))
+
+
 def test_picture(ctx, cases):
     """A panel anywhere, also behind or through the eye: no colour that the picture has not."""
     painter = EyePainter(ctx)
@@ -228,7 +239,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
 
     Those of whole frames are compiled for every value of every choice that settings have.
     """
-    read = {"picture.vert", "picture.frag"}  # the eye painter reads its own pair
+    read = {"picture.vert", "picture.frag", "copy.frag"}  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
@@ -239,6 +250,13 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     folder = data_folder("shaders")
     there = {str(file.relative_to(folder)) for file in folder.rglob("*.*")}
     assert there - read == set()
+
+
+def test_every_shader_has_its_bound_in_the_docs():
+    root = Path(__file__).resolve().parent.parent
+    text = (root / "docs" / "extremes.md").read_text(encoding="utf-8")
+    files = data_folder("shaders").glob("*.*")
+    assert [file.name for file in files if f"`{file.name}`" not in text] == []
 
 
 THROUGH = {

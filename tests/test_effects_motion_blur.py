@@ -5,6 +5,7 @@ import pytest
 from effects_parts import motion_blur, motion_blur_pass, rgb_of
 
 from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.optics.motion import time_over
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
 
@@ -108,6 +109,37 @@ def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
     before = motion_blur(ctx, rgb, distance, np.where(bar[..., None], [20.0, 0], 0), **plain)
     np.testing.assert_array_equal(before[48, :48], [[0, 0, 1]] * 48)
     assert before[48, 48, 0] == pytest.approx(0.5, abs=0.05)
+
+
+@pytest.mark.parametrize("samples", [8, 16])
+@pytest.mark.parametrize("half_streak_px", [0.4, 1.3, 5.0, 11.6])
+def test_a_point_is_spread_as_long_as_its_streak_is_over_each_pixel(ctx, half_streak_px, samples):
+    rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
+    line = motion_blur(ctx, rgb, 2.0, [2 * half_streak_px, 0.0], samples=samples, **WHOLE)[48, :, 0]
+    reach = float(np.float16(half_streak_px))
+    expected = time_over(np.arange(128) - 64, reach) / (2 * reach)
+    np.testing.assert_allclose(line, expected, atol=2e-3)
+
+
+def test_tiles_are_told_by_what_can_be_seen_in_them(ctx, rng):
+    """Still at the left, all moving alike in the middle, two that pass each other at the right."""
+    height, width = 64, 512
+    x, y = np.meshgrid(np.arange(width), np.arange(height))
+    speed = np.where(x < 160, 0.0, np.where(x < 320, 10.0, np.where(y % 8 < 4, 10.0, -10.0)))
+    effect = motion_blur_pass(
+        ctx,
+        rng.uniform(0, 1, (height, width, 3)),
+        2.0,
+        np.stack([speed, 0 * speed], axis=-1),
+        shutter_fraction=1.0,
+        max_radius_percent=3.0,
+    )
+    longest = effect._gather._neighbours.target
+    kinds = np.frombuffer(longest.read(), "f2").reshape(longest.height, longest.width, 4)[1, :, 2]
+    assert effect._streaks.tile_px == 16
+    assert kinds[:9].tolist() == [0] * 9
+    assert kinds[12:18].tolist() == [1] * 6
+    assert kinds[21:].tolist() == [2] * 11
 
 
 def turning(deg_s):

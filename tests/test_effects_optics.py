@@ -204,6 +204,32 @@ def test_shader_velocity_and_streak_are_the_twins(ctx, rng):
     np.testing.assert_allclose(result[:, 2:], streak, rtol=1e-5, atol=1e-5)
 
 
+@given(st.floats(0.01, 40))
+def test_the_times_over_all_pixels_are_the_whole_streak(reach):
+    pixels = np.arange(-42, 43)
+    times = motion.time_over(pixels, reach)
+    np.testing.assert_allclose(times.sum(), 2 * reach, atol=1e-9)
+    np.testing.assert_array_equal(times[np.abs(pixels) >= reach + 1], 0)
+    np.testing.assert_allclose(times[np.abs(pixels) <= reach - 1], 1, atol=1e-12)
+
+
+def test_shader_time_over_is_the_twin(ctx, rng):
+    x = rng.uniform(0, 12, (100, 4)).astype("f4")
+    result = evaluate(ctx, "velocity.glsl", "vec4(time_over(x.x, x.y))", x)
+    np.testing.assert_allclose(result[:, 0], motion.time_over(x[:, 0], x[:, 1]), atol=1e-6)
+
+
+def test_shader_kinds_of_tiles_are_the_twins(ctx, rng):
+    x = rng.uniform(0, 1, (300, 4)).astype("f4") * np.float32([20, 2, 10, 0.2])
+    kinds = evaluate(ctx, "streak_kinds.glsl", "vec4(kind_of(x.xy, x.z, x.w))", x)[:, 0]
+    alike = [
+        motion.moves_alike(r[:2], shortest_px=r[2], steepness_px=r[3]) for r in x.astype(float)
+    ]
+    assert {0.0, 1.0, 2.0} >= set(kinds.tolist()) >= {1.0, 2.0}
+    np.testing.assert_array_equal(kinds == 1, alike)
+    assert not motion.moves_alike([0.1, 0.1], shortest_px=0.1, steepness_px=0.0)
+
+
 @pytest.fixture
 def rng():
     return np.random.default_rng(1)

@@ -75,6 +75,21 @@ def test_slerp_turns_at_constant_speed_along_the_shorter_arc(a, b, t):
     assert whole <= np.pi + 1e-9
 
 
+@given(quaternions, quaternions, st.floats(-0.5, 1.5))
+def test_one_slerp_in_plain_numbers_is_that_of_arrays(a, b, t):
+    (many,) = slerp(a[None], b[None], np.array([t]))
+    np.testing.assert_allclose(slerp(a, b, t), many, atol=1e-9)
+
+
+@given(vectors, quaternions, st.floats(0.5, 2.0))
+def test_a_pose_from_plain_numbers_is_the_pose(position, orientation, length):
+    pose = Pose.of(position.tolist(), (length * orientation).tolist())
+    np.testing.assert_array_equal(pose.position, position)
+    np.testing.assert_allclose(pose.orientation, orientation, atol=1e-15)
+    with pytest.raises(ValueError, match="read-only"):
+        pose.position[0] = 1.0
+
+
 def test_slerp_extrapolates():
     a, b = axis_angle([0, 1, 0], 0.0), axis_angle([0, 1, 0], 0.2)
     np.testing.assert_allclose(slerp(a, b, 1.5), axis_angle([0, 1, 0], 0.3), atol=1e-15)

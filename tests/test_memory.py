@@ -23,13 +23,13 @@ from vrcomfort.records import Recorder
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.session.frame_log import FrameLog
 
-WARM_UP, COUNTED = 500, 1000
-BLOCKS, RSS_KIB = 2000, 2048
+WARM_UP, COUNTED, EVERY = 500, 1000, 50
+BLOCKS, RSS_KIB = 2.0, 2.0
 """Two small objects, or 2 KiB, per frame: less than any frame, image or row takes."""
 
 
 class Used(NamedTuple):
-    blocks: int
+    blocks: float
     rss_kib: float
 
 
@@ -50,25 +50,29 @@ def walk() -> Trace:
 
 
 def growth(ctx, folder, keep) -> Used:
-    """Show and record frames; return what is kept of the last `COUNTED`."""
+    """Show and record frames; return what each of the last `COUNTED` keeps."""
     renderer = StereoRenderer(ctx, (16, 16))
     world = scene([at(0, 0, 0), at(0, 1, 0, mesh=(1,))], [floor(), box()], [glowing((1, 1, 1))])
     effects = Condition(name="both", depth_of_field=DepthOfField(), motion_blur=MotionBlur())
     renderer.begin(world, effects)
     headset = PlaybackHeadset(walk(), image_size_px=(16, 16))
     with Recorder(folder, "P1", 1) as recorder:
-        log, before = FrameLog(recorder), Used(0, 0)
+        log, seen = FrameLog(recorder), []
         for frame in islice(headset.frames(), WARM_UP + COUNTED):
             rendered = renderer.render(frame, frame.index / 90)
             log.add(frame, rendered, trial=1, session_s=frame.index / 90)
             keep(frame)
-            if frame.index == WARM_UP:
+            if frame.index >= WARM_UP and frame.index % EVERY == 0:
                 recorder.flush()
-                before = used()
-        recorder.flush()
-        after = used()
+                seen.append(used())
     renderer.release()
-    return Used(after.blocks - before.blocks, after.rss_kib - before.rss_kib)
+    return Used(*np.apply_along_axis(slope, 0, np.array(seen)))
+
+
+def slope(values: np.ndarray) -> float:
+    """Return the growth per frame (Theil & Sen): a single step of the allocator is none."""
+    before, after = np.triu_indices(len(values), 1)
+    return float(np.median((values[after] - values[before]) / ((after - before) * EVERY)))
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")

@@ -6,6 +6,7 @@ import json
 import os
 import signal
 import subprocess
+import sys
 import time
 from itertools import cycle, islice
 from pathlib import Path
@@ -13,11 +14,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from openxr_support import needs_monado
+from openxr_support import BEST_PRACTICES, VALIDATION, needs_monado
 
 from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
+
+import xr
 
 pytestmark = needs_monado
 
@@ -27,12 +30,22 @@ HEAD_POSITION = ["head_x_m", "head_y_m", "head_z_m"]
 HEAD_TURN = ["head_qx", "head_qy", "head_qz", "head_qw"]
 
 
+CLIENT = """
+import atexit, json, sys
+from openxr_best_practices import BestPractices
+atexit.register(lambda said=BestPractices(): print(json.dumps(said.counts())))
+from vrcomfort.cli import main
+main()
+"""
+"""The command, which ends with what the best-practices layer has counted."""
+
+
 def command(folder: Path, *more: str) -> list[str]:
     """Return a rehearsal of the smoke study, whose exposures are long enough to rate in."""
     answers = folder / "answers.txt"
     answers.write_text(" ".join(map(str, SCRIPT * 60)) + "  # in the order of the questions\n")
     return [
-        *("vrcomfort", "run", "smoke", "--participant", "P01", "--out", str(folder / "study")),
+        *("run", "smoke", "--participant", "P01", "--out", str(folder / "study")),
         *("--headset", "openxr", "--size", "64x80", "--exposure-s", "4", "--quiet"),
         *("--monado-trace", str(TRACE), "--monado-answers", str(answers), *more),
     ]
@@ -43,7 +56,33 @@ def read(folder: Path, file: str) -> pd.DataFrame:
 
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(words, capture_output=True, text=True, timeout=250, check=False)
+    command = ["vrcomfort", *words]
+    return subprocess.run(command, capture_output=True, text=True, timeout=250, check=False)
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a whole session, run with both validation layers on."""
+    folder = tmp_path_factory.mktemp("session")
+    environment = {
+        **os.environ,
+        "PYTHONPATH": f"{Path(__file__).parent}:{os.environ.get('PYTHONPATH', '')}",
+        "XR_API_LAYER_PATH": str(Path(xr.__file__).parent / "api_layer" / "linux_x86_64"),
+        "XR_ENABLE_API_LAYERS": f"{VALIDATION}:{BEST_PRACTICES}",
+        "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
+        "XR_CORE_VALIDATION_FILE_NAME": str(folder / "validation.txt"),
+    }
+    done = subprocess.run(
+        [sys.executable, "-c", CLIENT, *command(folder)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=250,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    (folder / "best_practices.json").write_text(done.stdout.splitlines()[-1])
+    return folder
 
 
 def said(folder: Path) -> list[int]:
@@ -72,31 +111,42 @@ def assert_follows_the_trace(shown: pd.DataFrame) -> None:
     assert (along >= 1 - 1e-6).all()
 
 
-def test_a_whole_session_records_the_trace_and_the_script_and_is_reported(tmp_path: Path) -> None:
-    done = run(*command(tmp_path))
-    assert done.returncode == 0, done.stderr
-    study = tmp_path / "study"
+def test_the_validation_layers_have_nothing_to_say_of_a_whole_session(session: Path) -> None:
+    assert json.loads((session / "best_practices.json").read_text()) == {}
+    said = (session / "validation.txt").read_text()
+    assert "VALID_DEBUG" in said
+    assert "VALID_ERROR" not in said
+    assert "VALID_WARN" not in said
+    events = set(read(session, "events.csv")["name"])
+    assert "session_state" in events
+    assert not {"openxr_warning", "openxr_error"} & events
+
+
+def test_a_whole_session_records_the_trace_and_the_script_and_is_reported(
+    session: Path, tmp_path: Path
+) -> None:
+    study = session / "study"
     manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
     assert "Monado" in manifest["runtime"]
     assert manifest["headset"]["image_format"] == "SRGB8_ALPHA8"
     assert manifest["respondent"] == "panel"
 
-    timepoints = read(tmp_path, "questionnaires.csv")["timepoint"].value_counts().to_dict()
+    timepoints = read(session, "questionnaires.csv")["timepoint"].value_counts().to_dict()
     assert timepoints == {"baseline": 16, "post": 64}
-    ratings = read(tmp_path, "ratings.csv")
+    ratings = read(session, "ratings.csv")
     assert set(ratings["trial"]) == {1, 2, 3, 4}
     assert (ratings["missed"] == 0).sum() >= 2
-    answers = said(tmp_path)
+    answers = said(session)
     assert answers == list(islice(cycle(SCRIPT), len(answers)))
 
-    for _, shown in read(tmp_path, "frames.csv").groupby("trial"):
+    for _, shown in read(session, "frames.csv").groupby("trial"):
         assert_follows_the_trace(shown)
-    timing = read(tmp_path, "timing.csv")
-    assert timing["frames"].tolist() == read(tmp_path, "trials.csv")["frames"].tolist()
+    timing = read(session, "timing.csv")
+    assert timing["frames"].tolist() == read(session, "trials.csv")["frames"].tolist()
     assert (timing["interval_median_ms"].astype(float) >= 40).all()
     assert set(timing["gpu_median_ms"]) == {""}  # a software rasteriser
 
-    reported = run("vrcomfort", "report", str(study), "--out", str(tmp_path / "report"))
+    reported = run("report", str(study), "--out", str(tmp_path / "report"))
     assert reported.returncode == 0, reported.stderr
     results = json.loads((tmp_path / "report" / "results.json").read_text())
     assert results["participants"]["n"] == 1
@@ -118,7 +168,10 @@ def services_of(pid: int) -> list[int]:
 
 def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_path: Path) -> None:
     process = subprocess.Popen(
-        command(tmp_path), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        ["vrcomfort", *command(tmp_path)],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
     )
     frames = tmp_path / "study" / "sub-P01" / "ses-1" / "frames.csv"
     while not frames.exists() or frames.read_bytes().count(b"\n") < 4:
@@ -147,5 +200,5 @@ def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_pat
     assert trials["resumed"].tolist() == [0, 1, 1, 1, 1]
     timepoints = read(tmp_path, "questionnaires.csv")["timepoint"].tolist()[::16]
     assert timepoints == ["baseline", "baseline", *["post"] * 4]
-    reported = run("vrcomfort", "report", str(tmp_path / "study"), "--out", str(tmp_path / "r"))
+    reported = run("report", str(tmp_path / "study"), "--out", str(tmp_path / "r"))
     assert reported.returncode == 0, reported.stderr

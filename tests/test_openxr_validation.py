@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import json
-import os
-import subprocess
-import sys
 from itertools import islice
 from pathlib import Path
 
@@ -14,8 +9,6 @@ import moderngl
 import numpy as np
 import pytest
 from openxr_support import (
-    BEST_PRACTICES,
-    VALIDATION,
     Participant,
     fresh_monado,
     needs_monado,
@@ -25,7 +18,6 @@ from openxr_support import (
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.render import gl
-from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
@@ -38,13 +30,6 @@ pytestmark = needs_monado
 
 SIZE_PX = (16, 16)
 STANDING = RemoteState(Pose([0.0, 1.6, 0.0]))
-CLIENT = """
-import atexit, json, sys
-from openxr_best_practices import BestPractices
-atexit.register(lambda said=BestPractices(): print(json.dumps(said.counts())))
-from vrcomfort.cli import main
-main()
-"""
 
 
 def complaints(headset: OpenXrHeadset) -> list[str]:
@@ -104,33 +89,3 @@ def test_a_session_with_panel_and_depth_is_spotless(ctx: moderngl.Context, tmp_p
             assert complaints(headset) == []
     assert errors(report) == []
     assert practices.counts() == before
-
-
-def test_a_whole_smoke_run_is_spotless(tmp_path: Path) -> None:
-    report, study, answers = (tmp_path / name for name in ("report.txt", "study", "answers.txt"))
-    answers.write_text("0 1 2 3 " * 60)
-    command = [
-        *(sys.executable, "-c", CLIENT, "run", "smoke", "--participant", "P01"),
-        *("--out", str(study), "--headset", "openxr", "--size", "16x16", "--quiet"),
-        *("--monado-trace", str(data_folder("scenes") / "temple_walk.csv")),
-        *("--monado-answers", str(answers)),
-    ]
-    environment = {
-        **os.environ,
-        "PYTHONPATH": f"{Path(__file__).parent}:{os.environ.get('PYTHONPATH', '')}",
-        "XR_API_LAYER_PATH": str(Path(xr.__file__).parent / "api_layer" / "linux_x86_64"),
-        "XR_ENABLE_API_LAYERS": f"{VALIDATION}:{BEST_PRACTICES}",
-        "XR_CORE_VALIDATION_EXPORT_TYPE": "text",
-        "XR_CORE_VALIDATION_FILE_NAME": str(report),
-    }
-    done = subprocess.run(
-        command, env=environment, capture_output=True, text=True, timeout=200, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout.splitlines()[-1]) == {}
-    with (study / "sub-P01" / "ses-1" / "events.csv").open(encoding="utf-8") as file:
-        events = [row["name"] for row in csv.DictReader(file)]
-    assert "session_state" in events
-    assert not {"openxr_warning", "openxr_error"} & set(events)
-    assert "VALID_DEBUG" in report.read_text()
-    assert errors(report) == []

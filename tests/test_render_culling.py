@@ -34,6 +34,17 @@ def test_boxes_behind_and_beside_are_dropped():
     assert kept.tolist() == [True, False, False, True]
 
 
+def test_several_frusta_at_once_see_what_each_sees():
+    turns = [normalize(q) for q in np.random.default_rng(5).normal(size=(9, 4))]
+    clips = [EyeCamera(Pose((0, 0, 0), q), Fov(-0.9, 0.6, 0.5, -0.7)) for q in turns]
+    planes = [culling.planes(clip.clip_from_relative()) for clip in clips]
+    boxes = np.random.default_rng(6).normal(size=(2, 200, 3))
+    centers, halves = 5 * boxes[0], np.abs(boxes[1])
+    together = culling.visible(np.array(planes), centers, halves)
+    assert np.array_equal(together, [culling.visible(each, centers, halves) for each in planes])
+    assert 0 < together.mean() < 1
+
+
 @given(center=vector, half=st.tuples(*[st.floats(0, 5)] * 3), inside=st.tuples(part, part, part))
 def test_a_transformed_box_holds_the_transformed_points(center, half, inside):
     matrix = np.random.default_rng(3).normal(size=(1, 4, 4))

@@ -113,6 +113,16 @@ def test_memory_is_what_opengl_says_the_objects_hold(ctx, condition, samples):
     assert entered(renderer) == survey.bytes_since(before)
 
 
+@pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
+def test_drawing_allocates_no_more_textures(ctx, condition):
+    survey = Survey(ctx)
+    before = survey.names()
+    renderer = StereoRenderer(ctx, SIZE)
+    renderer.begin(still_life(), condition)
+    renderer.drain()
+    assert entered(renderer)["textures"] == survey.bytes_since(before)["textures"]
+
+
 def test_memory_of_a_headsets_size_is_allocated(ctx):
     survey = Survey(ctx)
     before = survey.names()

@@ -134,6 +134,25 @@ def test_eyes_see_disparity(ctx):
     assert centers[0] - centers[1] == pytest.approx(1.5, abs=0.6)
 
 
+def test_one_eye_alone_is_the_left_one_and_the_other_is_not_drawn(ctx, count_objects):
+    frame = standing(0)
+    drawn, images, objects = [], [], []
+    for eyes in (2, 1):
+        before = count_objects()
+        renderer = StereoRenderer(
+            ctx, SIZE, eyes=eyes, on_eye=lambda eye, _, eyes=eyes: drawn.append((eyes, eye))
+        )
+        renderer.begin(still_life(), BOTH)
+        result = renderer.render(frame, 0.0)
+        images.append([read_rgb8(eye) for eye in result.eyes])
+        objects.append(count_objects()["Texture"] - before["Texture"])
+        del renderer, result
+    assert drawn == [(2, 0), (2, 1), (1, 0)]
+    assert objects[1] == objects[0] - 1
+    assert np.array_equal(images[1][0], images[0][0])
+    assert np.array_equal(images[1][1], images[0][0])
+
+
 def test_motion_blur_smears_turns_but_not_after_a_cut(ctx):
     turn = [standing(0), standing(1, 0.2)]
     sharp = shown(ctx, still_life(), PLAIN, turn)

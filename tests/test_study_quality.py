@@ -13,6 +13,7 @@ from vrcomfort.protocol.quality import Figure, Level, Measured, Quality, Quality
 from vrcomfort.resources import data_folder
 
 LEVELS = get_args(Quality)
+DIALLED = ("depth_of_field", "motion_blur")
 TABLE = data_folder("analysis") / "measured" / "quality.toml"
 
 
@@ -92,25 +93,25 @@ def test_settings_of_a_lens_are_left_out_where_no_lens_follows_the_law():
     assert level.settings("motion_blur") == {}
 
 
-def test_effects_that_are_not_drawn_have_no_figures():
-    assert dial.effects_of(Condition(name="c")) is None
-    off = {"depth_of_field": DepthOfField(max_radius_percent=0), "motion_blur": MotionBlur()}
-    assert dial.effects_of(Condition(name="c", **off)) == "motion_blur"
-    still = {"depth_of_field": DepthOfField(), "motion_blur": MotionBlur(shutter_fraction=0)}
-    assert dial.effects_of(Condition(name="c", **still)) == "depth_of_field"
+def test_figures_go_by_what_is_drawn():
+    assert dial.effects_of(["scene", "tone_map"]) is None
+    assert dial.effects_of(["motion_blur", "scene"]) == "motion_blur"
+    assert dial.effects_of(["depth_of_field", "motion_blur"]) == "both"
+    assert dial.effects_of(["depth_of_field", "speed_blur"]) is None
+    odd = with_level("fast", depth_of_field={"rings": 7}, motion_blur={})
+    assert dial.level_of(odd) is None
+    assert dial.level_of(odd, ["motion_blur"]) == "fast"
 
 
 def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
     for figure in dial.quality_table().figures:
-        effects = {
-            "depth_of_field": {"law": "dioptre"} if figure.effects != "motion_blur" else None,
-            "motion_blur": {} if figure.effects != "depth_of_field" else None,
-        }
-        named = with_level(figure.level, **effects)
-        assert dial.figure_for(named, figure.scene) == figure
+        drawn = [name for name in DIALLED if figure.effects in {name, "both"}]
+        effects = {"depth_of_field": {"law": "dioptre"}, "motion_blur": {}}
+        named = with_level(figure.level, **{name: effects[name] for name in drawn})
+        assert dial.figure_for(named, figure.scene, drawn) == figure
         unnamed = named.model_copy(update={"quality": None})
-        assert dial.figure_for(unnamed, figure.scene) == figure
-        assert dial.figure_for(named, "nowhere") is None
+        assert dial.figure_for(unnamed, figure.scene, drawn) == figure
+        assert dial.figure_for(named, "nowhere", drawn) is None
 
 
 def test_the_shipped_figures_are_complete_and_say_where_they_are_from():

@@ -43,7 +43,7 @@ def desktop_lab(
 
         headset = DesktopHeadset(ctx, window, settings)
         require_eye_tracker(protocol, headset.details)
-        renderer = StereoRenderer(ctx, settings.image_size_px)
+        renderer = StereoRenderer(ctx, settings.image_size_px, eyes=settings.columns)
         owned.callback(renderer.release)
         machine = replace(
             describe_machine(renderer, protocol),

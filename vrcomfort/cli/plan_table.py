@@ -62,7 +62,7 @@ class StudyPlan:
     def _cost(self, row: Planned) -> dict[str, Any]:
         figure = row.figure
         return {
-            "quality": row.quality,
+            "quality": row.quality if row.draws_effects else None,
             "cost_ratio": figure.cost_ratio if figure else None if row.draws_effects else 1.0,
             "psnr_db": figure.psnr_db if figure else None,
             "flip": figure.flip if figure else None,
@@ -108,22 +108,22 @@ def _planned(
         memory = {kind: round(value, 2) for kind, value in megabytes(renderer.memory()).items()}
         renderer.release()
     passes = plan_passes(scene, condition)
-    plain = plan_passes(scene, Condition(name="plain"))
+    drawn = _drawn(passes)
     return Planned(
         scene=name,
         condition=condition.name,
-        quality=_quality(condition),
+        quality=_quality(condition, drawn),
         passes=passes,
-        draws_effects=_drawn(passes) != _drawn(plain),
-        figure=figure_for(condition, name),
+        draws_effects=drawn != _drawn(plan_passes(scene, Condition(name="plain"))),
+        figure=figure_for(condition, name, drawn),
         megabytes=memory,
     )
 
 
-def _quality(condition: Condition) -> str:
+def _quality(condition: Condition, drawn: list[str]) -> str:
     """Return the level whose settings the condition has, or that they are nobody's."""
     changed = f"{condition.quality}, changed" if condition.quality else "own settings"
-    return level_of(condition) or changed
+    return level_of(condition, drawn) or changed
 
 
 def _drawn(passes: list[PlannedPass]) -> list[str]:

@@ -66,7 +66,7 @@ class DesktopSettings:
         return width * self.columns, height
 
     @property
-    def columns(self) -> int:
+    def columns(self) -> Literal[1, 2]:
         """Return how many eyes are shown."""
         return 2 if self.layout == "side_by_side" else 1
 

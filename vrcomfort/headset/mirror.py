@@ -101,6 +101,7 @@ class Mirror:
             for panel, picture in shown.items()
         }
         for panel, picture in shown.items():
+            self._panels[panel].quad = panel.quad  # a panel may have been moved
             self._panels[panel].draw(picture)
 
     def _copy_of(self, panel: ShownPanel, picture: NDArray[np.uint8]) -> WindowPanel:

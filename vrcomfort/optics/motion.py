@@ -81,6 +81,25 @@ def _tent_integral(x: Array) -> Array:
     return np.where(x < 0, beyond, 1 - beyond)
 
 
+def moves_alike(
+    around: ArrayLike, /, *, shortest_px: float, steepness_px: float, least_px: float = 0.25
+) -> bool:
+    """Return whether a tile in which something moves needs no look at who hides whom.
+
+    Twin of ``kind_of`` in ``shaders/include/streak_kinds.glsl``.
+
+    Parameters
+    ----------
+    around
+        (2,) longest half streak that reaches the tile, px.
+    shortest_px, steepness_px
+        Length of the tile's shortest half streak, and the most by which half streaks of two pixels
+        side by side differ within reach.
+    """
+    most_apart_px = steepness_px * (np.abs(around).sum() + 1)
+    return bool(np.linalg.norm(around) >= least_px and most_apart_px <= 0.25 + 0.1 * shortest_px)
+
+
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
     """Return how fast a frame turns, in degrees per second; 0 where no time has passed."""
     *xyz, w = (before.inverse() @ now).orientation

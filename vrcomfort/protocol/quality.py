@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
@@ -26,7 +26,11 @@ Value: TypeAlias = int | float | str
 
 MARK = "# Measured; written by the command named below, not by hand."
 
+_DIALLED = ("depth_of_field", "motion_blur")
+"""Effects whose sampling a level decides."""
+
 _METHOD = {"kernel", "method", "over_blur"}
+"""Settings that say by which method, wherever an effect has them."""
 
 LENSLESS_LAW = "linear"
 """No lens follows this law of defocus, so settings of `lens` do not apply to it."""
@@ -97,7 +101,7 @@ def filled(condition: Any) -> Any:
     level = quality_table().levels[condition["quality"]]
     effects = {
         name: _filled_effect(level, name, condition[name])
-        for name in ("depth_of_field", "motion_blur")
+        for name in _DIALLED
         if condition.get(name) is not None
     }
     return {**condition, **effects}
@@ -114,20 +118,21 @@ def _filled_effect(level: Level, name: str, given: Any) -> Any:
     return given
 
 
-def level_of(condition: Condition) -> Quality | None:
-    """Return the level whose settings a condition's effects have, named there or not."""
-    return next((level for level in get_args(Quality) if _has_settings(condition, level)), None)
-
-
-def _has_settings(condition: Condition, level: Quality) -> bool:
+def level_of(condition: Condition, drawn: Collection[str] = _DIALLED) -> Quality | None:
+    """Return the level whose settings the effects have that are drawn, named there or not."""
     effects = {
         name: settings
-        for name in ("depth_of_field", "motion_blur")
-        if (settings := getattr(condition, name)) is not None
+        for name in _DIALLED
+        if name in drawn and (settings := getattr(condition, name)) is not None
     }
-    return bool(effects) and all(
-        _equals_level(name, settings, level) for name, settings in effects.items()
+    if not effects:
+        return None
+    found = (
+        level
+        for level in get_args(Quality)
+        if all(_equals_level(name, settings, level) for name, settings in effects.items())
     )
+    return next(found, None)
 
 
 def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
@@ -142,27 +147,33 @@ def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
     )
 
 
-def effects_of(condition: Condition) -> Effects | None:
-    """Return which effects a condition has, as figures name them; None: none, or others too."""
-    if getattr(condition, "speed_blur", None) is not None:
+def effects_of(drawn: Collection[str]) -> Effects | None:
+    """Return what figures call the passes that are drawn; None: no effect, or others too."""
+    if "speed_blur" in drawn:
         return None
-    lens, shutter = condition.depth_of_field, condition.motion_blur
-    blurs = lens is not None and lens.max_radius_percent > 0
-    smears = shutter is not None and shutter.shutter_fraction > 0
-    if blurs and smears:
+    lens, shutter = (name in drawn for name in _DIALLED)
+    if lens and shutter:
         return "both"
-    if blurs:
+    if lens:
         return "depth_of_field"
-    return "motion_blur" if smears else None
+    return "motion_blur" if shutter else None
 
 
-def figure_for(condition: Condition, scene: str) -> Figure | None:
-    """Return the shipped figures of a condition's settings in a scene; None: not measured."""
-    wanted = level_of(condition), effects_of(condition), scene
-    figures = quality_table().figures
-    return next(
-        (each for each in figures if (each.level, each.effects, each.scene) == wanted), None
+def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Figure | None:
+    """Return the shipped figures of a condition in a scene; None: not measured.
+
+    Parameters
+    ----------
+    drawn
+        Names of the passes that are drawn.
+    """
+    wanted = level_of(condition, drawn), effects_of(drawn), scene
+    found = (
+        figure
+        for figure in quality_table().figures
+        if (figure.level, figure.effects, figure.scene) == wanted
     )
+    return next(found, None)
 
 
 def write_figures(file: Path, measured: Measured, figures: Iterable[Figure]) -> None:

@@ -46,6 +46,7 @@ class ConditionPasses:
         *,
         samples: int,
         near_m: float,
+        eyes: int = 2,
     ) -> None:
         self._ctx = ctx
         self._size_px = size_px
@@ -68,7 +69,7 @@ class ConditionPasses:
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
             ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
-            for _ in range(2)
+            for _ in range(eyes)
         )
 
     def _add_depth_of_field(self, condition: Condition, near_m: float) -> None:

@@ -31,6 +31,10 @@ class FullscreenPass:
         Names of the inputs that are sampled bilinearly; the others as their textures say.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
+    vertex, vertices
+        What to draw instead of the triangle: triangles that `vertex` makes of `gl_VertexID` alone.
+    target
+        A texture to draw into instead of one of its own.
     """
 
     def __init__(
@@ -45,9 +49,13 @@ class FullscreenPass:
         filtered: Collection[str] = (),
         components: int = 4,
         dtype: str = "f2",
+        vertex: str = "fullscreen.vert",
+        vertices: int = 3,
+        target: moderngl.Texture | None = None,
     ) -> None:
-        self.target = gl.color_texture(ctx, size_px, components=components, dtype=dtype)
-        self._triangle = shaders.fullscreen(ctx, fragment, defines)
+        self.target = target or gl.color_texture(ctx, size_px, components=components, dtype=dtype)
+        self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
+        self._vertices = vertices
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         self._inputs = tuple(enumerate(texture for _, texture in named))
         for name in inputs:
@@ -72,7 +80,7 @@ class FullscreenPass:
         for unit, sampler in self._samplers:
             sampler.use(unit)
         with self._scope:
-            self._triangle.render(moderngl.TRIANGLES, vertices=3)
+            self._triangle.render(moderngl.TRIANGLES, vertices=self._vertices)
         for unit, sampler in self._samplers:
             sampler.clear(unit)
 

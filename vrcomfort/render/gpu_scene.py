@@ -57,10 +57,9 @@ class GpuScene:
         self._materials = MaterialBuffer(ctx, scene.materials)
         features = {**lighting.features(scene.environment), **(defines or {})}
         # Not a method of this object: buffers must go with it, not when cycles are collected.
-        self._arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
-        factory = SurfaceFactory(ctx, scene, self._arrays, scene_features=features)
-        self._surfaces = [factory.make(key) for key in self._list.keys]
-        self._depth_programs = factory.depth_programs
+        arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
+        self._factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
+        self._surfaces = [self._factory.make(key) for key in self._list.keys]
         self._depth_arrays = [surface.depth for surface in self._surfaces]
         self._semantic_arrays: DepthArrays | None = None
         blended = np.array([surface.blended for surface in self._surfaces], dtype=bool)
@@ -160,9 +159,7 @@ class GpuScene:
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
         if self._semantic_arrays is None:
-            factory = SurfaceFactory(self._ctx, self.scene, self._arrays, scene_features={})
-            self._semantic_arrays = [factory.semantic(key) for key in self._list.keys]
-            self._depth_programs += factory.depth_programs
+            self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
         seen = self._rows.seen(culling.planes(clip_from_relative), origin_m)
         rows = np.flatnonzero(seen & self._rows.in_use & ~self._blended_row)
         return self._draw_depth_rows(
@@ -210,7 +207,7 @@ class GpuScene:
 
     def _look_through(self, clip_from_relative: Array) -> None:
         matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
-        for program in self._depth_programs:
+        for program in self._factory.depth_programs:
             cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
 
     def _triangles(self, rows: Rows) -> int:

@@ -9,7 +9,7 @@ import moderngl
 
 from vrcomfort.optics.motion import ramp
 from vrcomfort.protocol.conditions import MotionBlur
-from vrcomfort.render import gl
+from vrcomfort.render import gl, shaders
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.streaks import Streaks
@@ -63,10 +63,10 @@ class MotionBlurPass:
             ctx, depth=depth, velocity=velocity, settings=settings, size_px=size_px
         )
         self.limit_px = self._streaks.limit_px
-        make = {"reconstruction": _reconstruction, "per_pixel": _per_pixel}[settings.method]
-        self._gathers = make(ctx, colour, self._streaks, settings)
+        make = _Reconstruction if settings.method == "reconstruction" else _per_pixel
+        self._gather = make(ctx, colour, self._streaks, settings)
         self._copy = gl.copier(ctx)
-        self.target = self._gathers[-1].target
+        self.target = self._gather.target
 
     def render(self, *, still: bool = False, step: HeadStep | None = None) -> None:
         """Blur the present image.
@@ -90,8 +90,7 @@ class MotionBlurPass:
 
     def _draw(self, scale: float) -> None:
         self._streaks.render(scale)
-        for stage in self._gathers:
-            stage.render()
+        self._gather.render()
 
     def longest_half_streak_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
@@ -108,33 +107,57 @@ class MotionBlurPass:
         )
 
 
-def _reconstruction(
-    ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
-) -> tuple[FullscreenPass, ...]:
-    neighbours = FullscreenPass(
-        ctx,
-        "streak_neighbours.frag",
-        size_px=streaks.tiles.size,
-        inputs={"tiles": streaks.tiles},
-        constants=_Limit(streaks.limit_px),
-        defines={"TILE": streaks.tile_px, "REACH": ceil(streaks.limit_px / streaks.tile_px) + 1},
-    )
-    gather = FullscreenPass(
-        ctx,
-        "motion_blur.frag",
-        size_px=colour.size,
-        inputs={"colour": colour, "streaks": streaks.points, "longest": neighbours.target},
-        filtered={"colour"},
-        constants=_Sampling(max(1, round(STREAK_OF_SAMPLES_PX / settings.samples))),
-        defines={"TILE": streaks.tile_px},
-    )
-    return neighbours, gather
+class _Reconstruction:
+    """Copies the image, then draws over the tiles in which something is seen to move."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        colour: moderngl.Texture,
+        streaks: Streaks,
+        settings: MotionBlur,
+    ) -> None:
+        self._colour, self._copy = colour, gl.copier(ctx)
+        tile: dict[str, int | float | str] = {"TILE": streaks.tile_px}
+        kinds: tuple[shaders.Defines, ...] = ({"KIND": "ALIKE", "ONLY_ALIKE": 1}, {"KIND": "MIXED"})
+        self._neighbours = FullscreenPass(
+            ctx,
+            "streak_neighbours.frag",
+            size_px=streaks.tiles.size,
+            inputs={"tiles": streaks.tiles},
+            constants=_Limit(streaks.limit_px),
+            defines=tile | {"REACH": ceil(streaks.limit_px / streaks.tile_px) + 1},
+        )
+        longest = self._neighbours.target
+        self.target = gl.color_texture(ctx, colour.size)
+        self._gathers = tuple(
+            FullscreenPass(
+                ctx,
+                "motion_blur.frag",
+                size_px=colour.size,
+                inputs={"colour": colour, "streaks": streaks.points, "longest": longest},
+                filtered={"colour"},
+                constants=_Sampling(max(1, round(STREAK_OF_SAMPLES_PX / settings.samples))),
+                defines={**tile, **kind},
+                vertex="streak_tiles.vert",
+                vertices=6 * longest.width * longest.height,
+                target=self.target,
+            )
+            for kind in kinds
+        )
+
+    def render(self) -> None:
+        """Blur along the present streaks."""
+        self._neighbours.render()
+        self._copy(self._colour, self.target)
+        for gather in self._gathers:
+            gather.render()
 
 
 def _per_pixel(
     ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
-) -> tuple[FullscreenPass, ...]:
-    gather = FullscreenPass(
+) -> FullscreenPass:
+    return FullscreenPass(
         ctx,
         "motion_blur_per_pixel.frag",
         size_px=colour.size,
@@ -142,4 +165,3 @@ def _per_pixel(
         filtered={"colour"},
         defines={"SAMPLES": settings.samples},
     )
-    return (gather,)

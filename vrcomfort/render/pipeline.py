@@ -14,7 +14,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import moderngl
 
@@ -65,6 +65,8 @@ class StereoRenderer:
         Multisampling.
     near_m
         Distance of the near plane.
+    eyes
+        1 draws the left eye alone, and gives its image for both.
     on_eye
         Called after each eye (0 left, 1 right) of each frame with its textures, where `render` is
         not told otherwise.
@@ -77,9 +79,11 @@ class StereoRenderer:
         *,
         samples: int = 4,
         near_m: float = NEAR_M,
+        eyes: Literal[1, 2] = 2,
         on_eye: Callable[[int, EyeImages], None] | None = None,
     ) -> None:
         self.size_px = size_px
+        self._eyes = eyes
         self.ctx = ctx
         self._samples = samples
         self._near_m = near_m
@@ -112,8 +116,9 @@ class StereoRenderer:
         ledger = gpu_memory.ledger(self.ctx)
         first = ledger.mark()
         self._passes = ConditionPasses(
-            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m
-        )
+            self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
+            eyes=self._eyes,
+        )  # fmt: skip
         self._allocated = first, ledger.mark()
 
     def memory(self) -> tuple[gpu_memory.Allocation, ...]:
@@ -167,7 +172,7 @@ class StereoRenderer:
         passes.scene.update(scene_time_s, world_from_head, before_s)
         samples = passes.find_focus(frame, world_from_head)
         triangles = passes.focus.triangles if passes.focus else 0
-        for index in range(2):
+        for index in range(self._eyes):
             eye = self._eye(frame, frame.views[index], before)
             images = passes.render_eye(index, eye, scene_time_s, before_s)
             triangles += passes.scene.triangles
@@ -177,7 +182,7 @@ class StereoRenderer:
             frame.head_pose, frame.avatar_pose, scene_time_s, frame.predicted_display_time_ns
         )
         return RenderedFrame(
-            eyes=(passes.tone_maps[0].target, passes.tone_maps[1].target),
+            eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
             focus_samples=samples,
             max_blur_px=passes.max_blur_px,
             draws=passes.scene.gpu.draws,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import islice
 from typing import TYPE_CHECKING, Self
 
 import moderngl
@@ -294,8 +295,5 @@ class OpenXrHeadset:
             return
         xr.request_exit_session(self._xr.session)
         self._attendance.until(EXIT_S)
-        for _ in range(EXIT_FRAMES):
-            frame = self._next_frame()
-            if frame is None:
-                return
+        for frame in islice(iter(self._next_frame, None), EXIT_FRAMES):
             self._submit(frame, None)
