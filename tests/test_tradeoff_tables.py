@@ -51,10 +51,15 @@ def test_means_over_views_are_quadratic_for_rms():
 
 
 def test_verdicts_say_who_is_both_faster_and_closer(found):
-    lines = [line for line in tables.verdicts(found) if "RMS" in line]
-    assert "*ours 1 ring* is both faster and closer than *mip* (0.50 × its cost, 0.80 ×" in lines[0]
-    assert "nothing of ours is both faster and closer than *scatter*" in lines[1]
-    assert "*ours 2 rings* fails by a factor of 4.00" in lines[1]
+    rows = [
+        [show(v) for _, show in tables.VERDICT_COLUMNS]
+        for v in found["verdicts"]
+        if v["error"] == "rms"
+    ]
+    hall = "hall, depth of field"
+    assert rows[0] == [hall, "mip", "RMS", "ours 1 ring", "0.50", "0.80", "yes"]
+    assert rows[1] == [hall, "scatter", "RMS", "ours 2 rings", "0.50", "4.0", "no: 4.00×"]
+    assert "in 1 of 2 by RMS and 0 of 2 by FLIP" in tables.headline(found)
 
 
 def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):

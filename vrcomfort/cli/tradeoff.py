@@ -14,7 +14,7 @@ from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_si
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
-QUICK_SAMPLES = 256
+QUICK_SAMPLES = 512
 
 
 def register(app: typer.Typer) -> None:

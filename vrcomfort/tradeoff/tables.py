@@ -51,7 +51,7 @@ def markdown(found: dict[str, Any]) -> str:
     for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
         rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
         parts += ["", f"### {title(*key)}", "", *_table(rows)]
-    parts += ["", "### Ours against each source", "", *[f"- {line}" for line in verdicts(found)]]
+    parts += ["", "### Ours against each source", "", headline(found), "", *_verdicts(found)]
     parts += ["", "### Both eyes", "", *[f"- {line}" for line in both_eyes(found)]]
     parts += ["", "### Dials", "", *[f"- {line}" for line in dials(found)], ""]
     return "\n".join(parts)
@@ -107,23 +107,35 @@ def _again(copies: Sequence[Row]) -> list[str]:
     ]
 
 
-def verdicts(found: dict[str, Any]) -> list[str]:
-    """Return one sentence for each source's method, scene and error."""
-    return [
-        f"{title(v['scene'], v['effect'])}, {v['error'].upper()}: {_verdict(v)}"
-        for v in found["verdicts"]
-    ]
+def _beaten(row: Row) -> str:
+    return "yes" if row["beaten"] else f"no: {number(row['factor'], 3)}×"
 
 
-def _verdict(row: Row) -> str:
-    costs = (
-        f"{number(row['cost_ratio'], 2)} × its cost, {number(row['error_ratio'], 2)} × its error"
-    )
-    if row["beaten"]:
-        return f"*{row['ours']}* is both faster and closer than *{row['theirs']}* ({costs})."
+VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
+    ("scene, effect", lambda v: title(v["scene"], v["effect"])),
+    ("against", lambda v: str(v["theirs"])),
+    ("error", lambda v: str(v["error"]).upper()),
+    ("nearest of ours", lambda v: str(v["ours"])),
+    ("its cost ÷ theirs", lambda v: number(v["cost_ratio"], 2)),
+    ("its error ÷ theirs", lambda v: number(v["error_ratio"], 2)),
+    (
+        "both faster and closer",
+        lambda v: "yes" if v["beaten"] else f"no: {number(v['factor'], 3)}×",
+    ),
+)
+"""Heading and text of each column of the verdicts."""
+
+
+def headline(found: dict[str, Any]) -> str:
+    """Return in how many comparisons one of ours is both faster and closer."""
+    parts = []
+    for error in ("rms", "flip"):
+        mine = [v for v in found["verdicts"] if v["error"] == error]
+        parts.append(f"{sum(v['beaten'] for v in mine)} of {len(mine)} by {error.upper()}")
     return (
-        f"nothing of ours is both faster and closer than *{row['theirs']}*; *{row['ours']}* "
-        f"fails by a factor of {number(row['factor'], 3)} ({costs})."
+        f"One of ours is both faster and closer than a source's method in {' and '.join(parts)}. "
+        "Else the last column says by what factor the nearest of ours fails (the larger of both "
+        "ratios)."
     )
 
 
@@ -172,6 +184,13 @@ def dials(found: dict[str, Any]) -> list[str]:
 
 def _table(rows: Sequence[Row]) -> list[str]:
     names = [heading for heading, _, _ in COLUMNS]
-    lines = [names, ["---"] * len(names)]
-    lines += [[show(row[key]) for _, key, show in COLUMNS] for row in rows]
-    return [f"| {' | '.join(line)} |" for line in lines]
+    return _lines(names, [[show(row[key]) for _, key, show in COLUMNS] for row in rows])
+
+
+def _verdicts(found: dict[str, Any]) -> list[str]:
+    names = [heading for heading, _ in VERDICT_COLUMNS]
+    return _lines(names, [[show(v) for _, show in VERDICT_COLUMNS] for v in found["verdicts"]])
+
+
+def _lines(names: list[str], rows: list[list[str]]) -> list[str]:
+    return [f"| {' | '.join(line)} |" for line in [names, ["---"] * len(names), *rows]]
