@@ -118,10 +118,7 @@ VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
     ("nearest of ours", lambda v: str(v["ours"])),
     ("its cost ÷ theirs", lambda v: number(v["cost_ratio"], 2)),
     ("its error ÷ theirs", lambda v: number(v["error_ratio"], 2)),
-    (
-        "both faster and closer",
-        lambda v: "yes" if v["beaten"] else f"no: {number(v['factor'], 3)}×",
-    ),
+    ("both faster and closer", _beaten),
 )
 """Heading and text of each column of the verdicts."""
 
