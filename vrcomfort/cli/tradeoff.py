@@ -30,7 +30,7 @@ def tradeoff(
     effects: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, all three."
+            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, the first two."
         ),
     ] = None,
     methods: Annotated[
@@ -76,7 +76,7 @@ def tradeoff(
 
     scope = Scope(
         scenes=_chosen("--scenes", scenes, SCENES),
-        effects=_chosen("--effects", effects, EFFECTS[:2] if quick else EFFECTS, EFFECTS),
+        effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
         motions=("walk",) if quick else ("walk", "turn"),
         poses=poses or (1 if quick else 2),
         size_px=parse_size(size),
