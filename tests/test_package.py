@@ -18,7 +18,7 @@ from typing import get_args
 
 import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
-from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur
 from vrcomfort.render import shaders
 from vrcomfort.render.gl import create_context
@@ -49,6 +49,10 @@ for method in ("reconstruction", "per_pixel"):
 for kernel in get_args(Kernel):
     condition = Condition(name="kernel", depth_of_field=DepthOfField(kernel=kernel))
     StereoRenderer(context, (16, 16)).begin(scene, condition)
+zone = Condition(
+    name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
+)
+StereoRenderer(context, (16, 16)).begin(scene, zone)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
 print(*read, "picture.vert", "picture.frag")

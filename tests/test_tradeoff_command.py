@@ -16,7 +16,7 @@ from vrcomfort.tradeoff.store import Store
 
 SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
 ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
-FEW = (*ONE, "--methods", "ours, 1 ring")
+FEW = (*ONE, "--methods", "ours 1 ring")
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monke
 @pytest.mark.slow
 def test_processes_find_what_one_finds(run, tmp_path, cache):
     motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
-    motion = (*motion, "--methods", "ours, 2 samples")
+    motion = (*motion, "--methods", "ours 2 samples")
     run(*motion, "--cache", tmp_path / "c1", "--out", tmp_path / "a")
     code, _, _ = run(*motion, "--jobs", 2, "--cache", tmp_path / "c2", "--out", tmp_path / "b")
     assert code == 0

@@ -41,4 +41,4 @@ def test_a_number_keeps_its_digits(value, digits):
 
 
 def test_nothing_and_zero_are_told_apart():
-    assert (number(None, 3), number(0.0, 3), number(123.4, 2)) == ("–", "0", "123")
+    assert (number(None, 3), number(0.0, 3), number(123.4, 2)) == ("–", "0", "120")

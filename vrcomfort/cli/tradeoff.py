@@ -14,8 +14,7 @@ from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_si
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
-QUICK_SAMPLES = 256
-Csv = Annotated[str | None, typer.Option(metavar="NAME,…", help="Only these, by comma.")]
+QUICK_SAMPLES = 512
 
 
 def register(app: typer.Typer) -> None:
@@ -31,12 +30,12 @@ def tradeoff(
     effects: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, all three."
+            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, the first two."
         ),
     ] = None,
     methods: Annotated[
         str | None,
-        typer.Option(metavar="NAME;…", help="Only these methods, by semicolon; without it, all."),
+        typer.Option(metavar="NAME,…", help="Only these methods; without it, all."),
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Small: one view, fewer samples and steps.")
@@ -77,13 +76,13 @@ def tradeoff(
 
     scope = Scope(
         scenes=_chosen("--scenes", scenes, SCENES),
-        effects=_chosen("--effects", effects, EFFECTS[:2] if quick else EFFECTS, EFFECTS),
+        effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
         motions=("walk",) if quick else ("walk", "turn"),
         poses=poses or (1 if quick else 2),
         size_px=parse_size(size),
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,
-        methods=tuple(name.strip() for name in methods.split(";")) if methods else None,
+        methods=tuple(name.strip() for name in methods.split(",")) if methods else None,
         rounds=rounds or (3 if quick else Scope.rounds),
     )
     with ExitStack() as bars:

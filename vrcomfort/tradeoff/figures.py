@@ -132,7 +132,7 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
     lines = [point for line in axes.lines for point in _along(axes, line)]
     taken: list[Bbox] = [text.get_window_extent() for text in axes.texts]
     for row, center in zip(rows, centers, strict=True):
-        text = row["method"].removeprefix("ours, ")
+        text = row["method"].removeprefix("ours ")
         spot = axes.annotate(
             text,
             (row["effect_to_copy"], row["rms"]),

@@ -166,8 +166,7 @@ def _errors(images: tuple[NDArray[Any], NDArray[Any]], view: _View) -> dict[str,
         "filter_psnr_db": _decibels(row["filter_rms"]),
         "counts": row["reference_rms"] <= 0.1 * row["rms"],
         "samples": view.truth[0].samples,
-        **found._asdict(),
-        "coc_mismatch_px": view.coc_mismatch_px,
+        **_known({**found._asdict(), "coc_mismatch_px": view.coc_mismatch_px}),
         "seen_by_both": len(view.pairs.left),
     }
 
@@ -196,6 +195,11 @@ def _judged(pixels: NDArray[Any], view: _View, eye: int) -> Array:
     inside = slice(view.margin_px, -view.margin_px or None)
     exposed = pixels.astype(np.float64) * view.scene.environment.exposure
     return np.where(view.sure[eye], exposed, 0.0)[inside, inside]
+
+
+def _known(values: dict[str, float]) -> dict[str, float | None]:
+    """Return None for what is not a number: JSON has none (nothing is seen by both eyes)."""
+    return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
 def _decibels(error: float) -> float | None:

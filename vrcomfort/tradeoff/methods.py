@@ -130,7 +130,7 @@ def _dial(
 
 
 def _name(step: int, field: str) -> str:
-    return f"ours, {step} {field if step > 1 else field.removesuffix('s')}"
+    return f"ours {step} {field if step > 1 else field.removesuffix('s')}"
 
 
 def _views(quick: bool) -> list[Method]:

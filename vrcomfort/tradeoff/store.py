@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import pickle
+import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -21,7 +22,8 @@ from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.resources import data_folder
 
-REFERENCE_SHADERS = ("scene.*", "sky.*", "resolve.*", "depth.*", "include/*")
+REFERENCE_SHADERS = ("scene.*", "sky.*", "resolve.*", "depth.*")
+INCLUDE = re.compile(r'^#include "(.+)"', re.MULTILINE)
 PACKAGE = Path(__file__).resolve().parent.parent
 
 
@@ -91,9 +93,12 @@ def scene_and_hash(name: str) -> tuple[Scene, str]:
 
 @cache
 def reference_code() -> str:
-    """Return the hash of the shaders that draw references."""
+    """Return the hash of the shaders that draw references, and of what they include."""
     folder = data_folder("shaders")
-    return _hash(path for pattern in REFERENCE_SHADERS for path in sorted(folder.glob(pattern)))
+    files = [path for pattern in REFERENCE_SHADERS for path in sorted(folder.glob(pattern))]
+    texts = [path.read_text(encoding="utf-8") for path in files]
+    included = sorted({name for text in texts for name in INCLUDE.findall(text)})
+    return _hash([*files, *(folder / "include" / name for name in included)])
 
 
 @cache

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 
 Row = dict[str, Any]
@@ -35,6 +36,7 @@ def number(value: float | None, digits: int) -> str:
         return "–"
     if value == 0:
         return "0"
+    value = float(f"{value:.{digits}g}")
     decimals = max(0, digits - 1 - math.floor(math.log10(abs(value))))
     return f"{value:.{decimals}f}"
 
@@ -49,7 +51,8 @@ def markdown(found: dict[str, Any]) -> str:
     for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
         rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
         parts += ["", f"### {title(*key)}", "", *_table(rows)]
-    parts += ["", "### Ours against each source", "", *[f"- {line}" for line in verdicts(found)]]
+    parts += ["", "### Ours against each source", "", headline(found), "", *_verdicts(found)]
+    parts += ["", "### Both eyes", "", *[f"- {line}" for line in both_eyes(found)]]
     parts += ["", "### Dials", "", *[f"- {line}" for line in dials(found)], ""]
     return "\n".join(parts)
 
@@ -104,24 +107,59 @@ def _again(copies: Sequence[Row]) -> list[str]:
     ]
 
 
-def verdicts(found: dict[str, Any]) -> list[str]:
-    """Return one sentence for each source's method, scene and error."""
-    return [
-        f"{title(v['scene'], v['effect'])}, {v['error'].upper()}: {_verdict(v)}"
-        for v in found["verdicts"]
-    ]
+def _beaten(row: Row) -> str:
+    return "yes" if row["beaten"] else f"no: {number(row['factor'], 3)}×"
 
 
-def _verdict(row: Row) -> str:
-    costs = (
-        f"{number(row['cost_ratio'], 2)} × its cost, {number(row['error_ratio'], 2)} × its error"
-    )
-    if row["beaten"]:
-        return f"*{row['ours']}* is both faster and closer than *{row['theirs']}* ({costs})."
+VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
+    ("scene, effect", lambda v: title(v["scene"], v["effect"])),
+    ("against", lambda v: str(v["theirs"])),
+    ("error", lambda v: str(v["error"]).upper()),
+    ("nearest of ours", lambda v: str(v["ours"])),
+    ("its cost ÷ theirs", lambda v: number(v["cost_ratio"], 2)),
+    ("its error ÷ theirs", lambda v: number(v["error_ratio"], 2)),
+    ("both faster and closer", _beaten),
+)
+"""Heading and text of each column of the verdicts."""
+
+
+def headline(found: dict[str, Any]) -> str:
+    """Return in how many comparisons one of ours is both faster and closer."""
+    parts = []
+    for error in ("rms", "flip"):
+        mine = [v for v in found["verdicts"] if v["error"] == error]
+        parts.append(f"{sum(v['beaten'] for v in mine)} of {len(mine)} by {error.upper()}")
     return (
-        f"nothing of ours is both faster and closer than *{row['theirs']}*; *{row['ours']}* "
-        f"fails by a factor of {number(row['factor'], 3)} ({costs})."
+        f"One of ours is both faster and closer than a source's method in {' and '.join(parts)}. "
+        "Else the last column says by what factor the nearest of ours fails (the larger of both "
+        "ratios)."
     )
+
+
+def both_eyes(found: dict[str, Any]) -> list[str]:
+    """Return one sentence on the binocular errors of the closest of ours, for each scene."""
+    lines = []
+    for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
+        rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
+        ours = [r for r in rows if r["family"] == "ours" and r["rivalry"] is not None]
+        theirs = [row["rivalry"] for row in rows if row["family"] == "source"]
+        if not ours:
+            continue
+        best = min(ours, key=lambda row: row["rms"])
+        ideal = next(row["rivalry"] for row in rows if row["method"] == SCATTER)
+        ratios = [f"{number(_ratio(best['rivalry'], ideal), 2)} × that of R2"]
+        if theirs:
+            least = _ratio(best["rivalry"], min(theirs))
+            ratios.append(f"{number(least, 2)} × the least of the sources' methods")
+        lines.append(
+            f"{title(*key)}: rivalry of *{best['method']}* is {' and '.join(ratios)}; shower door "
+            f"{best['shower_door']:+.2f}, CoC mismatch {number(best['coc_mismatch_px'], 2)} px."
+        )
+    return lines
+
+
+def _ratio(a: float, b: float) -> float | None:
+    return a / b if b else None
 
 
 def dials(found: dict[str, Any]) -> list[str]:
@@ -143,6 +181,13 @@ def dials(found: dict[str, Any]) -> list[str]:
 
 def _table(rows: Sequence[Row]) -> list[str]:
     names = [heading for heading, _, _ in COLUMNS]
-    lines = [names, ["---"] * len(names)]
-    lines += [[show(row[key]) for _, key, show in COLUMNS] for row in rows]
-    return [f"| {' | '.join(line)} |" for line in lines]
+    return _lines(names, [[show(row[key]) for _, key, show in COLUMNS] for row in rows])
+
+
+def _verdicts(found: dict[str, Any]) -> list[str]:
+    names = [heading for heading, _ in VERDICT_COLUMNS]
+    return _lines(names, [[show(v) for _, show in VERDICT_COLUMNS] for v in found["verdicts"]])
+
+
+def _lines(names: list[str], rows: list[list[str]]) -> list[str]:
+    return [f"| {' | '.join(line)} |" for line in [names, ["---"] * len(names), *rows]]

@@ -1,0 +1,79 @@
+"""What follows from the numbers: means, fronts, verdicts and dials, in words."""
+
+import pytest
+
+from vrcomfort.tradeoff import results, tables
+from vrcomfort.tradeoff.measure import SCATTER
+
+SCENE = {"scene": "hall", "effect": "depth_of_field", "pose": 0, "motion": "still"}
+REST = {
+    **dict.fromkeys((*results.MEANS, *results.QUADRATIC), 0.01),
+    **dict.fromkeys(results.COSTS, 1.0),
+    "samples": 64,
+    "shower_door": -0.5,
+}
+
+
+def row(method, family, cost, rms, *, step=None, rivalry=0.01, **more):
+    own = {"method": method, "family": family, "step": step, "effect_to_copy": cost, "rms": rms}
+    return {**SCENE, **REST, **own, "reference_rms": 0.001, "rivalry": rivalry, **more}
+
+
+ROWS = [
+    row(SCATTER, "none", None, 0.01, rivalry=0.02),
+    row("no blur", "none", 0.0, 0.2),
+    row("mip", "source", 10.0, 0.05, rivalry=0.04),
+    row("scatter", "source", 100.0, 0.005, rivalry=0.03),
+    row("ours 1 ring", "ours", 5.0, 0.04, step=1, rivalry=0.05),
+    row("ours 2 rings", "ours", 50.0, 0.02, step=2, rivalry=0.024),
+]
+
+
+@pytest.fixture
+def found():
+    table = results.means(ROWS)
+    groups = results._groups(table)
+    return {
+        "table": table,
+        "verdicts": [v for key, group in groups.items() for v in results._verdicts(key, group)],
+        "dials": [d for key, group in groups.items() for d in results._dials(key, group)],
+    }
+
+
+def test_means_over_views_are_quadratic_for_rms():
+    twice = [row("a", "ours", 2.0, 0.03), row("a", "ours", 4.0, 0.04)]
+    (mean,) = results.means(twice)
+    assert mean["rms"] == pytest.approx((0.0025 / 2) ** 0.5)
+    assert mean["psnr_db"] == pytest.approx(29.03, abs=0.01)
+    assert (mean["effect_to_copy"], mean["views"]) == (3.0, 2)
+    assert mean["counts"]
+    assert mean["split_half"] == pytest.approx(0.001 / mean["rms"])
+
+
+def test_verdicts_say_who_is_both_faster_and_closer(found):
+    rows = [
+        [show(v) for _, show in tables.VERDICT_COLUMNS]
+        for v in found["verdicts"]
+        if v["error"] == "rms"
+    ]
+    hall = "hall, depth of field"
+    assert rows[0] == [hall, "mip", "RMS", "ours 1 ring", "0.50", "0.80", "yes"]
+    assert rows[1] == [hall, "scatter", "RMS", "ours 2 rings", "0.50", "4.0", "no: 4.00×"]
+    assert "in 1 of 2 by RMS and 0 of 2 by FLIP" in tables.headline(found)
+
+
+def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):
+    (line,) = tables.dials(found)
+    assert "falls at every step of rings = 1…2; log-log slope -1.0" in line
+    assert "R1 counts" not in line
+    unsure = [*ROWS, row("ours 4 rings", "ours", 70.0, 0.008, step=4)]
+    groups = results._groups(results.means(unsure))
+    (dial,) = results._dials(*groups.popitem())
+    assert dial["steps_that_count"] == [1, 2]
+    assert "(-1.0 up to 2, where R1 counts)" in tables.dials({"dials": [dial]})[0]
+
+
+def test_both_eyes_are_compared_with_r2_and_with_the_sources(found):
+    (line,) = tables.both_eyes(found)
+    assert "rivalry of *ours 2 rings* is 1.2 × that of R2 and 0.80 × the least" in line
+    assert "shower door -0.50" in line
