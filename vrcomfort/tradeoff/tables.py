@@ -125,6 +125,8 @@ VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
 
 def headline(found: dict[str, Any]) -> str:
     """Return in how many comparisons one of ours is both faster and closer."""
+    if not found["verdicts"]:
+        return "No source's method was measured."
     parts = []
     for error in ("rms", "flip"):
         mine = [v for v in found["verdicts"] if v["error"] == error]
@@ -185,6 +187,8 @@ def _table(rows: Sequence[Row]) -> list[str]:
 
 
 def _verdicts(found: dict[str, Any]) -> list[str]:
+    if not found["verdicts"]:
+        return []
     names = [heading for heading, _ in VERDICT_COLUMNS]
     return _lines(names, [[show(v) for _, show in VERDICT_COLUMNS] for v in found["verdicts"]])
 
