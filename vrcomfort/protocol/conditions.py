@@ -6,9 +6,9 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from vrcomfort.protocol.settings_file import Name
 
@@ -62,6 +62,17 @@ class DepthOfField(Settings):
     """Defocus at which the `dioptre` law reaches r_max."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3
     """Rings of samples in the widest discs, 8·k on ring k: speed against smoothness."""
+    views: Annotated[int, Field(ge=1, le=256)] = 1
+    """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
+    the views are blurred a little and averaged; r_max does not limit what lies between them."""
+    over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
+    """Radius of the blur of each of K views, in parts of the lens over √K; for one view, of 1."""
+
+    @model_validator(mode="after")
+    def _views_need_a_lens(self) -> Self:
+        if self.views > 1 and self.law == "linear":
+            raise ValueError('views > 1 needs law = "dioptre": no lens follows the law "linear"')
+        return self
 
 
 class MotionBlur(Settings):

@@ -70,6 +70,8 @@ def depth_of_field(condition: Condition) -> PlannedPass:
     if settings.max_radius_percent == 0:
         return PlannedPass("depth_of_field", False, "its largest radius is zero")
     reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
+    if settings.views > 1:
+        reason = f"the scene is drawn in {settings.views} views through the lens of each eye"
     return PlannedPass("depth_of_field", True, reason)
 
 
