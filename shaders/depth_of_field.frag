@@ -91,41 +91,33 @@ bool mix_halves(bool with_back, bool with_front) {
     ivec2 last_half = textureSize(wide_back, 0) - 1;
     float tolerance = 1.0 / (2.0 * margin_px(p.a));
     vec4 backs = vec4(0.0), fronts = vec4(0.0);
+    ivec2 odd = pixel & 1;
     for (int i = 0; i < 4; ++i) {
-        ivec2 step_ = ivec2(i & 1, i >> 1);
-        ivec2 odd = pixel & 1;
-        vec2 share = mix(vec2(1 - step_), vec2(0.5), vec2(odd));
-        ivec2 texel = min(first + step_, last_half);
+        ivec2 texel = min(first + (ivec2(i, i >> 1) & odd), last_half);
         vec4 b = texelFetch(wide_back, texel, 0);
-        float like = share.x * share.y * clamp(2.0 - abs(b.a - p.a) * tolerance, 0.0, 1.0);
+        float like = clamp(2.0 - abs(b.a - p.a) * tolerance, 0.0, 1.0);
         backs += like * vec4(b.rgb, 1.0);
         if (with_front)
             fronts += like * texelFetch(wide_front, texel, 0);
     }
-    if (backs.a < 0.05)
+    if (backs.a < 0.2)
         return false;
-    if (with_back)
-        back += vec4(backs.rgb / backs.a, 1.0);
+    back += with_back ? vec4(backs.rgb / backs.a, 1.0) : vec4(0.0);
     front += fronts / backs.a;
     return true;
 }
 
-void main() {
-    vec4 tile = texelFetch(reach, pixel / TILE, 0);
-    blurred = texelFetch(colour, pixel, 0);
-    float nearest = p.a - margin_px(p.a);  // what is less is a front
-    bool small_front = tile.b > 0.0 && tile.r < nearest;
-    bool wide_front_ = tile.a < nearest;
+// What reaches p from this tile's surroundings.
+void blur(vec4 tile, bool small_front, bool wide_front_) {
     bool wide = own_px > SMALL_PX;
-    if (own_px <= 0.5 && !small_front && !wide_front_)
-        return;
     bool halves = wide ? own_px > (is_alike(p.a, tile) ? ALIKE_PX : MIXED_PX) : -tile.a > MIXED_PX;
     if ((wide || wide_front_) && !(halves && mix_halves(wide, wide_front_))) {
         float reach_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
+        bool one_walk = reach_px <= 1.25 * own_px;
         back += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
         if (wide)
-            gather_rings(max(own_px, reach_px <= 1.25 * own_px ? reach_px : 0.0), own_px);
-        if (reach_px > 1.25 * own_px)
+            gather_rings(one_walk ? max(own_px, reach_px) : own_px, own_px);
+        if (!one_walk)
             gather_rings(reach_px, -reach_px);
     }
     if (!wide || small_front) {
@@ -136,4 +128,14 @@ void main() {
         return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
+}
+
+void main() {
+    vec4 tile = texelFetch(reach, pixel / TILE, 0);
+    blurred = texelFetch(colour, pixel, 0);
+    float nearest = p.a - margin_px(p.a);  // what is less is a front
+    bool small_front = tile.b > 0.0 && tile.r < nearest;
+    bool wide_front_ = tile.a < nearest;
+    if (own_px > 0.5 || small_front || wide_front_)
+        blur(tile, small_front, wide_front_);
 }

@@ -57,7 +57,11 @@ class VrcomfortKernel:
                 ctx,
                 "defocus_wide.frag",
                 size_px=self._half.target.size,
-                inputs={"points_half": self._half.target, "reach": reach},
+                inputs={
+                    "points": defocus.points,
+                    "points_half": self._half.target,
+                    "reach": reach,
+                },
                 filtered=() if layer else {"points_half"},
                 constants=directions,
                 defines=defines | layer,
