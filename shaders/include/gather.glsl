@@ -30,9 +30,9 @@ float nearer(float p, float q) {
 }
 
 // A disc up to 2 px wide on the pixel grid: the radius at which weights of softness 1 have the
-// variance of the disc. Twin: grid_radius_px.
+// variance of a pixel spread over the disc. Twin: grid_radius_px.
 float grid_radius_px(float radius) {
-    const float AT[8] = float[](0.5, 0.598, 0.75, 0.987, 1.358, 1.718, 1.865, 1.865);
+    const float AT[8] = float[](0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 1.928);
     float step_ = clamp(4.0 * (radius - 0.5), 0.0, 6.0);
     int i = int(step_);
     return mix(AT[i], AT[i + 1], step_ - float(i));

@@ -48,9 +48,7 @@ class VrcomfortKernel:
             dtype="f4",
         )
         reach = self._summaries[-1].target
-        directions = _Directions(
-            coc.ring_directions(settings.rings).astype(np.float32).tobytes()
-        )
+        directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
         defines = {"RINGS": settings.rings, "TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"}
         self._wide = tuple(
             FullscreenPass(
