@@ -20,9 +20,8 @@
 //     ---|---p---|--- back        front's opacity is absolute and stops at 1.
 //         \ ___ /
 //
-// Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution, mixed
-// from the texels that are on p's surface; a pixel that has none around (a thin thing, a rim)
-// walks its own rings. No noise, hence the same kernel in both eyes. Carnegie & Rhee 2015,
+// Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where
+// the texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. No noise, hence the same kernel in both eyes. Carnegie & Rhee 2015,
 // Algorithm 1; gathering after Jimenez 2014, "Next generation post processing in Call of Duty:
 // Advanced Warfare".
 #include "coc.glsl"
@@ -85,7 +84,7 @@ void gather_rings(float disc_px, float back_px) {
     }
 }
 
-// The wide layers, mixed from the texels around that are on p's surface; false if none is.
+// The wide layers, mixed from the texels around; false unless these are on p's surface.
 bool mix_halves(bool with_back, bool with_front) {
     ivec2 first = pixel / 2;
     ivec2 last_half = textureSize(wide_back, 0) - 1;
@@ -100,7 +99,7 @@ bool mix_halves(bool with_back, bool with_front) {
         if (with_front)
             fronts += like * texelFetch(wide_front, texel, 0);
     }
-    if (backs.a < 0.2)
+    if (backs.a < 3.5)  // beside a rim the texels of one side would draw a line along it
         return false;
     back += with_back ? vec4(backs.rgb / backs.a, 1.0) : vec4(0.0);
     front += fronts / backs.a;

@@ -20,6 +20,10 @@ SMALL_PX = 2
 """Discs up to this radius are summed over every pixel."""
 
 
+_LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
+"""Wide blur behind each pixel, and in front of it."""
+
+
 class _Directions(NamedTuple):
     directions: bytes
 
@@ -29,7 +33,11 @@ class _Aspect(NamedTuple):
 
 
 class VrcomfortKernel:
-    """Tile-classified gather with a back and a front layer (``depth_of_field.frag``)."""
+    """Tile-classified gather with a back and a front layer (``depth_of_field.frag``).
+
+    Discs above a few pixels come from half resolution, in 32-bit floats, so that a constant image
+    is rounded once.
+    """
 
     def __init__(
         self,
@@ -49,7 +57,11 @@ class VrcomfortKernel:
         )
         reach = self._summaries[-1].target
         directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
-        defines = {"RINGS": settings.rings, "TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"}
+        defines: dict[str, int | str] = {
+            "RINGS": settings.rings,
+            "TILE": TILE_PX,
+            "SMALL_PX": f"{SMALL_PX}.0",
+        }
         self._wide = tuple(
             FullscreenPass(
                 ctx,
@@ -62,10 +74,10 @@ class VrcomfortKernel:
                 },
                 filtered=() if layer else {"points_half"},
                 constants=directions,
-                defines=defines | layer,
+                defines={**defines, **layer},
                 dtype="f4",
             )
-            for layer in ({}, {"FRONT": 1})
+            for layer in _LAYERS
         )
         wide_back, wide_front = (layer.target for layer in self._wide)
         self._gather = FullscreenPass(
