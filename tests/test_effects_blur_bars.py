@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field
+from effects_parts import depth_of_field, textures
 
 from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
@@ -114,3 +116,23 @@ def test_both_eyes_see_the_same_blur(ctx, radius_px):
     assert shower_door <= 0.05
     # Half resolution is tied to pixels: odd shifts change wide blur, by less than its error.
     assert rivalry <= (0 if radius_px <= 2 else np.mean(np.abs(first)))
+
+
+def test_depth_of_field_owns_eight_textures(ctx, count_objects):
+    """Points, three of tiles, half resolution, two wide layers and the result."""
+    rgb = np.zeros((5, 7, 3))
+    colour, depth = textures(ctx, rgb, 1.0)
+    focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
+    before = count_objects()
+    effect = DepthOfFieldPass(
+        ctx,
+        colour=colour,
+        depth=depth,
+        focus=focus,
+        settings=DepthOfField(**WIDE),
+        size_px=(7, 5),
+    )
+    after = count_objects()
+    assert after["Texture"] - before["Texture"] == 8
+    assert after["Framebuffer"] - before["Framebuffer"] == 8
+    del effect

@@ -39,6 +39,8 @@ for law in ("linear", "dioptre"):
     StereoRenderer(context, (16, 16)).begin(scene, condition)
     Reference(context, scene, condition, (16, 16), samples=2)
 EyePainter(context)  # reads its own pair
+views = Condition(name="views", depth_of_field=DepthOfField(law="dioptre", views=4))
+StereoRenderer(context, (16, 16)).begin(scene, views)
 print(*read, "picture.vert", "picture.frag")
 """
 
