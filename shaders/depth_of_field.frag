@@ -1,8 +1,9 @@
 #version 450 core
 // Depth of field by gathering what other pixels would scatter here, with who hides whom.
 //
-// Input:  colour (for exact copies), points (colour and signed CoC radius), points_half, reach
-//         (what may reach this tile). Radii in pixels of image width, negative in front of focus.
+// Input:  colour (for exact copies), points (colour and signed CoC radius), wide_back and wide_front
+//         (half resolution), reach (what may reach this tile). Radii in pixels of image width,
+//         negative in front of the focus.
 // Output: the blurred image, linear HDR, full resolution.
 //
 // A pixel p looks for two kinds of neighbours q, told apart by their CoC, which orders depth:
@@ -19,31 +20,23 @@
 //     ---|---p---|--- back        front's opacity is absolute and stops at 1.
 //         \ ___ /
 //
-// Wide discs are sampled on rings (RINGS at most), small ones on every pixel: no noise, hence the
-// same kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after Jimenez 2014,
-// "Next generation post processing in Call of Duty: Advanced Warfare".
+// Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where
+// the texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. No noise, hence the same kernel in both eyes. Carnegie & Rhee 2015,
+// Algorithm 1; gathering after Jimenez 2014, "Next generation post processing in Call of Duty:
+// Advanced Warfare".
 #include "coc.glsl"
+#include "gather.glsl"
 
 uniform sampler2D colour;
 uniform sampler2D points;
-uniform sampler2D points_half;
+uniform sampler2D wide_back;
+uniform sampler2D wide_front;
 uniform sampler2D reach;
-uniform vec2 directions[4 * RINGS * (RINGS + 1)];  // optics.circle_of_confusion.ring_directions
-uniform float pixel_aspect;                        // image pixels per unit, vertical / horizontal
 
 out vec4 blurred;
 
 // Taps of a ring pattern lie about this far apart (px) until RINGS is reached.
 const float SPACING_PX = 1.25;
-// Beyond this spacing (px) taps read the half-resolution image.
-const float HALF_SPACING_PX = 2.0;
-
-// Radii around that differ by less than this part of p's own are alike ...
-const float ALIKE = 0.1;
-// ... where half resolution is fine enough (px).
-const float ALIKE_PX = 4.0;
-// Fronts up to this many times wider than p's disc need no walk of their own.
-const float ONE_WALK = 1.25;
 
 ivec2 pixel = ivec2(gl_FragCoord.xy);
 ivec2 last = textureSize(points, 0) - 1;
@@ -53,102 +46,95 @@ float own_px = abs(p.a);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-// 0 where q is p's surface or behind it, 1 where it is nearer. An eighth of a pixel is well above
-// the rounding of half floats and well below what a blur shows.
-float nearer(vec4 q) {
-    return clamp((p.a - q.a) * 8.0 - 1.0, 0.0, 1.0);
-}
-
-// A tap at some distance that stands for `area` square pixels; fronts with radii in (from, to].
-void add(vec4 q, float distance_px, float softness, float area, float back_px, vec2 front_px) {
-    float is_front = nearer(q);
-    float radius = abs(q.a);
-    float in_back = (1.0 - is_front) * disc_weight(distance_px, back_px, softness);
-    back += in_back * vec4(q.rgb, 1.0);
-    bool counts = radius > front_px.x && radius <= front_px.y;
-    float over = counts ? is_front * disc_weight(distance_px, radius, softness) : 0.0;
-    front += over * area / disc_area_px(radius, softness) * vec4(q.rgb, 1.0);
-}
-
-// Every pixel nearer than reach_px: the back if it is small (back_px > 0), and small fronts.
-void gather_dense(float reach_px, float back_px, vec2 front_px) {
+// Every pixel nearer than reach_px: the back if p is small itself, and small fronts.
+void gather_dense(float reach_px, bool with_back) {
     int cells = int(ceil(reach_px)) - 1;
     int rows = int(ceil(reach_px * pixel_aspect)) - 1;
+    float disc_px = grid_radius_px(own_px);
     for (int y = -rows; y <= rows; ++y)
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
-            add(q, length(vec2(x, float(y) / pixel_aspect)), 1.0, 1.0 / pixel_aspect, back_px, front_px);
+            float away = length(vec2(x, float(y) / pixel_aspect));
+            float is_front = nearer(p.a, q.a);
+            if (with_back)
+                back += (1.0 - is_front) * disc_weight(away, disc_px, 1.0) * vec4(q.rgb, 1.0);
+            float radius = abs(q.a);
+            if (is_front > 0.0 && radius > 0.5 && radius <= SMALL_PX)
+                front += is_front * front_opacity(away, grid_radius_px(radius), 1.0, 1.0 / pixel_aspect)
+                       * vec4(q.rgb, 1.0);
         }
 }
 
-// Rings over a disc of radius disc_px: 8 taps on the first, 16 on the second, ...
-void gather_rings(float disc_px, float back_px, vec2 front_px) {
-    int rings = clamp(int(ceil(disc_px / SPACING_PX - 0.5)), 1, RINGS);
+// Rings over a disc: the back within p's own disc, and wide fronts.
+void gather_rings(float disc_px, float back_px) {
+    int rings = ring_count(disc_px, SPACING_PX);
     float spacing = disc_px / (float(rings) + 0.5);
     float area = 0.25 * PI * spacing * spacing;
-    bool halved = spacing > HALF_SPACING_PX;
-    vec2 centre = vec2(pixel) + 0.5;
-    int i = 0;
-    for (int ring = 1; ring <= rings; ++ring)
-        for (int tap = 0; tap < 8 * ring; ++tap, ++i) {
-            // Not in the middle of its annulus but where its mean square distance is.
-            float away = spacing * sqrt(float(ring * ring) + 0.25);
-            vec2 at = centre + away * directions[i] * vec2(1.0, pixel_aspect);
-            ivec2 texel = clamp(ivec2(floor(at)), ivec2(0), last);
-            ivec2 texel_half = ivec2(floor(clamp(0.5 * at + 0.25, vec2(0.0), vec2(last / 2))));
-            vec4 q = halved ? texelFetch(points_half, texel_half, 0) : texelFetch(points, texel, 0);
-            add(q, away, spacing, area, back_px, front_px);
-        }
-}
-
-// Rings where everything around is about as blurred as p: front and back are one, and nothing
-// sharp is near, so that taps may be filtered.
-void gather_alike() {
-    int rings = clamp(int(ceil(own_px / SPACING_PX - 0.5)), 1, RINGS);
-    float spacing = own_px / (float(rings) + 0.5);
-    vec2 centre = vec2(pixel) + 0.5;
-    vec2 texel = 0.5 / vec2(textureSize(points_half, 0));  // texel t stands for pixel 2t
     int i = 0;
     for (int ring = 1; ring <= rings; ++ring) {
-        float away = spacing * sqrt(float(ring * ring) + 0.25);
-        for (int tap = 0; tap < 8 * ring; ++tap, ++i) {
-            vec2 at = centre + away * directions[i] * vec2(1.0, pixel_aspect);
-            back.rgb += texture(points_half, (at + 0.5) * texel).rgb;
+        float away = ring_radius(ring, spacing);
+        for (int k = 0; k < 8 * ring; ++k, ++i) {
+            vec2 at = vec2(pixel) + 0.5 + away * directions[i] * vec2(1.0, pixel_aspect);
+            vec4 q = texelFetch(points, clamp(ivec2(floor(at)), ivec2(0), last), 0);
+            float is_front = nearer(p.a, q.a);
+            back += (1.0 - is_front) * disc_weight(away, back_px, spacing) * vec4(q.rgb, 1.0);
+            if (is_front > 0.0 && abs(q.a) > SMALL_PX)
+                front += is_front * front_opacity(away, abs(q.a), spacing, area) * vec4(q.rgb, 1.0);
         }
     }
-    back += vec4(texture(points_half, (centre + 0.5) * texel).rgb, float(i + 1));
 }
 
-void main() {
-    vec4 tile = texelFetch(reach, pixel / TILE, 0);
-    float near_px = max(-tile.r, 0.0);  // the widest disc in front of the focus
-    blurred = texelFetch(colour, pixel, 0);
-    if (own_px <= 0.5 && near_px <= 0.5)
-        return;
-    if (own_px > ALIKE_PX && tile.g - tile.r <= ALIKE * own_px) {
-        gather_alike();
-        blurred.rgb = min(back.rgb / back.a, 65504.0);
-        return;
+// The wide layers, mixed from the texels around; false unless these are on p's surface.
+bool mix_halves(bool with_back, bool with_front) {
+    ivec2 first = pixel / 2;
+    ivec2 last_half = textureSize(wide_back, 0) - 1;
+    float tolerance = 1.0 / (2.0 * margin_px(p.a));
+    vec4 backs = vec4(0.0), fronts = vec4(0.0);
+    ivec2 odd = pixel & 1;
+    for (int i = 0; i < 4; ++i) {
+        ivec2 texel = min(first + (ivec2(i, i >> 1) & odd), last_half);
+        vec4 b = texelFetch(wide_back, texel, 0);
+        float like = clamp(2.0 - abs(b.a - p.a) * tolerance, 0.0, 1.0);
+        backs += like * vec4(b.rgb, 1.0);
+        if (with_front)
+            fronts += like * texelFetch(wide_front, texel, 0);
     }
-    float wide_px = max(own_px, SMALL_PX);
-    bool some_front = tile.r < p.a;
-    if (own_px <= SMALL_PX || (some_front && tile.b > 0.0)) {
-        bool back_here = own_px <= SMALL_PX;
-        // Behind the focus all fronts are sharper than p, and the next pixels suffice up to 1.5 px.
-        float widest_px = near_px > 0.5 || !back_here ? max(own_px, tile.b) : own_px;
-        float reach_px = 0.5 + (widest_px <= 1.5 ? 1.5 : SMALL_PX);
-        gather_dense(reach_px, back_here ? own_px : -1.0, vec2(0.5, SMALL_PX));
+    if (backs.a < 3.5)  // beside a rim the texels of one side would draw a line along it
+        return false;
+    back += with_back ? vec4(backs.rgb / backs.a, 1.0) : vec4(0.0);
+    front += fronts / backs.a;
+    return true;
+}
+
+// What reaches p from this tile's surroundings.
+void blur(vec4 tile, bool small_front, bool wide_front_) {
+    bool wide = own_px > SMALL_PX;
+    bool halves = wide ? own_px > (is_alike(p.a, tile) ? ALIKE_PX : MIXED_PX) : -tile.a > MIXED_PX;
+    if ((wide || wide_front_) && !(halves && mix_halves(wide, wide_front_))) {
+        float reach_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
+        bool one_walk = reach_px <= 1.25 * own_px;
+        back += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
+        if (wide)
+            gather_rings(one_walk ? max(own_px, reach_px) : own_px, own_px);
+        if (!one_walk)
+            gather_rings(reach_px, -reach_px);
     }
-    bool one_walk = near_px <= ONE_WALK * own_px;  // wider fronts are still met by p's own rings
-    if (own_px > SMALL_PX) {
-        back += vec4(p.rgb, 1.0);
-        float reach_px = one_walk ? max(own_px, near_px) : own_px;
-        gather_rings(reach_px, own_px, vec2(SMALL_PX, reach_px));
+    if (!wide || small_front) {
+        float widest_px = max(wide ? 0.0 : own_px, small_front ? tile.b : 0.0);
+        gather_dense(0.5 + (widest_px <= 1.5 ? 1.5 : SMALL_PX), !wide);
     }
-    if (near_px > wide_px && some_front && !one_walk)
-        gather_rings(near_px, -near_px, vec2(wide_px, near_px));
     if (front.a <= 0.0 && own_px <= 0.5)
         return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
+}
+
+void main() {
+    vec4 tile = texelFetch(reach, pixel / TILE, 0);
+    blurred = texelFetch(colour, pixel, 0);
+    float nearest = p.a - margin_px(p.a);  // what is less is a front
+    bool small_front = tile.b > 0.0 && tile.r < nearest;
+    bool wide_front_ = tile.a < nearest;
+    if (own_px > 0.5 || small_front || wide_front_)
+        blur(tile, small_front, wide_front_);
 }

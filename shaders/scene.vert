@@ -64,7 +64,7 @@ void main() {
 #endif
 #ifdef LENS
     float head_depth_m = dot(head_forward.xyz, relative) + head_forward.w;
-    gl_Position = through_lens(gl_Position, lens.xy, head_depth_m, lens.z, lens.w,
+    gl_Position = through_lens(gl_Position, lens.xy, head_depth_m, lens_focus.x, lens.w,
                                lens_limit.x, lens_limit.y);
 #endif
 }

@@ -23,7 +23,7 @@ void main() {
     vec2 seen = gl_Position.xy;
 #ifdef LENS
     // A pixel shows the direction that this point of the lens brings to it.
-    vec4 moved = through_lens(vec4(0.0, 0.0, 0.0, 1.0), lens.xy, lens.w, lens.z, lens.w,
+    vec4 moved = through_lens(vec4(0.0, 0.0, 0.0, 1.0), lens.xy, lens.w, lens_focus.x, lens.w,
                               lens_limit.x, lens_limit.y);
     seen -= moved.xy;
 #endif

@@ -55,6 +55,8 @@ zone = Condition(
 StereoRenderer(context, (16, 16)).begin(scene, zone)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
+views = Condition(name="views", depth_of_field=DepthOfField(law="dioptre", views=4))
+StereoRenderer(context, (16, 16)).begin(scene, views)
 print(*read, "picture.vert", "picture.frag")
 """
 

@@ -1,4 +1,4 @@
-// A lens for the brute-force reference: where one lens sample sees a point.
+// A lens, for the brute-force reference and for views: where one point of it sees a point.
 //
 // A point with signed radius s (px) is seen through lens position u (unit disc) s * u from where
 // the pinhole sees it. In clip space, with w = d the distance along the eye's axis:
@@ -14,7 +14,7 @@
 // the point's distance from the head centre along the head's forward axis.
 vec4 through_lens(vec4 clip, vec2 lens_ndc, float head_depth_m, float focus_m, float infinity_m,
                   float px_per_defocus, float radius_limit_px) {
-    float focus = min(focus_m, infinity_m);
+    float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
     float d = min(head_depth_m, infinity_m);
 #ifdef LAW_DIOPTRE
     float radius_times_w = px_per_defocus * (clip.w / focus - (d > 0.0 ? clip.w / d : 1.0));

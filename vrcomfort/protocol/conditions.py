@@ -137,6 +137,22 @@ class DepthOfField(Settings):
     rings: Annotated[int, Field(ge=1, le=8)] = 3
     """Rings of samples in the widest discs of `vrcomfort`, 8·k on ring k: speed against smoothness.
     The other kernels have the fixed numbers of their sources."""
+    views: Annotated[int, Field(ge=1, le=256)] = 1
+    """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
+    the views are blurred a little and averaged; r_max does not limit what lies between them. Two
+    are worse than one."""
+    over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
+    """Radius of the blur of each of K views, in parts of the lens over √K; for one view, of 1."""
+
+    @model_validator(mode="after")
+    def _views_need_a_lens(self) -> Self:
+        if self.views > 1 and self.law not in ("dioptre", "eye"):
+            message = 'views > 1 needs law = "dioptre" or "eye", the same lens at any focus'
+            raise PydanticCustomError("views_law", message)
+        if self.views > 1 and self.peripheral is not None:
+            message = "views > 1 cannot be combined with peripheral blur, which no lens makes"
+            raise PydanticCustomError("views_peripheral", message)
+        return self
 
     @property
     def pinhole(self) -> bool:

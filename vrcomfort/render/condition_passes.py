@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import moderngl
@@ -9,19 +11,23 @@ import moderngl
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.defocus import radius_limit_px
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
 from vrcomfort.render.focus_probes import screen_tangents
 from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.lens_views import LensViews, blur_of_one_view
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.speed_blur import SpeedBlurPass
 from vrcomfort.render.tone_map import ToneMapPass
+
+COPIED_PX = 0.5
+"""A disc of this radius is its own pixel."""
 
 
 class PlacedEye(NamedTuple):
@@ -35,7 +41,12 @@ class PlacedEye(NamedTuple):
 
 
 class ConditionPasses:
-    """The passes of one condition in one scene, wired by their textures."""
+    """The passes of one condition in one scene, wired by their textures.
+
+    With several views through the lens, motion blur that comes first blurs each view along its own
+    velocities; motion blur that comes after depth of field blurs the mean of the views along those
+    of the centre view, which is drawn last: its colour, depth and velocity are the eye's.
+    """
 
     def __init__(
         self,
@@ -52,12 +63,23 @@ class ConditionPasses:
         self._size_px = size_px
         self.names = tuple(item.name for item in plan_passes(scene, condition) if item.needed)
         velocity = plan.velocity(scene, condition).needed
-        self.scene = ScenePass(ctx, scene, size_px, velocity=velocity, samples=samples)
+        self._lens_views: LensViews | None = None
+        blur = condition.depth_of_field if plan.depth_of_field(condition).needed else None
+        self.scene = ScenePass(
+            ctx,
+            scene,
+            size_px,
+            velocity=velocity,
+            samples=samples,
+            lens_law="dioptre" if blur is not None and blur.views > 1 else None,
+        )
         self.focus: FocusPass | FixedFocus | None = None
         self._depth_of_field: DepthOfFieldPass | None = None
         self._motion_blur: MotionBlurPass | None = None
         self._speed_blur: SpeedBlurPass | None = None
         self.max_blur_px = 0.0
+        self.triangles = 0
+        """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
         effects = [self._add_depth_of_field, self._add_motion_blur]
         if condition.effect_order == "motion_blur_first":
@@ -77,16 +99,23 @@ class ConditionPasses:
         if settings is None or not plan.depth_of_field(condition).needed:
             return
         self.focus = make_focus_pass(self._ctx, self.scene.gpu, condition.focus, near_m=near_m)
-        self._depth_of_field = DepthOfFieldPass(
-            self._ctx,
-            colour=self.colour,
-            depth=self.scene.depth,
-            focus=self.focus.texture,
-            settings=settings,
-            size_px=self._size_px,
-            infinity_m=condition.focus.infinity_m,
-        )
-        self.colour = self._depth_of_field.target
+        of_one_view = blur_of_one_view(settings)
+        if settings.views == 1 or radius_limit_px(of_one_view, self._size_px) > COPIED_PX:
+            self._depth_of_field = DepthOfFieldPass(
+                self._ctx,
+                colour=self.colour,
+                depth=self.scene.depth,
+                focus=self.focus.texture,
+                settings=of_one_view,
+                size_px=self._size_px,
+                infinity_m=condition.focus.infinity_m,
+            )
+            self.colour = self._depth_of_field.target
+        if settings.views > 1:
+            self.scene.lens_focus = self.focus.texture
+            infinity_m = condition.focus.infinity_m
+            self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
+            self.colour = self._lens_views.target
         self.max_blur_px = max(self.max_blur_px, radius_limit_px(settings, self._size_px))
 
     def _add_motion_blur(self, condition: Condition, near_m: float) -> None:  # noqa: ARG002
@@ -149,10 +178,16 @@ class ConditionPasses:
         """Draw one eye (0 left, 1 right) and its effects."""
         camera = eye.camera
         previous = eye.previous or PreviousCamera(camera.world_from_eye, before_s)
-        self.scene.render(camera, scene_time_s, previous)
-        steps = [self._blur_defocus, self._blur_motion]
-        for step in reversed(steps) if self._blur_first else steps:
-            step(eye)
+        self.triangles = 0
+
+        def draw(lens: Lens | None = None) -> None:
+            self.scene.render(replace(camera, lens=lens), scene_time_s, previous)
+            self.triangles += self.scene.triangles
+
+        if self._lens_views is None:
+            self._render_once(eye, draw)
+        else:
+            self._render_views(eye, draw, self._lens_views)
         if self._speed_blur is not None:
             self._speed_blur.render(fov=camera.fov, step=eye.step)
         self.tone_maps[index].render()
@@ -166,13 +201,34 @@ class ConditionPasses:
             self.tone_maps[index].target,
         )
 
+    def _render_once(self, eye: PlacedEye, draw: Callable[[], None]) -> None:
+        steps = [self._blur_defocus, self._blur_motion]
+        draw()
+        for step in reversed(steps) if self._blur_first else steps:
+            step(eye)
+
+    def _render_views(
+        self, eye: PlacedEye, draw: Callable[[Lens | None], None], views: LensViews
+    ) -> None:
+        def draw_and_blur(lens: Lens) -> None:
+            draw(lens)
+            if self._blur_first:
+                self._blur_motion(eye)
+            self._blur_defocus(eye)
+
+        views.render(eye.camera.fov, draw_and_blur)
+        draw(None)
+        if not self._blur_first:
+            self._blur_motion(eye)
+
     def _blur_defocus(self, eye: PlacedEye) -> None:
         if self._depth_of_field is not None:
             self._depth_of_field.render(
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
-            streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
-            self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
+            if self._lens_views is None:
+                streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
+                self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
 
     def _blur_motion(self, eye: PlacedEye) -> None:
         if self._motion_blur is not None:

@@ -175,7 +175,7 @@ class StereoRenderer:
         for index in range(self._eyes):
             eye = self._eye(frame, frame.views[index], before)
             images = passes.render_eye(index, eye, scene_time_s, before_s)
-            triangles += passes.scene.triangles
+            triangles += passes.triangles
             if on_eye is not None:
                 on_eye(index, images)
         self._before = _Before(

@@ -62,6 +62,8 @@ class ScenePass:
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
         self._view = _ViewBlock(ctx, size_px)
+        self.lens_focus: moderngl.Texture | None = None
+        """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
         self.triangles = 0
         self.still = True
         """Whether nothing in the last image can have moved: every velocity is exactly 0."""
@@ -111,7 +113,7 @@ class ScenePass:
             self._light.update(eye_m, self._shadow.shadow_from_world, self._shadow.bias)
         else:
             self._light.update(eye_m, None, None)
-        self._view.update(camera, before)
+        self._view.update(camera, before, self.lens_focus)
         self._draw(camera)
         self.triangles += 0 if self._shadow is None else self._shadow.triangles
 
@@ -220,8 +222,11 @@ class _ViewBlock:
         self._block["image_size_px"][:2] = size_px
         self._ndc_per_px = 2 / np.array(size_px)
         self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
+        self._focus_offset = self._block.dtype.fields["lens_focus"][1]
 
-    def update(self, camera: EyeCamera, previous: PreviousCamera) -> None:
+    def update(
+        self, camera: EyeCamera, previous: PreviousCamera, lens_focus: moderngl.Texture | None
+    ) -> None:
         """Write and bind the block."""
         block = self._block
         motion = camera_motion(camera.world_from_eye, previous.world_from_eye)
@@ -232,6 +237,9 @@ class _ViewBlock:
         block["eye_delta_m"][:3] = motion.eye_delta_m
         self._write_lens(camera)
         self._buffer.write(block.tobytes())
+        if lens_focus is not None and camera.lens is not None:
+            # From texture to block on the GPU: the focus of this frame is not known here.
+            lens_focus.read_into(self._buffer, write_offset=self._focus_offset)
         self._buffer.bind_to_uniform_block(VIEW_BINDING)
 
     def _write_lens(self, camera: EyeCamera) -> None:
@@ -240,6 +248,7 @@ class _ViewBlock:
         forward = head.forward
         ahead_m = forward @ (camera.world_from_eye.position - head.position)
         offset = np.array(lens.position) * self._ndc_per_px
-        self._block["lens"] = (*offset, lens.focus_m, lens.infinity_m)
+        self._block["lens"] = (*offset, 0.0, lens.infinity_m)
+        self._block["lens_focus"][0] = lens.focus_m
         self._block["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
         self._block["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)

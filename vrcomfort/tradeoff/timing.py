@@ -15,6 +15,7 @@ from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.gl import color_texture
 from vrcomfort.render.gpu_timer import Stopwatch
+from vrcomfort.render.lens_views import LensViews
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
@@ -27,6 +28,7 @@ from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
 PASSES: dict[type[Any], str] = {
     ScenePass: "scene",
+    LensViews: "lens_views",
     DepthOfFieldPass: "depth_of_field",
     MotionBlurPass: "motion_blur",
     ToneMapPass: "tone_map",

@@ -20,6 +20,10 @@ SMALL_PX = 2
 """Discs up to this radius are summed over every pixel."""
 
 
+_LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
+"""Wide blur behind each pixel, and in front of it."""
+
+
 class _Directions(NamedTuple):
     directions: bytes
 
@@ -29,7 +33,11 @@ class _Aspect(NamedTuple):
 
 
 class VrcomfortKernel:
-    """Tile-classified gather with a back and a front layer (``depth_of_field.frag``)."""
+    """Tile-classified gather with a back and a front layer (``depth_of_field.frag``).
+
+    Discs above a few pixels come from half resolution, in 32-bit floats, so that a constant image
+    is rounded once.
+    """
 
     def __init__(
         self,
@@ -45,8 +53,33 @@ class VrcomfortKernel:
             "defocus_half.frag",
             size_px=(ceil(width / 2), ceil(height / 2)),
             inputs={"points": defocus.points},
+            dtype="f4",
         )
-        directions = coc.ring_directions(settings.rings).astype(np.float32)
+        reach = self._summaries[-1].target
+        directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
+        defines: dict[str, int | str] = {
+            "RINGS": settings.rings,
+            "TILE": TILE_PX,
+            "SMALL_PX": f"{SMALL_PX}.0",
+        }
+        self._wide = tuple(
+            FullscreenPass(
+                ctx,
+                "defocus_wide.frag",
+                size_px=self._half.target.size,
+                inputs={
+                    "points": defocus.points,
+                    "points_half": self._half.target,
+                    "reach": reach,
+                },
+                filtered=() if layer else {"points_half"},
+                constants=directions,
+                defines={**defines, **layer},
+                dtype="f4",
+            )
+            for layer in _LAYERS
+        )
+        wide_back, wide_front = (layer.target for layer in self._wide)
         self._gather = FullscreenPass(
             ctx,
             "depth_of_field.frag",
@@ -54,12 +87,12 @@ class VrcomfortKernel:
             inputs={
                 "colour": colour,
                 "points": defocus.points,
-                "points_half": self._half.target,
-                "reach": self._summaries[-1].target,
+                "wide_back": wide_back,
+                "wide_front": wide_front,
+                "reach": reach,
             },
-            filtered={"points_half"},
-            constants=_Directions(directions.tobytes()),
-            defines={"RINGS": settings.rings, "TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0"},
+            constants=directions,
+            defines=defines,
         )
         self.target = self._gather.target
 
@@ -68,7 +101,8 @@ class VrcomfortKernel:
         for summary in self._summaries:
             summary.render()
         self._half.render()
-        self._gather.render(_Aspect(pixel_aspect))
+        for layer in (*self._wide, self._gather):
+            layer.render(_Aspect(pixel_aspect))
 
 
 def _tile_passes(ctx: moderngl.Context, defocus: Defocus) -> tuple[FullscreenPass, ...]:

@@ -1,0 +1,138 @@
+"""What the kernel promises, measured on images that can be worked out: energy, rims, both eyes."""
+
+import numpy as np
+import pytest
+from effects_parts import depth_of_field, textures
+
+from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.depth_of_field import DepthOfFieldPass
+from vrcomfort.render.image_error import hdr_flip
+
+WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
+"""At 128 px: 6.4 px of radius per dioptre and at most."""
+WIDTH, HEIGHT = 128, 96
+
+
+def at_radius(radius_px):
+    """Return the distance behind a focus of 1 m at which the radius is that."""
+    return 1 / (1 - radius_px / 6.4) if radius_px < 6.4 else np.inf
+
+
+def scatter(rgb, radius_px):
+    """Return the ideal: every pixel's square spread over its disc, all at one distance."""
+    size = int(np.ceil(np.max(radius_px))) + 1
+    steps = (np.arange(16) + 0.5) / 16 - 0.5
+    grid = np.arange(-size, size + 1)
+    x = (grid[:, None] + steps).ravel()
+    inside = np.hypot(x[:, None], x[None, :]) <= max(radius_px, 1e-9)
+    weights = inside.reshape(len(grid), 16, len(grid), 16).mean(axis=(1, 3))
+    weights /= weights.sum()
+    padded = np.pad(rgb, ((size, size), (size, size), (0, 0)), mode="edge")
+    return sum(
+        weights[j, i] * padded[j : j + rgb.shape[0], i : i + rgb.shape[1]]
+        for j in range(len(grid))
+        for i in range(len(grid))
+        if weights[j, i] > 0
+    )
+
+
+def half_resolution(rgb, radius_px):
+    """Return what a kernel that works at half resolution gives, its own blur being perfect."""
+    small = rgb.reshape(HEIGHT // 2, 2, WIDTH // 2, 2, 3).mean(axis=(1, 3))
+    blurred = scatter(small, radius_px / 2)
+    y, x = (np.arange(n) / 2 - 0.25 for n in (HEIGHT, WIDTH))
+    for axis, at in ((0, y), (1, x)):
+        low = np.floor(at).astype(int)
+        share = (at - low).reshape([-1 if a == axis else 1 for a in range(3)])
+        ends = [np.clip(low + k, 0, blurred.shape[axis] - 1) for k in (0, 1)]
+        first, second = (np.take(blurred, end, axis=axis) for end in ends)
+        blurred = first * (1 - share) + second * share
+    return blurred
+
+
+def textured(seed=3):
+    """Return radiance with detail at every scale down to a pixel."""
+    rng = np.random.default_rng(seed)
+    layers = [
+        np.kron(rng.uniform(0, 1, (HEIGHT // n, WIDTH // n, 3)), np.ones((n, n, 1)))
+        for n in (1, 2, 4, 8)
+    ]
+    return np.mean(layers, axis=0)
+
+
+@pytest.mark.parametrize("radius_px", np.arange(0.5, 2.05, 0.25))
+def test_small_discs_on_the_grid_have_the_variance_of_the_disc(radius_px):
+    x, y = np.mgrid[-3:4, -3:4]
+    weights = coc.disc_weight(np.hypot(x, y), coc.grid_radius_px(radius_px))
+    variance = np.sum(weights * x**2) / weights.sum()
+    if radius_px > 0.5:
+        assert variance == pytest.approx(radius_px**2 / 4 + 1 / 12, rel=0.01)
+    else:
+        assert variance == 0
+
+
+@pytest.mark.parametrize(("radius_px", "bar"), [(0.75, 0.3), (1.0, 0.45), (1.5, 0.3), (2.0, 0.3)])
+def test_small_blur_is_far_better_than_half_resolution(ctx, radius_px, bar):
+    """Discs of up to 4 px across, where most of what is seen in a headset lies."""
+    rgb = textured()
+    ideal = scatter(rgb, radius_px)
+    ours = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, **WIDE)
+    halved = half_resolution(rgb, radius_px)
+    inside = slice(8, -8)
+    errors = [
+        hdr_flip(image[inside, inside], ideal[inside, inside], pixels_per_degree=16)
+        for image in (ours, halved)
+    ]
+    assert errors[0] <= bar * errors[1], errors
+
+
+@pytest.mark.parametrize("radius_px", [0.8, 1.2, 1.9, 2.4, 3.2, 4.5, 6.4])
+def test_bright_points_keep_their_energy(ctx, radius_px):
+    """Nothing weighs bright pixels down, so a lamp spreads all its light."""
+    rgb = np.zeros((HEIGHT, WIDTH, 3))
+    for y, x in ((30, 41), (47, 64), (61, 90)):
+        rgb[y : y + 2, x : x + 2] = 1000.0
+    blurred = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=5, **WIDE)
+    assert blurred.astype(float).sum() == pytest.approx(rgb.sum(), rel=0.005)
+
+
+@pytest.mark.parametrize("radius_px", [1.2, 3.0, 5.0, 6.4])
+def test_both_eyes_see_the_same_blur(ctx, radius_px):
+    """A view moved by whole pixels is blurred to the same, moved: no noise of the screen."""
+    rgb = textured()
+    moved = [np.roll(rgb, shift, axis=1) for shift in (0, 7)]
+    left, right = (
+        depth_of_field(ctx, image, at_radius(radius_px), 1.0, **WIDE).astype(float)
+        for image in moved
+    )
+    truths = [scatter(image, radius_px) for image in moved]
+    inside = (slice(16, -16), slice(16, -16))
+    errors = [left - truths[0], np.roll(right - truths[1], -7, axis=1)]
+    first, second = (error[inside].ravel() for error in errors)
+    screen = (right - truths[1])[inside].ravel()
+    rivalry = np.mean(np.abs(first - second))
+    shower_door = np.corrcoef(first, screen)[0, 1] - np.corrcoef(first, second)[0, 1]
+    assert shower_door <= 0.05
+    # Half resolution is tied to pixels: odd shifts change wide blur, by less than its error.
+    assert rivalry <= (0 if radius_px <= 2 else np.mean(np.abs(first)))
+
+
+def test_depth_of_field_owns_ten_textures(ctx, count_objects):
+    """Points, three of tiles, half resolution, two wide layers, the result, two of the record."""
+    rgb = np.zeros((5, 7, 3))
+    colour, depth = textures(ctx, rgb, 1.0)
+    focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
+    before = count_objects()
+    effect = DepthOfFieldPass(
+        ctx,
+        colour=colour,
+        depth=depth,
+        focus=focus,
+        settings=DepthOfField(**WIDE),
+        size_px=(7, 5),
+    )
+    after = count_objects()
+    assert after["Texture"] - before["Texture"] == 10
+    assert after["Framebuffer"] - before["Framebuffer"] == 10
+    del effect

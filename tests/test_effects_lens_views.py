@@ -1,0 +1,157 @@
+"""The dial from fast to reference: depth of field as the mean of views through the lens."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from test_effects_reference import FOV, SIZE_PX, half_plane
+
+from vrcomfort.geometry import Pose, View
+from vrcomfort.headset.base import Frame
+from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.optics.sampling import lens_points
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.pipeline import StereoRenderer, plan_passes
+from vrcomfort.render.reference import Reference, read_rgb
+from vrcomfort.resources import data_folder
+
+FOCUS = Focus(method="fixed", fixed_m=1.0)
+LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 0.8}
+"""At 64 px: 8 px of radius per dioptre, at most 6.4 px in a filter."""
+
+
+def condition(views, focus=FOCUS, motion_blur=None, order="depth_of_field_first", **settings):
+    return Condition(
+        name="views",
+        focus=focus,
+        depth_of_field=DepthOfField(**LENS, views=views, **settings),
+        motion_blur=motion_blur,
+        effect_order=order,
+    )
+
+
+def standing(index=0, x_m=0.0):
+    head = Pose(np.array([x_m, 0.0, 0.0]))
+    eye = View(head, FOV)
+    return Frame(index, index * 11_111_111, 11_111_111, head, (eye, eye), Pose())
+
+
+def drawn(ctx, scene, condition, frames, size_px=SIZE_PX):
+    """Return the last frame's left eye: pinhole and result, (h, w, 3) each."""
+    found = []
+    renderer = StereoRenderer(ctx, size_px)
+    renderer.begin(scene, condition)
+    for frame in frames:
+        renderer.render(
+            frame,
+            frame.index / 90,
+            lambda eye, images: eye or found.append((images.pinhole, images.linear)),
+        )
+    return [read_rgb(texture) for texture in found[-1]]
+
+
+@given(st.integers(3, 256), st.floats(0, 1.5))
+def test_points_and_blur_have_the_moments_of_the_lens(count, over_blur):
+    points = lens_points(count, over_blur)
+    assert points.shape == (count, 2)
+    np.testing.assert_allclose(points.mean(axis=0), 0, atol=1e-12)
+    moments = points.T @ points / count + np.eye(2) * over_blur**2 / count / 4
+    np.testing.assert_allclose(moments, np.eye(2) / 4, atol=1e-9)
+    assert np.hypot(*points.T).max() < 1.1
+
+
+def test_one_view_is_the_pinhole():
+    np.testing.assert_array_equal(lens_points(1), [[0, 0]])
+
+
+def test_a_law_without_a_lens_has_one_view():
+    with pytest.raises(ValidationError, match='views > 1 needs law = "dioptre"'):
+        DepthOfField(views=4)
+
+
+@pytest.mark.parametrize("distance_m", [0.6, 2.0])
+def test_an_edge_is_the_disc_integral_wherever_the_gpu_finds_the_focus(ctx, distance_m):
+    """The nine rays meet the wall, so focus is there; fixed focus is a metre away."""
+    scene = half_plane(distance_m)
+    blurred = drawn(ctx, scene, condition(32), [standing()])[1][:, :, 0]
+    x = np.clip((np.arange(64) - 31.5) / (8 * abs(1 - 1 / distance_m)), -1, 1)
+    covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
+    assert np.sqrt(np.mean((blurred.mean(axis=0) - covered) ** 2)) < 0.012
+    rays = Focus(method="nine_ray", law="instant")
+    walk = [standing(index, -0.3) for index in range(2)]
+    sharp = drawn(ctx, scene, condition(4, focus=rays), walk)
+    np.testing.assert_allclose(sharp[1], sharp[0], atol=0.26)  # one MSAA sample
+    assert np.mean(np.abs(sharp[1] - sharp[0])) < 4e-3
+
+
+def test_views_leave_the_centre_view_behind(ctx):
+    """Motion blur, depth layer and files read the pinhole's colour, depth and velocity."""
+    one, four = (drawn(ctx, half_plane(2.0), condition(k), [standing()])[0] for k in (1, 4))
+    np.testing.assert_array_equal(one, four)
+
+
+@pytest.mark.parametrize("order", ["depth_of_field_first", "motion_blur_first"])
+def test_what_is_in_focus_moves_as_without_views(ctx, order):
+    blur = MotionBlur(mode="full", shutter_fraction=1.0, max_radius_percent=20.0)
+    walk = [standing(), standing(1, 0.2)]
+    one, many = (
+        drawn(ctx, half_plane(1.0), condition(k, motion_blur=blur, order=order), walk)
+        for k in (1, 4)
+    )
+    assert np.mean(np.abs(one[1] - one[0])) > 0.01
+    np.testing.assert_allclose(many[1], one[1], atol=0.26)
+    assert np.mean(np.abs(many[1] - one[1])) < 6e-3
+
+
+def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
+    scene = half_plane(2.0)
+    counts = []
+    # A view of 256 has at most 0.4 px of blur, which is a copy: no filter at all.
+    for views in (1, 4, 256):
+        before = count_objects()["Texture"]
+        renderer = StereoRenderer(ctx, SIZE_PX)
+        renderer.begin(scene, condition(views))
+        counts.append(count_objects()["Texture"] - before)
+        del renderer
+    one, four, many = counts
+    assert four == one + 2
+    assert many < one
+    reasons = {item.name: item.reason for item in plan_passes(scene, condition(4))}
+    assert reasons["depth_of_field"] == "the scene is drawn in 4 views through the lens of each eye"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["temple", "mountain"])
+def test_the_dial_turns_towards_the_reference(ctx, name):
+    """Error falls with every step."""
+    size_px = (64, 80)
+    scene = load_scene(name)
+    trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
+    frame = next(iter(PlaybackHeadset(trace, image_size_px=size_px, spawn=scene.spawn).frames()))
+    focus = Focus(method="fixed", fixed_m=1.5)
+    camera = []
+
+    def error(views):
+        blur = condition(views, focus=focus)
+        renderer = StereoRenderer(ctx, size_px)
+        renderer.begin(scene, blur)
+        found = []
+        renderer.render(
+            frame, 0.0, lambda eye, im: eye or found.append((im.camera, read_rgb(im.linear)))
+        )
+        camera[:] = [found[0][0]]
+        return found[0][1]
+
+    images = {views: error(views) for views in (1, 4, 16, 64)}
+    reference = Reference(ctx, scene, condition(1, focus=focus), size_px)
+    truth = reference.render(camera[0], 0.0, None, focus_m=1.5, samples=1024).image
+    inside = slice(8, -8)
+    errors = [
+        np.sqrt(np.mean(np.minimum(abs(image - truth), 1)[inside, inside] ** 2))
+        for image in images.values()
+    ]
+    assert np.all(np.diff(errors) < 0), errors
+    assert errors[-1] < 0.4 * errors[0]
