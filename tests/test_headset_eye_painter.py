@@ -59,6 +59,7 @@ def test_a_panel_stands_where_its_quad_says(ctx: moderngl.Context) -> None:
 def test_a_panel_covers_the_image_as_much_as_it_is_opaque(ctx: moderngl.Context) -> None:
     image = ctx.texture((SIZE, SIZE), 4, bytes(BLUE * SIZE * SIZE))
     whole = Quad(Pose(np.array([0.0, 0.0, -1.0])), (2.0, 2.0))
+    ctx.blend_func = moderngl.ONE, moderngl.ONE  # as passes that add up leave it
     shown = painted(ctx, image, [panel(ctx, whole, (255, 0, 0, 51))])
     assert shown[32, 32, :3] == pytest.approx([51, 0, 204], abs=1)
 

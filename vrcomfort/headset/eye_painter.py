@@ -101,6 +101,7 @@ class EyePainter:
                 self._draw(image, FULL)
                 self._smooth.clear(0)
         with self._ctx.scope(target, moderngl.BLEND):
+            self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
             target.viewport = box
             clip_from_stage = clip_from_view(view.fov, NEAR_M) @ view.pose.inverse().matrix()
             for panel in panels:
