@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import tomllib
+from typing import get_args
 
 import pytest
 from hypothesis import given
@@ -10,7 +11,9 @@ from study_parts import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol, parse_protocol
+from vrcomfort.protocol.conditions import DepthOfField, Focus
 from vrcomfort.protocol.locate import locate
+from vrcomfort.protocol.without_effect import NEEDS
 
 
 def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
@@ -184,3 +187,40 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
     text = "".join(f"{key} = {_toml(value)}  # note = 1\n" for key, value in data.items())
     assert tomllib.loads(text) == data
     assert set(locate(text).offsets) == set(_paths(data))
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        ("focus = { fixed_m = 3.0 }", '`fixed_m` does nothing with method = "nine_ray"'),
+        ('focus = { method = "fixed", law = "instant" }', 'nothing with method = "fixed"'),
+        ('focus = { law = "instant", cutoff_hz = 4.0 }', 'nothing with law = "instant"'),
+        ('focus = { method = "gaze", ring_deg = 3.0 }', 'nothing with method = "gaze"'),
+        ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
+        ('depth_of_field = { kernel = "mip", rings = 3 }', 'nothing with kernel = "mip"'),
+        ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),
+        ('quality = "fast"', "`quality` does nothing without depth_of_field or motion_blur"),
+        ('focus = { method = "gaze", without_gaze = "nine_ray", ring_deg = 3.0 }', None),
+        ('quality = "fast"\ndepth_of_field = { kernel = "mip" }', None),
+        ('depth_of_field = { law = "eye", views = 4, over_blur = 0.5 }', None),
+    ],
+)  # fmt: skip
+def test_settings_that_do_nothing_are_refused(tmp_path, settings, says):
+    text = PROTOCOL.replace('name = "plain"\n', f'name = "plain"\n{settings}\n', 1)
+    assert text != PROTOCOL
+    if says is None:
+        tiny_protocol(tmp_path, text)
+        return
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, text)
+    assert says in caught.value.message
+
+
+def test_needs_name_settings_and_values_that_there_are():
+    for effect, table in NEEDS.items():
+        fields = {"focus": Focus, "depth_of_field": DepthOfField}[effect].model_fields
+        for key, needs in table.items():
+            assert {key, *needs} <= fields.keys()
+            for choice, values in needs.items():
+                known = get_args(fields[choice].annotation) or range(1, 257)
+                assert set(values) < set(known), (key, choice)

@@ -8,6 +8,7 @@ from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.protocol.locate import Path
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.settings_file import Problem, repeated
+from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
 
 _MOST_TREATMENTS = {"williams": 26, "full": 6, "random": 1000}
@@ -17,6 +18,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield every fault of a protocol whose types are right."""
     yield from repeated(("conditions",), [condition.name for condition in protocol.conditions])
     yield from repeated(("scenes",), protocol.scenes)
+    yield from without_effect(protocol)
     yield from _missing_scenes(protocol)
     yield from _order(protocol)
     yield from _simulation(protocol)

@@ -1,0 +1,90 @@
+"""Settings that a protocol writes down, and that do nothing beside the others it has chosen."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+
+from vrcomfort.protocol.conditions import Condition, Settings
+from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.settings_file import Problem
+
+_Needs = Mapping[str, Collection[Any]]
+"""Other settings of the same table, and the values of theirs of which one is needed."""
+
+_ZONE: _Needs = {"method": ("autofocus_zone",)}
+_GAZE: _Needs = {"method": ("gaze",)}
+_RAYS_AHEAD: _Needs = {"method": ("nine_ray",)}
+_THIN_LENS: _Needs = {"law": ("thin_lens",)}
+_FOLLOWING: _Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
+_DURATION: _Needs = {**_FOLLOWING, "law": ("duration",)}
+
+NEEDS: dict[str, dict[str, _Needs]] = {
+    "focus": {
+        "fixed_m": {"method": ("fixed",)},
+        "ring_deg": _RAYS_AHEAD,
+        "mean": {"method": ("nine_ray", "autofocus_zone")},
+        "outlier_mad": _RAYS_AHEAD,
+        "outlier_floor_fraction": {**_RAYS_AHEAD, "mean": ("metres",)},
+        "outlier_floor_dioptre": {**_RAYS_AHEAD, "mean": ("dioptres",)},
+        "zone_ratio": _ZONE,
+        "zone_size_px": _ZONE,
+        "zone_mean_on": _ZONE,
+        "semantic_min": _ZONE,
+        "semantic_max": _ZONE,
+        "gauss_centre": _ZONE,
+        "gauss_border": _ZONE,
+        "gaze_radius_deg": _GAZE,
+        "without_gaze": _GAZE,
+        "law": _FOLLOWING,
+        "refocus_s": {**_FOLLOWING, "law": ("linear", "linear_dioptre")},
+        "cutoff_hz": {**_FOLLOWING, "law": ("low_pass", "low_pass_backward_euler")},
+        "duration_s": _DURATION,
+        "refixation_dioptre": _DURATION,
+    },
+    "depth_of_field": {
+        "full_blur_m": {"law": ("linear",)},
+        "full_blur_dioptre": {"law": ("dioptre",)},
+        "aperture_m": _THIN_LENS,
+        "focal_length_m": _THIN_LENS,
+        "distance_offset_m": _THIN_LENS,
+        "pupil_mm": {"law": ("eye",)},
+        "rings": {"kernel": ("vrcomfort",)},
+        "over_blur": {"views": range(2, 257)},
+    },
+}
+"""What each setting needs to do anything, by effect; a setting that is not here always does."""
+
+
+def without_effect(protocol: Protocol) -> Iterator[Problem]:
+    """Yield a problem for each setting in the protocol's text that does nothing there.
+
+    Only what is written counts: defaults, and what a level of `quality` fills in, may be idle.
+    """
+    tables = tomllib.loads(protocol.text)["conditions"]
+    for index, (condition, table) in enumerate(zip(protocol.conditions, tables, strict=True)):
+        yield from _level(index, condition)
+        for effect, needs in NEEDS.items():
+            settings = getattr(condition, effect)
+            for key in needs.keys() & table.get(effect, {}).keys():
+                if reason := _idle(settings, needs[key]):
+                    message = f"`{key}` does nothing with {reason}; remove it or change that"
+                    yield Problem(("conditions", index, effect, key), message)
+
+
+def _level(index: int, condition: Condition) -> Iterator[Problem]:
+    if condition.quality and not (condition.depth_of_field or condition.motion_blur):
+        message = "`quality` does nothing without depth_of_field or motion_blur; remove it"
+        yield Problem(("conditions", index, "quality"), message)
+
+
+def _idle(settings: Settings, needs: _Needs) -> str | None:
+    """Return the choice beside which a setting with these needs does nothing."""
+    for choice, values in needs.items():
+        value = getattr(settings, choice)
+        # Nine rays stand in for a gaze that no headset tracks.
+        stand_in = getattr(settings, "without_gaze", None) if value == "gaze" else None
+        if value not in values and stand_in not in values:
+            return f'{choice} = "{value}"' if isinstance(value, str) else f"{choice} = {value}"
+    return None
