@@ -2,13 +2,14 @@
 // The largest circle of confusion of each tile before its limit, for the record.
 //
 // Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels, even.
-// Output: x and w = largest |RADIUS| in pixels of image width, peripheral blur left out; one texel
-//         per tile. It grows away from the focus, so that the nearest or the farthest point has it; a
-//         tile of a canted eye counts as being where its middle is.
+// Output: largest |RADIUS| in pixels of image width, peripheral blur left out; one texel per tile.
+//         It grows away from the focus, so that the nearest or the farthest point has it; a tile of
+//         a canted eye counts as being where its middle is.
+// Source: defocus.frag.
 #include "coc.glsl"
 #include "defocus.glsl"
 
-out vec4 peak;
+out float peak;
 
 void main() {
     ivec2 size = textureSize(depth, 0);
@@ -22,7 +23,5 @@ void main() {
             farthest = min(farthest, min(min(z.x, z.y), min(z.z, z.w)));
         }
     vec2 middle = (0.5 * vec2(first + last) + 0.5) / vec2(size);
-    float radius = max(abs(unlimited_radius_at(nearest, middle)),
-                       abs(unlimited_radius_at(farthest, middle)));
-    peak = vec4(radius, 0.0, 0.0, radius);
+    peak = max(abs(unlimited_radius_at(nearest, middle)), abs(unlimited_radius_at(farthest, middle)));
 }

@@ -11,9 +11,8 @@ from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
-from vrcomfort.render import defocus
-from vrcomfort.render.defocus import Defocus, defocus_uniforms
-from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render import lens_radius
+from vrcomfort.render.defocus import Defocus, LargestRadius, defocus_uniforms
 from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
 
@@ -122,15 +121,14 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
             infinity_m=3e4,
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        peaks = FullscreenPass(
-            ctx, "defocus_peak.frag", size_px=(50, 40), inputs={"depth": fours, "focus": focus},
-            constants=defocus._lens_constants(settings, 3e4), dtype="f4",
-            defines={**defocus._law_defines(settings), "TILE": 2},
-        )  # fmt: skip
-        scale = effect._scale(focal_px, defocus._Limit(5.0))
-        peaks.render(defocus._Together(head, scale))
-        found = np.frombuffer(peaks.target.read(), "f4").reshape(40, 50, 4)[..., 3]
-        px = defocus.px_per_dioptre(settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf)
+        largest = LargestRadius(
+            ctx, depth=fours, focus=focus, settings=settings, infinity_m=3e4, tile_px=2
+        )
+        largest.render(head, 2 * focal_px)
+        found = np.frombuffer(largest.tiles.read(), "f4").reshape(40, 50) / 2
+        px = lens_radius.px_per_dioptre(
+            settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf
+        )
         twin = coc.lens_radius_px(
             z, px_per_dioptre=px, focus_m=float(np.float32(focus_m)),
             near_m=np.float64(np.float32(near_m)), radius_limit_px=1e9,
@@ -198,7 +196,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     size_px = (64, 48)
     focal_px = focal_length_px(square_pixels(size_px), size_px)[0]
     settings = DepthOfField(max_radius_percent=10, max_diameter_arcmin=120.0)
-    assert defocus.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
+    assert lens_radius.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
         np.tan(np.radians(1.0)) * focal_px
     )
     colour, depth = textures(ctx, np.zeros((48, 64, 3)), np.inf)
@@ -258,7 +256,7 @@ def test_the_reference_blurs_as_much_as_the_law_says(ctx, name):
         return (image * x**2).sum() / image.sum()
 
     focal_px = 80
-    px = defocus.px_per_dioptre(effect, focal_px=focal_px, size_px=size_px, focus_m=0.1)
+    px = lens_radius.px_per_dioptre(effect, focal_px=focal_px, size_px=size_px, focus_m=0.1)
     offset_m = effect.distance_offset_m
     radius = px * (1 / (0.1 + offset_m) - 1 / (2.0 + offset_m))
     assert radius > 7

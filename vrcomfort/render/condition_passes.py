@@ -12,12 +12,12 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.defocus import radius_limit_px
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
 from vrcomfort.render.focus_probes import screen_tangents
 from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.lens_radius import radius_limit_px
 from vrcomfort.render.lens_views import LensViews, blur_of_one_view
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes

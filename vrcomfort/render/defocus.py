@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from math import ceil, radians, tan
+from math import ceil
 from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
-from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.camera import Lens, LensLaw
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Uniforms
+from vrcomfort.render.lens_radius import (
+    px_per_dioptre,
+    radius_limit_in_px,
+    radius_limit_px,
+    radius_of_arcmin,
+)
 from vrcomfort.render.peak import PeakPass
 
 PEAK_TILE_PX = 16
@@ -65,79 +69,6 @@ class _Together:
         return {name: value for part in self._parts for name, value in part._asdict().items()}
 
 
-def radius_limit_px(settings: DepthOfField, size_px: tuple[int, int]) -> float:
-    """Return the largest circle-of-confusion radius that `settings` allow at this image size.
-
-    `max_diameter_arcmin` may allow less: see :func:`radius_limit_in_px`.
-    """
-    return coc.max_radius_px(settings.max_radius_percent, size_px[0])
-
-
-def radius_limit_in_px(settings: DepthOfField, focal_px: float, size_px: tuple[int, int]) -> float:
-    """Return the largest radius for an eye whose image has a focal length of `focal_px`."""
-    limit_px = radius_limit_px(settings, size_px)
-    if settings.max_diameter_arcmin is None:
-        return limit_px
-    return min(limit_px, radius_of_arcmin(settings.max_diameter_arcmin, focal_px))
-
-
-def radius_of_arcmin(diameter_arcmin: float, focal_px: float) -> float:
-    """Return the radius in pixels, in the middle of the image, of a disc given by its diameter."""
-    return tan(radians(diameter_arcmin / 120)) * focal_px
-
-
-def lens_law(settings: DepthOfField | None) -> LensLaw | None:
-    """Return whether the radius is proportional to metres or to dioptres of defocus."""
-    if settings is None:
-        return None
-    return "linear" if settings.law == "linear" else "dioptre"
-
-
-def px_per_dioptre(
-    settings: DepthOfField, *, focal_px: float, size_px: tuple[int, int], focus_m: float
-) -> float:
-    """Return the radius per dioptre of defocus, for every law that is affine in 1/distance.
-
-    Parameters
-    ----------
-    focal_px
-        Horizontal focal length of the eye's image.
-    focus_m
-        From the head centre; the pixels of a `thin_lens` depend on it.
-    """
-    if settings.law == "eye":
-        return coc.eye_px_per_dioptre(settings.pupil_mm, focal_px)
-    if settings.law == "thin_lens":
-        return coc.thin_lens_px_per_dioptre(
-            settings.aperture_m,
-            settings.focal_length_m,
-            focal_px,
-            focus_m + settings.distance_offset_m,
-        )
-    return radius_limit_px(settings, size_px) / settings.full_blur_dioptre
-
-
-def lens(
-    settings: DepthOfField,
-    position: tuple[float, float],
-    focal_px: float,
-    size_px: tuple[int, int],
-    focus_m: float,
-    infinity_m: float,
-) -> Lens:
-    """Return a point of the lens that `settings` describe, for a reference (`camera.Lens`)."""
-    focus_m = min(focus_m, infinity_m)
-    limit_px = radius_limit_in_px(settings, focal_px, size_px)
-    if settings.law == "linear":
-        return Lens(position, focus_m, infinity_m, limit_px / settings.full_blur_m, limit_px)
-    px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=focus_m)
-    if settings.law != "thin_lens":
-        return Lens(position, focus_m, infinity_m, px, limit_px)
-    offset_m = settings.distance_offset_m
-    focus = coc.lens_focus_m(focus_m + offset_m, settings.focal_length_m)
-    return Lens(position, focus, infinity_m + offset_m, px, limit_px, offset_m)
-
-
 def defocus_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> DefocusUniforms:
     """Return the uniforms that turn an eye's depth into depth along the head's forward axis."""
     x, y, z = rotate(head_from_eye.inverse().orientation, np.array([0.0, 0.0, -1.0]))
@@ -184,17 +115,9 @@ class Defocus:
             constants=_Together(lens, *_peripheral_constants(settings)),
             defines={**_law_defines(settings), **_peripheral_defines(settings)},
         )
-        width, height = size_px
-        self._peaks = FullscreenPass(
-            ctx,
-            "defocus_peak.frag",
-            size_px=(ceil(width / PEAK_TILE_PX), ceil(height / PEAK_TILE_PX)),
-            inputs={"depth": depth, "focus": focus},
-            constants=lens,
-            defines={**_law_defines(settings), "TILE": PEAK_TILE_PX},
-            dtype="f4",
+        self._largest = LargestRadius(
+            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
         )
-        self._peak = PeakPass(ctx, self._peaks.target)
         self._least_limit_px = self.limit_px
         self.points = self._pass.target
         """RGBA16F: finite colour, signed radius in pixels of image width."""
@@ -203,23 +126,20 @@ class Defocus:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
         eye = defocus_uniforms(fov, near_m, head_from_eye)
         focal_px = focal_length_px(fov, self.size_px)[0]
-        limit = _Limit(radius_limit_in_px(self._settings, focal_px, self.size_px))
-        scale = self._scale(focal_px, limit)
+        limit, scale = _limit_and_scale(self._settings, focal_px, self.size_px)
         self.limit_now_px = limit.radius_limit_px
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
         self._pass.render(_Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px)))
-        needs_limit = self._settings.law == "linear"
-        self._peaks.render(_Together(eye, scale, *([limit] if needs_limit else [])))
-        self._peak.render()
+        self._largest.render(eye, focal_px)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._peak.forget()
+        self._largest.forget()
         self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
         """Return the largest radius of all frames before its limit; waits for the GPU."""
-        return self._peak.read()
+        return self._largest.read()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
@@ -231,14 +151,68 @@ class Defocus:
             f"limited to {self._least_limit_px:.1f} px",
         )
 
-    def _scale(self, focal_px: float, limit: _Limit) -> _Scale:
-        settings = self._settings
-        if settings.law == "linear":
-            return _Scale(limit.radius_limit_px / settings.full_blur_m)
-        # A thin lens focused at infinity: the shader knows the focus.
-        return _Scale(
-            px_per_dioptre(settings, focal_px=focal_px, size_px=self.size_px, focus_m=np.inf)
+
+class LargestRadius:
+    """Remembers the largest radius of all frames before its limit, peripheral blur left out.
+
+    Parameters
+    ----------
+    depth, focus, settings, infinity_m
+        Those of :class:`Defocus`.
+    tile_px
+        Side of the tiles that are compared first, even.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        depth: moderngl.Texture,
+        focus: moderngl.Texture,
+        settings: DepthOfField,
+        infinity_m: float,
+        tile_px: int = PEAK_TILE_PX,
+    ) -> None:
+        self._settings, self._size_px = settings, depth.size
+        self._tiles = FullscreenPass(
+            ctx,
+            "defocus_peak.frag",
+            size_px=(ceil(depth.width / tile_px), ceil(depth.height / tile_px)),
+            inputs={"depth": depth, "focus": focus},
+            constants=_lens_constants(settings, infinity_m),
+            defines={**_law_defines(settings), "TILE": tile_px},
+            components=1,
+            dtype="f4",
         )
+        self.tiles = self._tiles.target
+        """R32F: the largest radius of each tile of the last eye, in pixels of image width."""
+        self._peak = PeakPass(ctx, self.tiles)
+
+    def render(self, eye: DefocusUniforms, focal_px: float) -> None:
+        """Take what an eye drew into account; `focal_px` is that of its image."""
+        limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
+        needs_limit = self._settings.law == "linear"
+        self._tiles.render(_Together(eye, scale, *([limit] if needs_limit else [])))
+        self._peak.render()
+
+    def read(self) -> float:
+        """Return the largest radius of all frames; waits for the GPU."""
+        return self._peak.read()
+
+    def forget(self) -> None:
+        """Start again from 0."""
+        self._peak.forget()
+
+
+def _limit_and_scale(
+    settings: DepthOfField, focal_px: float, size_px: tuple[int, int]
+) -> tuple[_Limit, _Scale]:
+    limit = _Limit(radius_limit_in_px(settings, focal_px, size_px))
+    if settings.law == "linear":
+        return limit, _Scale(limit.radius_limit_px / settings.full_blur_m)
+    # A thin lens focused at infinity: the shader knows the focus.
+    px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=np.inf)
+    return limit, _Scale(px)
 
 
 def _law_defines(settings: DepthOfField) -> dict[str, int]:

@@ -17,7 +17,7 @@ from vrcomfort.optics.sampling import lens_points
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl, shaders
 from vrcomfort.render.camera import Lens
-from vrcomfort.render.defocus import lens
+from vrcomfort.render.lens_radius import lens
 
 
 def blur_of_one_view(settings: DepthOfField) -> DepthOfField:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import defocus, plan
+from vrcomfort.render import lens_radius, plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
 from vrcomfort.render.scene_data import Scene
@@ -168,7 +168,7 @@ class Reference:
     @cached_property
     def _pass(self) -> ScenePass:
         """Return what draws samples; none is needed to say who one is."""
-        law = defocus.lens_law(self._lens_effect)
+        law = lens_radius.lens_law(self._lens_effect)
         return ScenePass(self._ctx, self._scene, self._size_px, velocity=False, lens_law=law)
 
     @property
@@ -213,7 +213,7 @@ class Reference:
         x, y = position
         round_in_angle = float(x), float(y) * focal_y / focal_x
         infinity_m = self._condition.focus.infinity_m
-        return defocus.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)
+        return lens_radius.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:

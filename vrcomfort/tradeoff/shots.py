@@ -14,7 +14,7 @@ from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import defocus, gl
+from vrcomfort.render import defocus, gl, lens_radius
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
@@ -75,11 +75,11 @@ def shoot(
 def radius_px(shot: Shot, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
-    These are those that ``shaders/defocus.frag`` computes, in float64.
+    These are those that ``shaders/defocus.frag`` computes, in float64, for the law `dioptre`, which
+    all that is compared here has.
     """
     settings = condition.depth_of_field
-    law = defocus.lens_law(settings)
-    if settings is None or law is None:
+    if settings is None:
         return np.zeros(shot.depth.shape)
     height, width = shot.depth.shape
     row, column = np.mgrid[:height, :width]
@@ -87,10 +87,10 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     uniforms = defocus.defocus_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
     return coc.signed_radius_px(
         shot.depth,
-        law=law,
+        law="dioptre",
         focus_m=condition.focus.fixed_m,
         near_m=shot.camera.near_m,
-        radius_limit_px=defocus.radius_limit_px(settings, (width, height)),
+        radius_limit_px=lens_radius.radius_limit_px(settings, (width, height)),
         full_blur=settings.full_blur_dioptre,
         slope=coc.head_depth_slope(shot.camera.fov, uniforms.head_forward_in_view, uv),
         offset_m=uniforms.offset_m,
