@@ -8,14 +8,15 @@ from hypothesis import strategies as st
 
 from vrcomfort.geometry import Fov
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics import motion
+from vrcomfort.optics import fronts, motion
 from vrcomfort.render import shaders
 
 LAWS = ("linear", "dioptre")
 distances = st.floats(0.01, 1e5)
 EVALUATE = """#version 450 core
 #define LAW_{law}
-#include "{include}"
+#define RINGS 3
+{includes}
 uniform sampler2D arguments;
 uniform vec4 constants[2];
 out vec4 result;
@@ -28,10 +29,15 @@ void main() {{
 
 
 def evaluate(ctx, include, expression, arguments, *, constants=((0,) * 4,) * 2, law="linear"):
-    """Return (n, 4) results of a GLSL expression in x (row of `arguments`), a and b."""
+    """Return (n, 4) results of a GLSL expression in x (row of `arguments`), a and b.
+
+    `include` names files of shaders/include, in order.
+    """
     rows = np.asarray(arguments, "f4")
-    ctx.includes[include] = shaders.source(f"include/{include}")
-    text = EVALUATE.format(include=include, expression=expression, law=law.upper())
+    for name in include.split():
+        ctx.includes[name] = shaders.source(f"include/{name}")
+    includes = "\n".join(f'#include "{name}"' for name in include.split())
+    text = EVALUATE.format(includes=includes, expression=expression, law=law.upper())
     program = ctx.program(shaders.source("fullscreen.vert"), text)
     if "constants" in program:
         program["constants"].write(np.asarray(constants, "f4").tobytes())
@@ -190,6 +196,44 @@ def test_shader_disc_and_slope_are_the_twins(ctx, rng):
     np.testing.assert_allclose(
         slope[:, 0], coc.head_depth_slope(fov, [0.3, 0.1, -0.95], uv[:, :2]), rtol=1e-5
     )
+
+
+def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
+    x = rng.uniform(-12, 12, (300, 4)).astype("f4")
+    x[:100, 1] = x[:100, 0] * rng.uniform(0.85, 1.0, 100)  # about the same surface
+    x[:100, 2] = x[:100, 0] * rng.uniform(1.0, 1.15, 100)
+    p, q, r, _ = x.T.astype("f8")
+    include = "coc.glsl gather.glsl"
+    call = "vec4(nearer(x.x, x.y), is_alike(x.x, vec4(x.yz, 0, 0)), margin_px(x.x), 0)"
+    is_front, alike, margin, _ = evaluate(ctx, include, call, x).T
+    np.testing.assert_allclose(margin, fronts.margin_px(p), rtol=1e-5)
+    np.testing.assert_allclose(is_front, fronts.nearer(p, q), atol=1e-4)
+    np.testing.assert_array_equal(alike, fronts.is_alike(p, q, r))
+    assert 0 < alike.mean() < 1
+    assert ((is_front > 0) & (is_front < 1)).any()
+    call = (
+        "vec4(ring_count(abs(x.x), 1.25), ring_radius(2, abs(x.y)),"
+        " front_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)), grid_radius_px(abs(x.x)))"
+    )
+    rings, away, opacity, grid = evaluate(ctx, include, call, abs(x)).T
+    p, q, r, s = abs(x).T.astype("f8")
+    np.testing.assert_array_equal(rings, fronts.ring_count(p, 1.25, 3))
+    np.testing.assert_allclose(away, q * coc.ring_radius_px(2, 1.0), rtol=1e-5)
+    np.testing.assert_allclose(opacity, fronts.front_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(grid, coc.grid_radius_px(p), rtol=1e-5)
+
+
+def test_a_point_is_in_front_between_one_margin_and_two():
+    """By hand: at 4 px the margin is 0.2 px, below 2.5 px it is an eighth."""
+    found = fronts.nearer(4.0, [4.5, 3.8, 3.7, 3.6, 0.0])
+    np.testing.assert_allclose(found, [0, 0, 0.5, 1, 1], atol=1e-12)
+    np.testing.assert_allclose(fronts.nearer(-1.0, [-1.125, -1.1875, -1.25]), [0, 0.5, 1])
+
+
+def test_all_of_a_points_light_lands_somewhere():
+    y, x = np.mgrid[-30:31, -30:31]
+    light = fronts.front_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
+    assert light.sum() == pytest.approx(1, rel=5e-3)
 
 
 def test_shader_velocity_and_streak_are_the_twins(ctx, rng):

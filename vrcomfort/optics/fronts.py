@@ -1,0 +1,66 @@
+"""Who is in front of whom where discs are gathered: told by signed radii, which order depth.
+
+NumPy twins, in float64, of ``shaders/include/gather.glsl``. Radii are in pixels of image width,
+negative in front of the focus. All thresholds are ours.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from vrcomfort.geometry import Array
+from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
+
+
+def margin_px(radius_px: ArrayLike, /) -> Array:
+    """Return how much nearer, in radius, another point must be to be a surface of its own.
+
+    Well above the rounding of half floats; a slanted surface stays one.
+    """
+    return np.maximum(0.125, 0.05 * np.abs(np.asarray(radius_px, dtype=np.float64)))
+
+
+def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
+    """Return 0 where the other point is on the same surface or behind, up to 1 where it is nearer.
+
+    It grows between one margin and two.
+    """
+    radius, other = (np.asarray(each, dtype=np.float64) for each in (radius_px, other_px))
+    return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
+
+
+def is_alike(radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, /) -> Array:
+    """Return whether all that may reach a point is about as blurred: one surface, without rims.
+
+    Parameters
+    ----------
+    least_px, greatest_px
+        Signed radii within reach.
+    """
+    apart: Array = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
+    return np.asarray(apart <= 0.08 * np.abs(np.asarray(radius_px)))
+
+
+def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
+    """Return how many rings, `spacing_px` apart, a disc takes: from 1 to `most`."""
+    rings = np.ceil(np.asarray(disc_px, dtype=np.float64) / spacing_px - 0.5)
+    return np.asarray(np.clip(rings, 1, most))
+
+
+def front_opacity(
+    away_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike, area_px: ArrayLike, /
+) -> Array:
+    """Return the share of a nearer point's light that lands where its disc covers another point.
+
+    Parameters
+    ----------
+    away_px
+        Between the two points.
+    area_px
+        Of the image, in square pixels, that the nearer point stands for.
+    """
+    radius, softness = (np.asarray(each, dtype=np.float64) for each in (radius_px, softness_px))
+    area = np.asarray(area_px, dtype=np.float64)
+    opacity: Array = disc_weight(away_px, radius, softness) * area / disc_area_px(radius, softness)
+    return opacity
