@@ -127,7 +127,7 @@ def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
 @pytest.mark.parametrize("name", ["temple", "mountain"])
 def test_the_dial_turns_towards_the_reference(ctx, name):
     """Error falls with every step."""
-    size_px = (64, 80)
+    size_px = (48, 60)
     scene = load_scene(name)
     trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
     frame = next(iter(PlaybackHeadset(trace, image_size_px=size_px, spawn=scene.spawn).frames()))
@@ -136,7 +136,7 @@ def test_the_dial_turns_towards_the_reference(ctx, name):
 
     def error(views):
         blur = condition(views, focus=focus)
-        renderer = StereoRenderer(ctx, size_px)
+        renderer = StereoRenderer(ctx, size_px, eyes=1)
         renderer.begin(scene, blur)
         found = []
         renderer.render(
@@ -147,11 +147,11 @@ def test_the_dial_turns_towards_the_reference(ctx, name):
 
     images = {views: error(views) for views in (1, 4, 16, 64)}
     reference = Reference(ctx, scene, condition(1, focus=focus), size_px)
-    truth = reference.render(camera[0], 0.0, None, focus_m=1.5, samples=1024).image
+    truth = reference.render(camera[0], 0.0, None, focus_m=1.5, samples=256).image
     inside = slice(8, -8)
     errors = [
         np.sqrt(np.mean(np.minimum(abs(image - truth), 1)[inside, inside] ** 2))
         for image in images.values()
     ]
     assert np.all(np.diff(errors) < 0), errors
-    assert errors[-1] < 0.4 * errors[0]
+    assert errors[-1] < 0.5 * errors[0]

@@ -14,7 +14,7 @@ from vrcomfort.render.raycast import cast
 from vrcomfort.resources import data_folder
 
 SETTINGS = Focus(law="instant")
-POSES = 60
+POSES = 24
 
 
 @pytest.fixture(scope="module", params=["temple", "mountain"])
@@ -65,15 +65,15 @@ def near_things_that_move_or_have_holes(scene):
             centre = world[index][:3, :3] @ ((low + high) / 2) + world[index][:3, 3]
             away = np.linalg.norm(world[index][:3, :3] @ (high - low)) * 0.5 + 0.5
             poses.append((time_s, Pose(centre + np.array([0.0, 0.0, min(away, 4.0)]))))
-    return poses[:: max(1, len(poses) // 40)]
+    return poses[:: max(1, len(poses) // 20)]
 
 
 def assert_rays_agree(samples, scene, poses):
-    """Equal to 1e-5, but for one ray in 500: float32 may put a grazed edge on its other side."""
+    """Equal to 1e-5, but for one ray of some 200: float32 may put a grazed edge on its other side."""
     expected_m = np.array([cpu_rays_m(scene, time_s, head) for time_s, head in poses])
     rays_m = np.array([sample.rays_m for sample in samples])
     wrong = np.abs(rays_m / expected_m - 1) > 1e-5
-    assert wrong.mean() <= 0.002, (rays_m[wrong], expected_m[wrong])
+    assert wrong.sum() <= 1, (rays_m[wrong], expected_m[wrong])
 
 
 def test_rays_agree_with_the_ray_cast_along_the_walk(ctx, scene):
