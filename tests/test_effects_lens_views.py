@@ -106,6 +106,17 @@ def test_what_is_in_focus_moves_as_without_views(ctx, order):
     assert np.mean(np.abs(many[1] - one[1])) < 6e-3
 
 
+@pytest.mark.parametrize(("views", "radii"), [(1, "40.0 px"), (4, "20.0 px")])
+def test_the_limit_is_told_of_what_it_limits(ctx, views, radii):
+    """The sky, focused at 0.2 m: 5 dioptres of 8 px. Half of that in each of four views."""
+    renderer = StereoRenderer(ctx, SIZE_PX, eyes=1)
+    renderer.begin(half_plane(2.0), condition(views, focus=Focus(method="fixed", fixed_m=0.2)))
+    renderer.render(standing(), 0.0)
+    (told,) = renderer.clamps()
+    assert radii in told
+    assert told.endswith(" px" if views == 1 else f"limited to {6.4 / 2:.1f} px in each of 4 views")
+
+
 def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
     scene = half_plane(2.0)
     counts = []

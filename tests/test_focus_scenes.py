@@ -69,7 +69,7 @@ def near_things_that_move_or_have_holes(scene):
 
 
 def assert_rays_agree(samples, scene, poses):
-    """Equal to 1e-5, but for one ray of some 200: float32 may put a grazed edge on its other side."""
+    """Equal to 1e-5, but for one ray: float32 may put a grazed edge on its other side."""
     expected_m = np.array([cpu_rays_m(scene, time_s, head) for time_s, head in poses])
     rays_m = np.array([sample.rays_m for sample in samples])
     wrong = np.abs(rays_m / expected_m - 1) > 1e-5

@@ -61,6 +61,7 @@ class ConditionPasses:
     ) -> None:
         self._ctx = ctx
         self._size_px = size_px
+        self._near_m = near_m
         self.names = tuple(item.name for item in plan_passes(scene, condition) if item.needed)
         velocity = plan.velocity(scene, condition).needed
         self._lens_views: LensViews | None = None
@@ -85,7 +86,7 @@ class ConditionPasses:
         if condition.effect_order == "motion_blur_first":
             effects.reverse()
         for add in effects:
-            add(condition, near_m)
+            add(condition)
         self._add_speed_blur(condition)
         self._blur_first = condition.effect_order == "motion_blur_first"
         exposure = scene.environment.exposure
@@ -94,11 +95,12 @@ class ConditionPasses:
             for _ in range(eyes)
         )
 
-    def _add_depth_of_field(self, condition: Condition, near_m: float) -> None:
+    def _add_depth_of_field(self, condition: Condition) -> None:
         settings = condition.depth_of_field
         if settings is None or not plan.depth_of_field(condition).needed:
             return
-        self.focus = make_focus_pass(self._ctx, self.scene.gpu, condition.focus, near_m=near_m)
+        focus, near_m = condition.focus, self._near_m
+        self.focus = make_focus_pass(self._ctx, self.scene.gpu, focus, near_m=near_m)
         of_one_view = blur_of_one_view(settings)
         if settings.views == 1 or radius_limit_px(of_one_view, self._size_px) > COPIED_PX:
             self._depth_of_field = DepthOfFieldPass(
@@ -108,17 +110,16 @@ class ConditionPasses:
                 focus=self.focus.texture,
                 settings=of_one_view,
                 size_px=self._size_px,
-                infinity_m=condition.focus.infinity_m,
+                infinity_m=focus.infinity_m,
             )
             self.colour = self._depth_of_field.target
         if settings.views > 1:
             self.scene.lens_focus = self.focus.texture
-            infinity_m = condition.focus.infinity_m
-            self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
+            self._lens_views = LensViews(self._ctx, self.colour, settings, focus.infinity_m)
             self.colour = self._lens_views.target
         self.max_blur_px = max(self.max_blur_px, radius_limit_px(settings, self._size_px))
 
-    def _add_motion_blur(self, condition: Condition, near_m: float) -> None:  # noqa: ARG002
+    def _add_motion_blur(self, condition: Condition) -> None:
         settings = condition.motion_blur
         velocity = self.scene.velocity
         if settings is None or velocity is None:
@@ -151,8 +152,10 @@ class ConditionPasses:
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
-        blurs = (self._depth_of_field, self._motion_blur)
-        return tuple(clamp for blur in blurs if blur is not None for clamp in blur.clamps())
+        lens = self._depth_of_field.clamps() if self._depth_of_field else ()
+        if self._lens_views is not None:
+            lens = tuple(f"{clamp} in each of {self._lens_views.views} views" for clamp in lens)
+        return lens + (self._motion_blur.clamps() if self._motion_blur else ())
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

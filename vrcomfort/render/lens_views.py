@@ -56,6 +56,7 @@ class LensViews:
         settings: DepthOfField,
         infinity_m: float,
     ) -> None:
+        self.views = settings.views
         self._settings = settings
         self._infinity_m = infinity_m
         self._points = lens_points(settings.views, settings.over_blur)
@@ -76,7 +77,7 @@ class LensViews:
             with self._ctx.scope(self._summing, moderngl.BLEND):
                 self._scaled(self._view, 1.0)
         with self._ctx.scope(self._averaging, moderngl.NOTHING):
-            self._scaled(self._sum, 1 / self._settings.views)
+            self._scaled(self._sum, 1 / self.views)
 
     def _scaled(self, image: moderngl.Texture, share: float) -> None:
         image.use(0)

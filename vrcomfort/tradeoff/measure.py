@@ -162,8 +162,8 @@ def _errors(images: tuple[NDArray[Any], NDArray[Any]], view: _View) -> dict[str,
     found = binocular_error(view.pairs, differences[0], differences[1])
     return {
         **row,
-        "psnr_db": _decibels(row["rms"]),
-        "filter_psnr_db": _decibels(row["filter_rms"]),
+        "psnr_db": decibels(row["rms"]),
+        "filter_psnr_db": decibels(row["filter_rms"]),
         "counts": row["reference_rms"] <= 0.1 * row["rms"],
         "samples": view.truth[0].samples,
         **_known({**found._asdict(), "coc_mismatch_px": view.coc_mismatch_px}),
@@ -202,6 +202,6 @@ def _known(values: dict[str, float]) -> dict[str, float | None]:
     return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
 
-def _decibels(error: float) -> float | None:
+def decibels(error: float) -> float | None:
     """Return PSNR with peak 1; None where there is no error (JSON has no infinity)."""
     return None if error == 0 else -20 * math.log10(error)

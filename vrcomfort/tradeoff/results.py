@@ -13,7 +13,7 @@ import numpy as np
 
 from vrcomfort import __version__
 from vrcomfort.tradeoff.cases import Scope
-from vrcomfort.tradeoff.measure import SCATTER, Measured
+from vrcomfort.tradeoff.measure import SCATTER, Measured, decibels
 from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER
 from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, verdict
 from vrcomfort.tradeoff.store import scene_and_hash
@@ -93,8 +93,8 @@ def _mean_row(group: list[Row]) -> Row:
     row["views"] = len(group)
     row |= {name: _mean([each.get(name) for each in group]) for name in (*MEANS, *COSTS)}
     row |= {name: _quadratic([each[name] for each in group]) for name in QUADRATIC}
-    row["psnr_db"] = _decibels(row["rms"])
-    row["filter_psnr_db"] = _decibels(row["filter_rms"])
+    row["psnr_db"] = decibels(row["rms"])
+    row["filter_psnr_db"] = decibels(row["filter_rms"])
     row["split_half"] = row["reference_rms"] / row["rms"] if row["rms"] else math.inf
     row["counts"] = row["split_half"] <= 0.1
     row["samples"] = min(each["samples"] for each in group)
@@ -108,10 +108,6 @@ def _mean(values: list[float | None]) -> float | None:
 
 def _quadratic(values: list[float]) -> float:
     return math.sqrt(float(np.mean(np.square(values))))
-
-
-def _decibels(error: float) -> float | None:
-    return None if error == 0 else -20 * math.log10(error)
 
 
 def _groups(table: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
