@@ -5,7 +5,14 @@ import pytest
 
 from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.optics.sampling import concentric_disc, low_discrepancy
-from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import (
+    Condition,
+    DepthOfField,
+    MotionBlur,
+    Peripheral,
+    SpeedBlur,
+    TurnRamp,
+)
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.reference import Accumulator, Reference, read_rgb
 from vrcomfort.render.scene_data import Environment, Material, Node, Primitive, Scene
@@ -105,6 +112,23 @@ def test_the_linear_law_says_what_it_cannot_do(ctx):
     linear = LENS.model_copy(update={"law": "linear"})
     condition = Condition(name="test", depth_of_field=linear)
     assert "vertices" in Reference(ctx, half_plane(2.0), condition, SIZE_PX).note
+
+
+def test_what_the_reference_leaves_out_is_named(ctx):
+    condition = Condition(
+        name="test",
+        depth_of_field=LENS.model_copy(update={"law": "eye", "peripheral": Peripheral()}),
+        motion_blur=MotionBlur(fade_with_turning=TurnRamp(from_deg_s=60, to_deg_s=180)),
+        speed_blur=SpeedBlur(turning=TurnRamp(from_deg_s=40, to_deg_s=90)),
+    )
+    note = Reference(ctx, half_plane(2.0), condition, SIZE_PX).note
+    assert note == (
+        "law eye: the lens is exact; r_max does not limit it; peripheral blur is left out; "
+        "fading with turning is left out; speed blur is left out"
+    )
+    plain = condition.model_copy(update={"depth_of_field": None, "speed_blur": None})
+    told = Reference(ctx, half_plane(2.0), plain, SIZE_PX).note
+    assert told == "no lens; fading with turning is left out"
 
 
 def test_going_on_gives_the_same_bits_as_drawing_at_once(ctx):

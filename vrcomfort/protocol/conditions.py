@@ -142,7 +142,7 @@ class DepthOfField(Settings):
     the views are blurred a little and averaged; r_max does not limit what lies between them. Two
     are worse than one."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
-    """Radius of the blur of each of K views, in parts of the lens over √K; for one view, of 1."""
+    """Radius of the blur of each of K views, in parts of the lens over √K (`views` from 2 on)."""
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:
@@ -242,6 +242,7 @@ class Condition(Settings):
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
     effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
+    """Says something where both are there; speed blur comes after either."""
 
     @model_validator(mode="before")
     @classmethod

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import lens_and_shutter
-from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.conditions import Condition, DepthOfField
 from vrcomfort.render import lens_radius, plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
@@ -72,14 +72,14 @@ class Reference:
 
     The lens has the circle of confusion of the condition's depth of field; with the laws in
     dioptres (``dioptre``, ``eye``, ``thin_lens``) each sample is the exact shear of a thin lens
-    without r_max; with ``linear`` it is exact at vertices only. Peripheral blur is left out. The
-    shutter is centred on the frame and poses are extrapolated at constant velocity, less the motion
-    that the previous pose has cancelled.
+    without r_max; with ``linear`` it is exact at vertices only. The shutter is centred on the frame
+    and poses are extrapolated at constant velocity, less the motion that the previous pose has
+    cancelled. Peripheral blur, speed blur and streaks that fade with turning are left out.
 
     Parameters
     ----------
     condition
-        Its effects are sampled; an effect it does not have is not.
+        Its depth of field and motion blur are sampled, each where it has one.
     seed
         Moves the two low-discrepancy sets, each by its own random shift.
     """
@@ -173,19 +173,16 @@ class Reference:
 
     @property
     def note(self) -> str:
-        """Return what the reference cannot do."""
-        effect = self._lens_effect
-        if effect is None:
-            return "no lens"
-        if effect.law == "linear":
-            return "law linear: the lens is exact at vertices only"
-        if effect.peripheral is not None:
-            return (
-                f"law {effect.law}: peripheral blur is left out, and r_max does not limit the lens"
-            )
-        if effect.law == "thin_lens" and effect.distance_offset_m > 0:
-            return "law thin_lens with a distance offset: the lens is exact at vertices only"
-        return f"law {effect.law}: the lens is exact; r_max does not limit it"
+        """Return what the reference cannot do, and what of the condition it leaves out."""
+        lens, shutter = self._lens_effect, self._shutter_effect
+        left_out = {
+            "peripheral blur": lens and lens.peripheral,
+            "fading with turning": shutter and shutter.fade_with_turning,
+            "speed blur": plan.speed_blur(self._condition).needed,
+        }
+        parts = ["no lens" if lens is None else _lens_note(lens)]
+        parts += [f"{name} is left out" for name, there in left_out.items() if there]
+        return "; ".join(parts)
 
     def _draw(
         self,
@@ -214,6 +211,14 @@ class Reference:
         round_in_angle = float(x), float(y) * focal_y / focal_x
         infinity_m = self._condition.focus.infinity_m
         return lens_radius.lens(effect, round_in_angle, focal_x, self._size_px, focus_m, infinity_m)
+
+
+def _lens_note(lens: DepthOfField) -> str:
+    if lens.law == "linear":
+        return "law linear: the lens is exact at vertices only"
+    at_vertices = lens.law == "thin_lens" and lens.distance_offset_m > 0
+    exact = "exact at vertices only (distance offset)" if at_vertices else "exact"
+    return f"law {lens.law}: the lens is {exact}; r_max does not limit it"
 
 
 def _moved(camera: EyeCamera, previous_world_from_eye: Pose, frames: float) -> EyeCamera:
