@@ -6,6 +6,7 @@ the bounds, and the cases of the last long run.
 
 import re
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -38,11 +39,14 @@ from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.tone_map import _Exposure
 from vrcomfort.resources import data_folder
 
 ULP = 1 + 2**-10
 """A half float's rounding."""
+
+
+class Exposure(NamedTuple):
+    exposure: float
 
 
 @pytest.fixture
@@ -178,7 +182,7 @@ def test_tone_map(ctx, cases):
             "tone_map.frag",
             size_px=(width, height),
             inputs={"radiance": colour},
-            constants=_Exposure(float(10.0 ** rng.uniform(-4, 4))),
+            constants=Exposure(float(10.0 ** rng.uniform(-4, 4))),
             dtype="f4",
         )
         tone_map.render()

@@ -32,12 +32,7 @@ ROWS = [
 @pytest.fixture
 def found():
     table = results.means(ROWS)
-    groups = results._groups(table)
-    return {
-        "table": table,
-        "verdicts": [v for key, group in groups.items() for v in results._verdicts(key, group)],
-        "dials": [d for key, group in groups.items() for d in results._dials(key, group)],
-    }
+    return {"table": table, **results.compared(table)}
 
 
 def test_means_over_views_are_quadratic_for_rms():
@@ -67,8 +62,7 @@ def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):
     assert "falls at every step of rings = 1…2; log-log slope -1.0" in line
     assert "R1 counts" not in line
     unsure = [*ROWS, row("ours 4 rings", "ours", 70.0, 0.008, step=4)]
-    groups = results._groups(results.means(unsure))
-    (dial,) = results._dials(*groups.popitem())
+    (dial,) = results.compared(results.means(unsure))["dials"]
     assert dial["steps_that_count"] == [1, 2]
     assert "(-1.0 up to 2, where R1 counts)" in tables.dials({"dials": [dial]})[0]
 

@@ -39,7 +39,6 @@ def results(
     """Return everything that was found, as JSON can say it."""
     rows = _rows(measured, times)
     table = means(rows)
-    groups = _groups(table)
     return {
         "vrcomfort": __version__,
         "device": device,
@@ -51,6 +50,14 @@ def results(
         "copy": [_copy(each) for each in times],
         "rows": rows,
         "table": table,
+        **compared(table),
+    }
+
+
+def compared(table: Sequence[Row]) -> dict[str, list[Row]]:
+    """Return what the means of :func:`means` say: fronts, verdicts and dials."""
+    groups = _groups(table)
+    return {
         "fronts": [_front(key, group) for key, group in groups.items()],
         "verdicts": [row for key, group in groups.items() for row in _verdicts(key, group)],
         "dials": [row for key, group in groups.items() for row in _dials(key, group)],
