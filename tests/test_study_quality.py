@@ -114,6 +114,15 @@ def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
         assert dial.figure_for(named, "nowhere", drawn) is None
 
 
+@pytest.mark.parametrize("other", [{"views": 7}, {"kernel": "mip"}])
+def test_another_method_has_no_figures_of_ours(other):
+    figure = dial.quality_table().figures[0]
+    for settings, known in (({}, True), (other, False)):
+        condition = with_level("balanced", depth_of_field={"law": "eye"} | settings)
+        found = dial.figure_for(condition, figure.scene, ["depth_of_field"])
+        assert (found is not None) == known
+
+
 def test_the_shipped_figures_are_complete_and_say_where_they_are_from():
     table = dial.quality_table()
     assert table.measured is not None

@@ -29,7 +29,7 @@ MARK = "# Measured; written by the command named below, not by hand."
 _DIALLED = ("depth_of_field", "motion_blur")
 """Effects whose sampling a level decides."""
 
-_METHOD = {"kernel", "method", "over_blur"}
+_METHOD = {"kernel", "method", "over_blur", "views"}
 """Settings that say by which method, wherever an effect has them."""
 
 LENSLESS_LAW = "linear"
