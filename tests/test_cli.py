@@ -190,6 +190,11 @@ def test_condition_that_the_protocol_lacks_is_refused(run: Run, tmp_path: Path) 
     assert_refused(result, "blurry", "dof_on")
 
 
+def test_a_folder_name_too_long_for_a_disk_is_refused(run: Run, tmp_path: Path) -> None:
+    options = ("--participant", "P01", "--respondent", "simulated", "--out", tmp_path / ("S" * 300))
+    assert_refused(run("run", "smoke", *options), "too long", "shorter")
+
+
 def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path) -> None:
     (tmp_path / "participants.csv").write_text("participant\n", encoding="utf-8")
     assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "study folder")
