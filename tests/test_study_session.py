@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
 from vrcomfort.respondent import SimulatedRespondent
@@ -260,13 +260,18 @@ def test_an_error_while_drawing_leaves_an_aborted_trial(tmp_path):
     assert manifest(tmp_path)["status"] == "aborted"
 
 
-def test_a_trace_that_ends_early_flags_the_trial(tmp_path):
-    go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
-    trials = rows(tmp_path, "trials.csv")
-    assert [(r["status"], r["abort_code"], r["frames"]) for r in trials] == [
-        ("aborted", "headset_ended", "40"),
-        ("aborted", "headset_ended", "50"),
-    ]
+def test_a_headset_that_ends_in_an_exposure_leaves_a_session_to_resume(tmp_path):
+    with pytest.raises(RuntimeLostError, match="in the middle of an exposure.*--resume"):
+        go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
+        "aborted",
+        "headset_ended",
+        "40",
+    )
+    assert manifest(tmp_path)["status"] == "aborted"
+    assert go(tmp_path, Scripted(), sessions=[1], resume=True).sessions == (1,)
+    assert manifest(tmp_path)["status"] == "completed"
 
 
 def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
