@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
@@ -293,8 +294,15 @@ def test_sessions_are_not_repeated(tmp_path):
         go(tmp_path, Scripted())
     with pytest.raises(InputError, match="no session 3"):
         go(tmp_path, Scripted(), sessions=[3])
-    with pytest.raises(InputError, match="shows nothing"):
-        go(tmp_path, Scripted(), exposure_s=0.0)
+
+
+@pytest.mark.parametrize("exposure_s", [0.0, -1.0, math.inf, math.nan])
+def test_an_exposure_that_cannot_be_shown_is_refused_before_anything_is_recorded(
+    tmp_path, exposure_s
+):
+    with pytest.raises(InputError, match="cannot be shown"):
+        go(tmp_path, Scripted(), exposure_s=exposure_s)
+    assert not (tmp_path / "S").exists()
 
 
 def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):
