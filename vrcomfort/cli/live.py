@@ -163,8 +163,7 @@ def _rehearse(owned: ExitStack, trace: Path | None, answers: Path | None) -> Reh
     from vrcomfort.headset.monado import Monado
     from vrcomfort.session.rehearsal import Rehearsal
 
-    head_trace = open_trace(trace) if trace else None
-    assert head_trace is not None  # noqa: S101 - there is a path
+    head_trace = open_trace(trace)
     script = _read_answers(answers) if answers else []
     monado = owned.enter_context(Monado())
     feed = owned.enter_context(monado.feed())
