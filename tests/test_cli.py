@@ -163,7 +163,7 @@ def test_misspelt_protocol_key_is_refused_with_its_place(run: Run, tmp_path: Pat
     assert_refused(run("plan", file), "mine.toml", f"line {line}", "exposure_s")
 
 
-@pytest.mark.parametrize("size", ["640", "0x400", "axb", "99999x10"])
+@pytest.mark.parametrize("size", ["640", "0x400", "axb", "²x³", "99999x10"])
 def test_bad_sizes_are_refused(run: Run, tmp_path: Path, size: str) -> None:
     assert_refused(run("render", "--scene", "temple", "--size", size, "--out", tmp_path), "--size")
 

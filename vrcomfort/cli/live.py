@@ -179,7 +179,7 @@ def _read_answers(path: Path) -> list[int]:
     numbers = []
     for line, words in enumerate(text.splitlines(), start=1):
         for word in words.partition("#")[0].split():
-            if not word.isdigit():
+            if not word.isdecimal():
                 raise InputError(f"an answer is a whole number, not {word!r}", file=path, line=line)
             numbers.append(int(word))
     return numbers
