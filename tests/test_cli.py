@@ -163,7 +163,7 @@ def test_misspelt_protocol_key_is_refused_with_its_place(run: Run, tmp_path: Pat
     assert_refused(run("plan", file), "mine.toml", f"line {line}", "exposure_s")
 
 
-@pytest.mark.parametrize("size", ["640", "0x400", "axb", "99999x10"])
+@pytest.mark.parametrize("size", ["640", "0x400", "axb", "²x³", "99999x10"])
 def test_bad_sizes_are_refused(run: Run, tmp_path: Path, size: str) -> None:
     assert_refused(run("render", "--scene", "temple", "--size", size, "--out", tmp_path), "--size")
 
@@ -188,6 +188,11 @@ def test_condition_that_the_protocol_lacks_is_refused(run: Run, tmp_path: Path) 
     options = ("--protocol", "carnegie_2015", "--condition", "blurry")
     result = run("render", "--scene", "temple", *options, "--out", tmp_path)
     assert_refused(result, "blurry", "dof_on")
+
+
+def test_a_folder_name_too_long_for_a_disk_is_refused(run: Run, tmp_path: Path) -> None:
+    options = ("--participant", "P01", "--respondent", "simulated", "--out", tmp_path / ("S" * 300))
+    assert_refused(run("run", "smoke", *options), "too long", "shorter")
 
 
 def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path) -> None:

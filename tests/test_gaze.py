@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
 
+from vrcomfort.cli.wiring import open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
 from vrcomfort.headset.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
@@ -19,6 +20,7 @@ from vrcomfort.headset.pose_track import PoseTrack
 from vrcomfort.headset.trace import Trace, read_trace
 from vrcomfort.protocol import Condition
 from vrcomfort.records import FrameRow, GazeRow, Recorder, read_rows, session_folder, take_up
+from vrcomfort.resources import data_folder
 from vrcomfort.session import VirtualClock, run
 from vrcomfort.session.frame_log import FrameLog
 
@@ -171,6 +173,16 @@ def test_a_wrong_file_is_refused_with_its_line(tmp_path, row, message):
     file = gaze_file(tmp_path, "0.0,5,0,,,,,,,,0", row)
     with pytest.raises(InputError, match=message):
         read_gaze(file)
+
+
+def test_gaze_that_does_not_reach_along_the_trace_is_told_or_refused(tmp_path, capsys):
+    walk = data_folder("scenes") / "temple_walk.csv"  # a sample each 13.9 ms, from 0 on
+    begins = gaze_file(tmp_path, "0,0,1,0,0,0,0,0,-1,,0", "0,13888889,1,0,0,0,0,0,-1,,0")
+    count = len(open_trace(walk, gaze=begins))
+    assert f"{count - 5} of the trace's {count} samples have no gaze" in capsys.readouterr().err
+    later = gaze_file(tmp_path, "0,99000000000,1,0,0,0,0,0,-1,,0")
+    with pytest.raises(InputError, match="of another recording"):
+        open_trace(walk, gaze=later)
 
 
 def test_a_missing_column_is_named(tmp_path):

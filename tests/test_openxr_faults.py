@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import moderngl
+import numpy as np
 import pytest
 from openxr_support import Participant, fresh_monado, needs_monado
 
 from vrcomfort.errors import InputError, RuntimeLostError
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
 
@@ -106,6 +107,26 @@ def test_an_image_that_never_comes_is_a_runtime_lost(
     with pytest.raises(RuntimeLostError, match=r"no image within 5 s.*--resume"):
         session.submit(frame, eyes)
     session.close()
+
+
+def test_a_runtime_that_is_gone_is_told_whatever_is_asked_of_it(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    quad = Quad(Pose([0.0, 1.5, -1.5]), (1.0, 1.0))
+    with fresh_monado(tmp_path) as service, service.feed() as feed:
+        session = headset(ctx, feed)
+        list(islice(session.frames(), 4))
+        panel = session.show_panel((8, 8), quad)
+        service.kill()
+        for ask in (
+            lambda: panel.draw(np.zeros((8, 8, 4), np.uint8)),
+            lambda: session.details,
+            lambda: session.refresh_hz,
+            lambda: session.show_panel((8, 8), quad),
+        ):
+            with pytest.raises(RuntimeLostError, match="--resume"):
+                ask()
+        session.close()
 
 
 def test_a_runtime_without_a_needed_extension_is_refused_by_name(monado: Monado) -> None:

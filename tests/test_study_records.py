@@ -210,8 +210,9 @@ def test_names_that_cannot_be_folders_and_studies_that_are_others(tmp_path):
     protocol = tiny_protocol(tmp_path)
     open_study(tmp_path / "S", protocol)
     open_study(tmp_path / "S", protocol)
-    with pytest.raises(InputError, match="letters and digits"):
-        enrol(tmp_path / "S", build_design(protocol), "../P01")
+    for name in ("../P01", "A" * 65):
+        with pytest.raises(InputError, match="1 to 64 letters and digits"):
+            enrol(tmp_path / "S", build_design(protocol), name)
     other = protocol.model_copy(update={"name": "other"})
     with pytest.raises(InputError, match="holds a study with protocol `tiny`"):
         open_study(tmp_path / "S", other)

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
 import pytest
 from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
 from vrcomfort.respondent import SimulatedRespondent
@@ -260,13 +261,18 @@ def test_an_error_while_drawing_leaves_an_aborted_trial(tmp_path):
     assert manifest(tmp_path)["status"] == "aborted"
 
 
-def test_a_trace_that_ends_early_flags_the_trial(tmp_path):
-    go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
-    trials = rows(tmp_path, "trials.csv")
-    assert [(r["status"], r["abort_code"], r["frames"]) for r in trials] == [
-        ("aborted", "headset_ended", "40"),
-        ("aborted", "headset_ended", "50"),
-    ]
+def test_a_headset_that_ends_in_an_exposure_leaves_a_session_to_resume(tmp_path):
+    with pytest.raises(RuntimeLostError, match="in the middle of an exposure"):
+        go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
+    (trial,) = rows(tmp_path, "trials.csv")
+    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
+        "aborted",
+        "headset_ended",
+        "40",
+    )
+    assert manifest(tmp_path)["status"] == "aborted"
+    assert go(tmp_path, Scripted(), sessions=[1], resume=True).sessions == (1,)
+    assert manifest(tmp_path)["status"] == "completed"
 
 
 def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
@@ -286,10 +292,17 @@ def test_sessions_are_not_repeated(tmp_path):
     assert go(tmp_path, Scripted()).sessions == (2,)
     with pytest.raises(InputError, match="all 2 sessions of P01 are recorded"):
         go(tmp_path, Scripted())
-    with pytest.raises(InputError, match="no session 3"):
+    with pytest.raises(InputError, match="no session 3; this protocol has 2, and none is left"):
         go(tmp_path, Scripted(), sessions=[3])
-    with pytest.raises(InputError, match="shows nothing"):
-        go(tmp_path, Scripted(), exposure_s=0.0)
+
+
+@pytest.mark.parametrize("exposure_s", [0.0, -1.0, math.inf, math.nan])
+def test_an_exposure_that_cannot_be_shown_is_refused_before_anything_is_recorded(
+    tmp_path, exposure_s
+):
+    with pytest.raises(InputError, match="cannot be shown"):
+        go(tmp_path, Scripted(), exposure_s=exposure_s)
+    assert not (tmp_path / "S").exists()
 
 
 def test_a_study_keeps_its_seed_and_so_everybody_their_order(tmp_path):

@@ -38,3 +38,11 @@ class InputError(ValueError):
 
 class RuntimeLostError(InputError):
     """The headset's runtime went away in the middle of a session; what was recorded stays."""
+
+
+def headset_ended(when: str) -> RuntimeLostError:
+    """Return the exception for a headset that gives no more frames; `when` completes a sentence."""
+    return RuntimeLostError(
+        f"the headset ended the session {when}; what was recorded until here is kept: "
+        "run with --resume"
+    )

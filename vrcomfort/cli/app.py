@@ -32,6 +32,7 @@ FAULTS_OF_THE_MACHINE = {
     errno.EACCES: "no permission; choose another --out or ask for access",
     errno.ENOTDIR: "part of this path is a file, not a folder",
     errno.EISDIR: "this is a folder, a file was expected",
+    errno.ENAMETOOLONG: "this name is too long for the disk; choose a shorter one",
     errno.ENOENT: "this file or folder does not exist",
 }
 

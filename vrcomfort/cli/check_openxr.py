@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from vrcomfort.headset.timing import TimingTest
 
 TIMING_TEST_S = 5.0
+WITHOUT_GAZE = 'gaze.csv stays out; focus.method = "gaze" needs one, or without_gaze = "nine_ray"'
 PLAYBACK = "playback, rendering and reports work without"
 
 
@@ -64,7 +65,7 @@ def _headset(facts: HeadsetFacts) -> Iterator[Finding]:
         "eye tracker",
         facts.gaze,
         "gaze through XR_EXT_eye_gaze_interaction" if facts.gaze else "none",
-        "" if facts.gaze else "gaze.csv stays out; nothing else needs it",
+        "" if facts.gaze else WITHOUT_GAZE,
         needed=False,
     )
 

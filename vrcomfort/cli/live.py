@@ -163,8 +163,7 @@ def _rehearse(owned: ExitStack, trace: Path | None, answers: Path | None) -> Reh
     from vrcomfort.headset.monado import Monado
     from vrcomfort.session.rehearsal import Rehearsal
 
-    head_trace = open_trace(trace) if trace else None
-    assert head_trace is not None  # noqa: S101 - there is a path
+    head_trace = open_trace(trace)
     script = _read_answers(answers) if answers else []
     monado = owned.enter_context(Monado())
     feed = owned.enter_context(monado.feed())
@@ -180,7 +179,7 @@ def _read_answers(path: Path) -> list[int]:
     numbers = []
     for line, words in enumerate(text.splitlines(), start=1):
         for word in words.partition("#")[0].split():
-            if not word.isdigit():
+            if not word.isdecimal():
                 raise InputError(f"an answer is a whole number, not {word!r}", file=path, line=line)
             numbers.append(int(word))
     return numbers

@@ -100,7 +100,7 @@ def parse_size(text: str) -> tuple[int, int]:
         If it is not two positive whole numbers, or larger than any headset's eye.
     """
     width, _, height = text.lower().partition("x")
-    if not (width.isdigit() and height.isdigit() and int(width) and int(height)):
+    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
         raise InputError(f"--size {text!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
     size = int(width), int(height)
     if max(size) > 8192:

@@ -94,15 +94,28 @@ def shipped_walk(scene_name: str) -> Trace:
 
 def open_trace(path: Path, *, trial: str | None = None, gaze: Path | None = None) -> Trace:
     """Read a trace, or one trial of it, with a record of gaze; say what was left out."""
-    from vrcomfort.headset.gaze_track import read_gaze
     from vrcomfort.headset.trace import read_trace
 
     trace = read_trace(path)
     if gaze is not None:
-        trace = replace(trace, gaze=read_gaze(gaze))
+        trace = _with_gaze(trace, gaze)
     for warning in trace.warnings:
         warn(warning)
     return trace if trial is None else trace.only_trial(trial)
+
+
+def _with_gaze(trace: Trace, file: Path) -> Trace:
+    from vrcomfort.headset.gaze_track import read_gaze
+
+    gaze = read_gaze(file)
+    covered = gaze.covers(trace.time_ns)
+    if not covered.any():
+        message = "none of its samples is within 50 ms of the trace's; it is of another recording"
+        raise InputError(message, file=file)
+    if not covered.all():
+        without = int((~covered).sum())
+        warn(f"{file}: {without} of the trace's {len(trace)} samples have no gaze within 50 ms")
+    return replace(trace, gaze=gaze)
 
 
 def pick_condition(

@@ -49,6 +49,14 @@ class GazeTrack:
             return Gaze(Pose(), valid=False)
         return Gaze(Pose(self.origins[index], turn_to(self.directions[index])))
 
+    def covers(self, times_ns: Times) -> NDArray[np.bool_]:
+        """Return (n,) whether a sample is near enough to each of (n,) times."""
+        after = np.searchsorted(self.time_ns, times_ns)
+        last = len(self.time_ns) - 1
+        around = self.time_ns[np.clip([after - 1, after], 0, last)]
+        near: NDArray[np.bool_] = np.abs(around - times_ns).min(axis=0) <= LONGEST_NS
+        return near
+
 
 def turn_to(direction: Array) -> Array:
     """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     import moderngl
 
 SECOND_NS = 1_000_000_000
+HIGHEST_HZ = 10_000
+"""No display is so fast; a slip of the keyboard would make a session of endless frames."""
+
 TEMPORAL_TANGENT, NASAL_TANGENT = 1.1, 0.9
 """Horizontal half fields of the default eyes: 47.7° outwards, 42.0° inwards."""
 
@@ -80,8 +83,9 @@ class PlaybackHeadset:
         max_frames: int | None = None,
         real_time: bool = False,
     ) -> None:
-        if refresh_hz is not None and not 0 < refresh_hz < np.inf:
-            raise InputError(f"a refresh rate must be greater than 0 Hz, not {refresh_hz}")
+        if refresh_hz is not None and not 0 < refresh_hz <= HIGHEST_HZ:
+            message = f"a refresh rate must be above 0 and at most {HIGHEST_HZ} Hz"
+            raise InputError(f"{message}, not {refresh_hz:g}")
         self._size_px = image_size_px
         self._rate = None if refresh_hz is None else Fraction(refresh_hz)
         self._ipd_m = ipd_m

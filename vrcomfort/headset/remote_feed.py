@@ -14,6 +14,7 @@ from typing import Self
 
 import numpy as np
 
+from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, View
 
 HEADER = b"mndrmt3\0"
@@ -114,8 +115,20 @@ class RemoteFeed:
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def send(self, state: RemoteState) -> None:
-        """Make `state` what the runtime reports from now on."""
-        self._socket.sendall(state.packet())
+        """Make `state` what the runtime reports from now on.
+
+        Raises
+        ------
+        RuntimeLostError
+            If the driver is gone.
+        """
+        try:
+            self._socket.sendall(state.packet())
+        except OSError as error:
+            raise RuntimeLostError(
+                f"the Monado runtime takes no more head poses ({error.strerror}); what was "
+                "recorded up to here is kept: run with --resume"
+            ) from error
 
     def close(self) -> None:
         """Close the connection; the driver keeps the last state."""

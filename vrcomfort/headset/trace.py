@@ -39,8 +39,8 @@ from vrcomfort.headset.trace_columns import (
     track_of,
 )
 from vrcomfort.headset.unity_euler import orientations_from_unity, positions_from_unity
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.pose_columns import AVATAR, HEAD
-from vrcomfort.records.rows import FrameRow, GazeRow
 
 Format = Literal["unity-euler"]
 

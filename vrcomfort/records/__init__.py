@@ -1,13 +1,12 @@
 """What a study leaves on disk: row types (their fields are the CSV columns), recorder, reader."""
 
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.reader import Rows, read_rows
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.rows import (
     EventRow,
-    FrameRow,
-    GazeRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,

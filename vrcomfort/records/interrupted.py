@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorder import OPTIONAL_ROWS, SESSION_ROWS, csv_line, refused
 from vrcomfort.records.rows import (
     EventRow,
-    FrameRow,
     QuestionnaireRow,
     RatingRow,
     Row,

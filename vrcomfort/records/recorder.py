@@ -14,10 +14,9 @@ from typing import Self
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.background import CAPACITY, BackgroundWriter
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.rows import (
     EventRow,
-    FrameRow,
-    GazeRow,
     QuestionnaireRow,
     RatingRow,
     Row,

@@ -151,8 +151,8 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
 
 def check_name(participant: str) -> None:
     """Raise `InputError` if a name cannot be part of a file name."""
-    if not re.fullmatch(r"[A-Za-z0-9]+", participant):
-        raise InputError(f"participant `{participant}`: use letters and digits only")
+    if not re.fullmatch(r"[A-Za-z0-9]{1,64}", participant):
+        raise InputError(f"participant `{participant}`: use 1 to 64 letters and digits only")
 
 
 def _changing_participants(study: Path) -> AbstractContextManager[None]:

@@ -132,7 +132,7 @@ class TerminalRespondent:
             line = self._line("Enter = all correct, or the number of a question to correct: ")
             if not line:
                 return
-            if line.isdigit() and 1 <= int(line) <= len(instrument.items):
+            if line.isdecimal() and 1 <= int(line) <= len(instrument.items):
                 self._one(instrument, int(line) - 1, answers, heard)
 
     def _line(self, prompt: str) -> str:
@@ -146,7 +146,7 @@ class TerminalRespondent:
         return line
 
     def _number(self, line: str, instrument: Instrument) -> int | None:
-        if line.isdigit() and instrument.low <= int(line) <= instrument.high:
+        if line.isdecimal() and instrument.low <= int(line) <= instrument.high:
             return int(line)
         self._console.print(f"[red]{instrument.low} to {instrument.high}; {_KEYS}[/]")
         return None

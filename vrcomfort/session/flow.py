@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any, Literal
 
-from vrcomfort.errors import RuntimeLostError
+from vrcomfort.errors import RuntimeLostError, headset_ended
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Respondent, Withdrew
@@ -157,6 +157,8 @@ class SessionFlow:
         finally:
             self._write_trial(place, ending)
         self._ledger.boundary()
+        if ending.abort_code == "headset_ended":
+            raise headset_ended("in the middle of an exposure")
         if reason is None:
             self._ask("after_trial", place)
             return

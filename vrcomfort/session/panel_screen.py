@@ -8,7 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from vrcomfort.errors import RuntimeLostError
+from vrcomfort.errors import headset_ended
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
@@ -144,10 +144,7 @@ class PanelScreen:
             self._frames = self._headset.frames()
         frame = next(self._frames, None)
         if frame is None:
-            raise RuntimeLostError(
-                "the headset ended the session while a question was open; the answers until here "
-                "are kept: run with --resume"
-            )
+            raise headset_ended("while a question was open")
         self._headset.submit(frame, None)
         if self.notice is not None:
             self._tell(self.notice)

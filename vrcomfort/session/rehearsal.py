@@ -12,7 +12,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array, Pose, Quad, normalize
+from vrcomfort.geometry import Pose, Quad, normalize
+from vrcomfort.headset.gaze_track import turn_to
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.respondent.panel_layout import Act, Cell, cell_at
 from vrcomfort.respondent.panel_picture import Page
@@ -109,10 +110,4 @@ def aim_at(quad: Quad, point: tuple[float, float]) -> Pose:
     width, height = quad.size_m
     target = np.array([(point[0] - 0.5) * width, (0.5 - point[1]) * height, 0.0])
     hand = np.array([0.1, -0.2, REACH_M])
-    return quad.pose @ Pose(hand, _turn_to(target - hand))
-
-
-def _turn_to(direction: Array) -> Array:
-    """Return the shortest turn from −Z to `direction`, which does not point to +Z."""
-    x, y, z = normalize(direction)
-    return normalize(np.array([y, -x, 0.0, 1.0 - z]))
+    return quad.pose @ Pose(hand, turn_to(normalize(target - hand)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -56,8 +57,8 @@ def reserve(
         If the participant or session cannot be run: another program runs them, a session is
         unfinished or on disk, the folder holds another study.
     """
-    if exposure_s is not None and exposure_s <= 0:
-        raise InputError(f"an exposure of {exposure_s} s shows nothing; give a positive number")
+    if exposure_s is not None and not 0 < exposure_s < math.inf:
+        raise InputError(f"an exposure of {exposure_s} s cannot be shown; give a positive number")
     kept_seed = open_study(study, protocol, seed=seed)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)

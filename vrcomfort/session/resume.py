@@ -39,16 +39,14 @@ def choose_sessions(
     """
     unfinished = unfinished_sessions(study, participant)
     done = set(recorded_sessions(study, participant)) - set(unfinished)
-    if wanted is None:
-        numbers = [number for number in range(1, total + 1) if number not in done]
-        if not numbers:
-            raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
-    else:
-        numbers = _checked(wanted, total)
+    left = [number for number in range(1, total + 1) if number not in done]
+    if wanted is None and not left:
+        raise InputError(f"all {total} sessions of {participant} are recorded", file=study)
+    numbers = left if wanted is None else _checked(wanted, total, left)
     taken_up = [number for number in numbers if number in unfinished]
     if taken_up and not resume:
         raise InputError(
-            f"session {taken_up[0]} of {participant} was interrupted; continue it with --resume",
+            f"session {taken_up[0]} of {participant} was interrupted; continue it with run --resume",
             file=session_folder(study, participant, taken_up[0]),
         )
     if resume and not taken_up:
@@ -58,13 +56,14 @@ def choose_sessions(
     return Chosen(numbers, taken_up)
 
 
-def _checked(wanted: Iterable[int], total: int) -> list[int]:
+def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:
     numbers = sorted(set(wanted))
     if not numbers:
         raise InputError("no session is asked for; leave the choice out to run all that are left")
     for number in numbers:
         if not 1 <= number <= total:
-            raise InputError(f"there is no session {number}; this protocol has {total}")
+            none_left = "" if left else ", and none is left to run"
+            raise InputError(f"there is no session {number}; this protocol has {total}{none_left}")
     return numbers
 
 

@@ -12,7 +12,7 @@ from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.headset.openxr import depth, display
 from vrcomfort.headset.openxr.actions import Actions
 from vrcomfort.headset.openxr.binding import Binding, current_binding, make_current
-from vrcomfort.headset.openxr.faults import starting
+from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.instance import connect
 from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
@@ -95,6 +95,7 @@ class Connection:
         return display.REFRESH_RATE in self.runtime.extensions
 
     @property
+    @running()
     def details(self) -> dict[str, str]:
         """Return what a manifest should know about runtime and headset."""
         return {

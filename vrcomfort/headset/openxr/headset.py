@@ -63,8 +63,7 @@ class OpenXrHeadset:
         mirror: layers.Mirror | None = None,
         window: Mirror | None = None,
     ) -> None:
-        self._before_wait = before_wait
-        self._window = window
+        self._before_wait, self._window = before_wait, window
         settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
@@ -77,8 +76,7 @@ class OpenXrHeadset:
         self._frame_state = xr.FrameState()
         self._end_frame = layers.FrameEnd(self._xr.session)
         self._open: Frame | None = None
-        self._next_index = 0
-        self._time_ns = self._period_ns = 0
+        self._next_index = self._time_ns = self._period_ns = 0
         self._cut = True
         self._inputs: Inputs | None = None
         self._in_scene = False
@@ -105,6 +103,7 @@ class OpenXrHeadset:
             return self._xr.lifecycle.wait_until_running(timeout_s)
 
     @property
+    @faults.running()
     def refresh_hz(self) -> float:
         """Return the display's refresh rate: as the runtime says, or as its frames come; or 0."""
         if self._xr.switches_rate:
@@ -112,6 +111,7 @@ class OpenXrHeadset:
         return SECOND_NS / self._period_ns if self._period_ns else 0.0
 
     @property
+    @faults.running()
     def refresh_rates_hz(self) -> list[float]:
         """Return the rates that can be asked for in the settings."""
         return display.refresh_rates_hz(self._xr.session) if self._xr.switches_rate else []
@@ -186,6 +186,7 @@ class OpenXrHeadset:
         with faults.running():
             self._xr.actions.tick(hand)
 
+    @faults.running()
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
         panel = layers.PanelLayer(self._xr.canvas, size_px, quad, self._panels.remove)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Quad
 from vrcomfort.headset.openxr.convert import pose_to_xr
 from vrcomfort.headset.openxr.depth import DepthImages
+from vrcomfort.headset.openxr.faults import running
 from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.swapchain import Canvas
 
@@ -146,6 +147,7 @@ class PanelLayer:
             size=xr.Extent2Df(*quad.size_m),
         )
 
+    @running()
     def draw(self, picture: NDArray[np.uint8]) -> None:
         """Show `picture`, (height, width, 4) sRGB with straight alpha, top row first.
 

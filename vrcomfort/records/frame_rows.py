@@ -1,0 +1,138 @@
+"""What is written of each frame: the rows of ``frames.csv`` and ``gaze.csv``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from vrcomfort.geometry import Gaze, Pose, View
+from vrcomfort.records.pose_columns import POSE_COLUMNS
+from vrcomfort.records.rows import Cell
+
+RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
+
+
+@dataclass(frozen=True)
+class GazeRow:
+    """Where the participant looked in one frame, predicted for its display time.
+
+    Parameters
+    ----------
+    gaze
+        In the stage; blank where it is not valid.
+    hit_m
+        Where focus follows the gaze: how far away what it meets is, along the head's forward axis.
+    """
+
+    FILE: ClassVar[str] = "gaze.csv"
+    session_s: float
+    xr_time_ns: int
+    gaze: Gaze
+    hit_m: float | None = None
+    resumed: int = 0
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the header."""
+        origin = tuple(f"origin_{axis}_m" for axis in "xyz")
+        direction = tuple(f"direction_{axis}" for axis in "xyz")
+        return ("session_s", "xr_time_ns", "valid", *origin, *direction, "hit_m", "resumed")
+
+    def cells(self) -> Sequence[Cell]:
+        """Return the values in the order of the header."""
+        ray: list[float | None] = [None] * 6
+        if self.gaze.valid:
+            ray = [*self.gaze.pose.position.tolist(), *self.gaze.pose.forward.tolist()]
+        hit_m = self.hit_m if self.gaze.valid else None
+        return [self.session_s, self.xr_time_ns, int(self.gaze.valid), *ray, hit_m, self.resumed]
+
+
+@dataclass(frozen=True)
+class FrameRow:
+    """One frame as it was shown.
+
+    Parameters
+    ----------
+    trial
+        0 in training.
+    head, left, right
+        Poses in stage space, with the eyes' frusta.
+    avatar
+        world-from-stage.
+    rays_m
+        Nine distances along the focus rays, the centre first; empty where no focus was computed.
+    rays_used
+        Nine characters, 1 = used. Read this column as text.
+    dropped
+        1 where the interval to the frame before exceeded 1.2 × the period.
+    discontinuity
+        Whether the pose before has nothing to do with this one; a playback cuts there again.
+    gaze
+        Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
+    """
+
+    FILE: ClassVar[str] = "frames.csv"
+    session_s: float
+    xr_time_ns: int
+    period_ns: int
+    trial: int
+    should_render: bool
+    head: Pose
+    left: View
+    right: View
+    avatar: Pose
+    focus_m: float | None = None
+    focus_raw_m: float | None = None
+    rays_m: tuple[float, ...] = ()
+    rays_used: str | None = None
+    max_blur_px: float | None = None
+    cpu_ms: float | None = None
+    gpu_ms: float | None = None
+    dropped: int = 0
+    discontinuity: bool = False
+    resumed: int = 0
+    gaze: GazeRow | None = None
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the header."""
+        when = ("session_s", "xr_time_ns", "period_ns", "trial", "should_render")
+        focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
+        costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped")
+        return (*when, *POSE_COLUMNS, *focus, *costs, "discontinuity", "resumed")
+
+    def cells(self) -> Sequence[Cell]:
+        """Return the values in the order of the header."""
+        rays = self.rays_m or (None,) * len(RAYS)
+        return [
+            self.session_s,
+            self.xr_time_ns,
+            self.period_ns,
+            self.trial,
+            int(self.should_render),
+            *_numbers(self.head),
+            *_numbers(self.left.pose),
+            *_numbers(self.right.pose),
+            *_angles(self.left),
+            *_angles(self.right),
+            *_numbers(self.avatar),
+            self.focus_m,
+            self.focus_raw_m,
+            *rays,
+            self.rays_used,
+            self.max_blur_px,
+            self.cpu_ms,
+            self.gpu_ms,
+            self.dropped,
+            int(self.discontinuity),
+            self.resumed,
+        ]
+
+
+def _numbers(pose: Pose) -> list[float]:
+    return [*pose.position.tolist(), *pose.orientation.tolist()]
+
+
+def _angles(view: View) -> tuple[float, float, float, float]:
+    return view.fov.left, view.fov.right, view.fov.up, view.fov.down
