@@ -46,7 +46,8 @@ def choose_sessions(
     taken_up = [number for number in numbers if number in unfinished]
     if taken_up and not resume:
         raise InputError(
-            f"session {taken_up[0]} of {participant} was interrupted; continue it with run --resume",
+            f"session {taken_up[0]} of {participant} was interrupted; continue it with "
+            "run --resume",
             file=session_folder(study, participant, taken_up[0]),
         )
     if resume and not taken_up:
