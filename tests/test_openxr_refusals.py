@@ -57,7 +57,7 @@ def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_pat
 
     smoke = load_protocol("smoke")
     assert go(tmp_path, protocol=smoke, headset_for=interrupted).status == "aborted"
-    assert "continue it with --resume" in refusal(tmp_path)
+    assert "continue it with run --resume" in refusal(tmp_path)
     assert "make it the active OpenXR runtime" in refusal(tmp_path, "--resume")
 
 

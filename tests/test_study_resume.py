@@ -75,7 +75,7 @@ def test_a_continued_session_is_one_trace_and_keeps_the_facts_of_all_runs(tmp_pa
 def test_an_unfinished_session_is_refused_with_the_way_out(tmp_path):
     go(tmp_path, interrupt=(2, 30))
     for sessions in ([1], None):
-        with pytest.raises(InputError, match=r"session 1 of P01 was interrupted.*--resume"):
+        with pytest.raises(InputError, match=r"session 1 of P01 was interrupted.*run --resume"):
             go(tmp_path, sessions=sessions)
     assert len(attempts(tmp_path)) == 2
 
