@@ -18,9 +18,10 @@ from vrcomfort.tradeoff.timing import clocked_passes, effect_s
 def test_each_pass_is_clocked_once_for_each_eye_and_methods_are_put_back():
     case, scope = Case("temple", 0, "still", "depth_of_field"), Scope(size_px=(16, 20), poses=1)
     scene, _ = scene_and_hash(case.scene)
-    renderer, method = StereoRenderer(context(), scope.size_px), ScenePass.render
+    ctx = context()
+    renderer, method = StereoRenderer(ctx, scope.size_px), ScenePass.render
     renderer.begin(scene, base_condition(case.effect))
-    with clocked_passes(Stopwatch(context())) as timed:
+    with clocked_passes(Stopwatch(ctx)) as timed:
         renderer.render(frames(case, scope)[1], 0.0)
     assert {name: calls for name, (_, calls) in timed.items()} == {
         "scene": 2,

@@ -45,9 +45,9 @@ def choose_sessions(
     numbers = left if wanted is None else _checked(wanted, total, left)
     taken_up = [number for number in numbers if number in unfinished]
     if taken_up and not resume:
+        message = f"session {taken_up[0]} of {participant} was interrupted"
         raise InputError(
-            f"session {taken_up[0]} of {participant} was interrupted; continue it with "
-            "run --resume",
+            f"{message}; continue it with run --resume",
             file=session_folder(study, participant, taken_up[0]),
         )
     if resume and not taken_up:

@@ -45,10 +45,11 @@ class Shot(NamedTuple):
 
 
 def context() -> moderngl.Context:
-    """Return this thread's OpenGL context, made when it is first asked for."""
+    """Return this thread's OpenGL context, made when it is first asked for, as the current one."""
     if not hasattr(_thread, "context"):
         _thread.context = gl.create_context()
     found: moderngl.Context = _thread.context
+    found.__enter__()  # the rest of the program may have one of its own
     return found
 
 
