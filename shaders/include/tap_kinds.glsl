@@ -7,9 +7,9 @@ const int WIDEST = 8;   // alike, and taps so far apart that they read a quarter
 const int MIXED = 16;   // several surfaces, told apart tap by tap
 
 // Part of the widest radius by which those of one tile's surroundings may differ.
-const float ALIKE = 0.35;
-// Half resolution and its two bilinear reads have the variance of a disc of this radius.
-const float HALVED_PX = 2.52;
+const float ALIKE = 1.0;
+// Discs wider than this are blurred at half resolution, whose own blur is that of 2.5 px.
+const float HALVED_PX = 4.0;
 
 int kind_of(vec4 reach) {
     float widest = max(abs(reach.r), abs(reach.g));
@@ -18,7 +18,7 @@ int kind_of(vec4 reach) {
     bool alike = reach.g - reach.r <= ALIKE * widest && max(reach.r, -reach.g) > 0.5;
     if (!alike)
         return MIXED;
-    if (min(abs(reach.r), abs(reach.g)) <= 1.1 * HALVED_PX)
+    if (min(abs(reach.r), abs(reach.g)) <= HALVED_PX)
         return SMALL;
     return widest * widest * 3.14 <= 16.0 * float(TAPS) ? WIDE : WIDEST;
 }
