@@ -14,7 +14,7 @@ const ivec2 CORNERS[6] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1),
 
 bool is_kind(ivec2 tile, int kinds) {
     ivec2 last = textureSize(reach, 0) - 1;
-    return (kind_of(texelFetch(reach, clamp(tile, ivec2(0), last), 0)) & kinds) != 0;
+    return (tap_kind(texelFetch(reach, clamp(tile, ivec2(0), last), 0)) & kinds) != 0;
 }
 
 bool is_drawn(ivec2 tile) {

@@ -11,7 +11,7 @@ const float ALIKE = 1.0;
 // Discs wider than this are blurred at half resolution, whose own blur is that of 2.5 px.
 const float HALVED_PX = 4.0;
 
-int kind_of(vec4 reach) {
+int tap_kind(vec4 reach) {
     float widest = max(abs(reach.r), abs(reach.g));
     if (widest <= 0.5)
         return COPIED;
