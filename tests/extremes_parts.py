@@ -39,7 +39,7 @@ ENDS = {
 """Settings that the schema leaves open at the top, or whose ends belong together."""
 DISTANCES_M = (0.002, 0.1, 10.0, 30_000.0, np.inf)
 SPEEDS_PX = (0.0, 1e-3, 0.4, 30.0, 2e3, 1e5)
-MOST = {"views": 5, "rings": 8, "samples": 64}
+MOST = {"views": 5, "rings": 8, "taps": 16, "samples": 64}
 """Settings that only cost time are tried up to here."""
 
 
@@ -96,6 +96,8 @@ def _values(model, rng, fixed):
 
 def _value(name, field, rng):
     kind = field.annotation
+    if kind == int | None:
+        kind = int if rng.random() < 0.5 else None
     if options := literals(kind):
         return options[rng.integers(len(options))]
     if kind is bool:

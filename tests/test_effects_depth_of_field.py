@@ -23,44 +23,54 @@ def ulps(a, b):
     return np.abs(a.view("i2").astype(int) - b.view("i2").astype(int)).max()
 
 
-@pytest.mark.parametrize("rings", [1, 3, 5])
-def test_a_constant_image_stays_constant(ctx, rng, rings):
+PROGRAMS = [{"rings": 1}, {"rings": 3}, {"rings": 5}, {"taps": 4}, {"taps": 6}, {"taps": 16}]
+"""The accurate program and the light one."""
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_constant_image_stays_constant(ctx, rng, program):
     rgb = np.tile(np.array([0.3, 1.7, 900.0], "f2"), (96, 128, 1))
     distance = np.exp(rng.uniform(-1, 4, (96, 128)))
     distance[:40] = np.linspace(0.3, 9, 128)
-    blurred = depth_of_field(ctx, rgb, distance, 1.0, rings=rings, **WIDE)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, **program, **WIDE)
     assert ulps(blurred, rgb) <= 1
 
 
-def test_a_constant_sky_stays_constant(ctx):
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_a_constant_sky_stays_constant(ctx, program):
     """Everything equally out of focus: the filtered half-resolution way."""
     rgb = np.tile(np.array([0.3, 1.7, 60_000.0], "f2"), (45, 63, 1))
-    blurred = depth_of_field(ctx, rgb, np.inf, 1.0, max_radius_percent=10.0, full_blur_m=1.0)
+    settings = {"max_radius_percent": 10.0, "full_blur_m": 1.0, **program}
+    blurred = depth_of_field(ctx, rgb, np.inf, 1.0, **settings)
     assert ulps(blurred, rgb) <= 1
 
 
-def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng):
+@pytest.mark.parametrize("taps", [None, 6])
+def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng, taps):
     rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
-    blurred = depth_of_field(ctx, rgb, rng.uniform(0.1, 50, (37, 61)), 1.0, max_radius_percent=0)
+    distance = rng.uniform(0.1, 50, (37, 61))
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, max_radius_percent=0, taps=taps)
     np.testing.assert_array_equal(blurred.view("i2"), rgb.view("i2"))
 
 
-def test_small_blur_is_an_exact_copy_unless_something_wider_reaches_it(ctx, rng):
+@pytest.mark.parametrize("taps", [None, 6, 16])
+def test_small_blur_is_an_exact_copy_unless_something_wider_reaches_it(ctx, rng, taps):
     rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
     # Radii: 6.4 px in front of columns 0 to 31, at most 0.48 px elsewhere.
     distance = np.where(columns() < 32, 0.5, rng.uniform(0.93, 1.08, (96, 128)))
-    blurred = depth_of_field(ctx, rgb, distance, 1.0, **WIDE)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, taps=taps, **WIDE)
     untouched = columns() >= 32 + 9
     np.testing.assert_array_equal(blurred[untouched], rgb[untouched])
     touched = columns() == 33
     assert np.mean(np.abs(blurred[touched].astype(float) - rgb[touched])) > 0.05
 
 
-def test_a_sharp_foreground_does_not_leak(ctx):
+@pytest.mark.parametrize("taps", [None, 6, 16])
+def test_a_sharp_foreground_does_not_leak(ctx, taps):
     bar = np.abs(columns() - 64) < 10
     rgb = np.where(bar[..., None], [10.0, 0, 0], [0, 0, 1.0])
     distance = np.where(bar, 1.0, np.inf)
-    blurred = depth_of_field(ctx, rgb, distance, 1.0, **WIDE).astype(float)
+    blurred = depth_of_field(ctx, rgb, distance, 1.0, taps=taps, **WIDE).astype(float)
     assert blurred[~bar][:, 0].max() <= 10.0 / 255 / 10
     np.testing.assert_array_equal(blurred[bar], rgb[bar])
 
@@ -124,9 +134,16 @@ SIZES = [(1, 1), (7, 5), (33, 17), (131, 67)]
 
 @pytest.mark.parametrize("size_px", SIZES)
 @pytest.mark.parametrize("law", ["linear", "dioptre"])
-def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law):
+@pytest.mark.parametrize("taps", [None, 6])
+def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, taps):
     width, height = size_px
-    settings = {"law": law, "max_radius_percent": 5.0, "full_blur_m": 0.1, "full_blur_dioptre": 0.1}
+    settings = {
+        "law": law,
+        "taps": taps,
+        "max_radius_percent": 5.0,
+        "full_blur_m": 0.1,
+        "full_blur_dioptre": 0.1,
+    }
     rgb = np.exp2(rng.uniform(-20, 15.99, (height, width, 3)))
     rgb[rng.random((height, width)) < 0.2] = 65504
     rgb[rng.random((height, width)) < 0.2] = 0
@@ -140,8 +157,9 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law):
                 assert out.min() >= 0
 
 
-def test_the_same_input_gives_the_same_bytes(ctx, rng):
+@pytest.mark.parametrize("taps", [None, 6])
+def test_the_same_input_gives_the_same_bytes(ctx, rng, taps):
     rgb = rng.uniform(0, 1, (50, 70, 3))
     distance = rng.uniform(0.4, 5, (50, 70))
-    first, second = (depth_of_field(ctx, rgb, distance, 1.0, **WIDE) for _ in range(2))
+    first, second = (depth_of_field(ctx, rgb, distance, 1.0, taps=taps, **WIDE) for _ in range(2))
     assert first.tobytes() == second.tobytes()

@@ -268,6 +268,7 @@ THROUGH = {
     "through_lens": "the reference's images (test_render_depth_and_lens.py)",
     "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
     "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
+    "tap_kind": "the taps_*.frag (test_effects_depth_of_field.py: copies, edges, sky)",
     "add_peripheral_px": "defocus.frag (test_effects_lens_laws.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",

@@ -22,7 +22,7 @@ def with_level(level, **effects):
 
 
 @pytest.mark.parametrize("level", LEVELS)
-@pytest.mark.parametrize("law", ["linear", "dioptre"])
+@pytest.mark.parametrize("law", ["linear", "dioptre", "thin_lens", "eye"])
 def test_every_level_gives_valid_settings(level, law):
     found = with_level(level, depth_of_field={"law": law}, motion_blur={})
     wanted = dial.quality_table().levels[level]
@@ -52,7 +52,14 @@ def test_balanced_is_what_is_taken_without_a_level():
 def test_what_the_condition_says_itself_wins():
     found = with_level("fast", depth_of_field={"rings": 7}, motion_blur=MotionBlur(samples=33))
     assert (found.depth_of_field.rings, found.motion_blur.samples) == (7, 33)
+    assert found.depth_of_field.taps is None
     assert dial.level_of(found) is None
+
+
+@pytest.mark.parametrize("level", LEVELS)
+def test_peripheral_blur_is_of_one_view(level):
+    found = with_level(level, depth_of_field={"law": "eye", "peripheral": {}})
+    assert found.depth_of_field.views == 1
 
 
 def test_a_level_adds_no_effect_and_changes_no_strength():
@@ -89,6 +96,7 @@ def test_an_unknown_level_is_told_with_its_place(tmp_path):
 def test_settings_of_a_lens_are_left_out_where_no_lens_follows_the_law():
     level = Level(depth_of_field={"rings": 4}, lens={"views": 16})
     assert level.settings("depth_of_field", law="linear") == {"rings": 4}
+    assert level.settings("depth_of_field", law="thin_lens") == {"rings": 4}
     assert level.settings("depth_of_field", law="dioptre") == {"rings": 4, "views": 16}
     assert level.settings("motion_blur") == {}
 

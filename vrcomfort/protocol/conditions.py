@@ -137,6 +137,9 @@ class DepthOfField(Settings):
     rings: Annotated[int, Field(ge=1, le=8)] = 3
     """Rings of samples in the widest discs of `vrcomfort`, 8·k on ring k: speed against smoothness.
     The other kernels have the fixed numbers of their sources."""
+    taps: Annotated[int | None, Field(ge=4, le=64)] = None
+    """Samples of each disc of `vrcomfort` in one gather at full resolution, in place of `rings`:
+    the fast way, a few spread evenly over the disc. Without it, `rings` says."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; r_max does not limit what lies between them. Two

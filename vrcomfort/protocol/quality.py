@@ -33,7 +33,10 @@ _METHOD = {"kernel", "method", "over_blur", "views"}
 """Settings that say by which method, wherever an effect has them."""
 
 LENSLESS_LAW = "linear"
-"""No lens follows this law of defocus, so settings of `lens` do not apply to it."""
+"""No lens follows this law of defocus, which is the one of a condition that names none."""
+
+SAME_LENS = {"dioptre", "eye"}
+"""Laws of a lens that is the same at any focus: settings of `lens` apply to no other."""
 
 
 class _Table(BaseModel):
@@ -41,7 +44,7 @@ class _Table(BaseModel):
 
 
 class Level(_Table):
-    """Settings by effect; `lens` joins `depth_of_field` where its law is that of a lens."""
+    """Settings by effect; `lens` joins `depth_of_field` where its law is in `SAME_LENS`."""
 
     depth_of_field: dict[str, Value] = {}
     lens: dict[str, Value] = {}
@@ -51,7 +54,7 @@ class Level(_Table):
         """Return the settings of an effect (`law`: of its defocus)."""
         if effect == "motion_blur":
             return dict(self.motion_blur)
-        return {**self.depth_of_field, **({} if law == LENSLESS_LAW else self.lens)}
+        return {**self.depth_of_field, **(self.lens if law in SAME_LENS else {})}
 
 
 class Measured(_Table):
@@ -110,12 +113,20 @@ def filled(condition: Any) -> Any:
 def _filled_effect(level: Level, name: str, given: Any) -> Any:
     if isinstance(given, Mapping):
         law = given.get("law", LENSLESS_LAW)
-        return {**level.settings(name, law=law), **given}
+        return {**_fitting(level.settings(name, law=law), given), **given}
     if isinstance(given, BaseModel):
         settings = level.settings(name, law=getattr(given, "law", None))
         own = {field: getattr(given, field) for field in given.model_fields_set}
-        return type(given)(**{**settings, **own})
+        return type(given)(**{**_fitting(settings, own), **own})
     return given
+
+
+def _fitting(settings: dict[str, Value], own: Mapping[str, Any]) -> dict[str, Value]:
+    """Leave out what a condition excludes: taps beside rings, views with peripheral blur."""
+    excluded = {"taps"} if "rings" in own else set()
+    if own.get("peripheral") is not None:
+        excluded.add("views")
+    return {name: value for name, value in settings.items() if name not in excluded}
 
 
 def level_of(condition: Condition, drawn: Collection[str] = _DIALLED) -> Quality | None:

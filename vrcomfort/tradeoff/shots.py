@@ -49,7 +49,7 @@ def context() -> moderngl.Context:
     if not hasattr(_thread, "context"):
         _thread.context = gl.create_context()
     found: moderngl.Context = _thread.context
-    found.__enter__()  # the rest of the program may have one of its own
+    found.mglo.__enter__()  # the rest of the program may have a context of its own
     return found
 
 

@@ -14,6 +14,7 @@ from vrcomfort.render.kernels.mip import MipKernel
 from vrcomfort.render.kernels.poisson12 import Poisson12Kernel
 from vrcomfort.render.kernels.poisson15_near import Poisson15NearKernel
 from vrcomfort.render.kernels.scatter import ScatterKernel
+from vrcomfort.render.kernels.taps import TapsKernel
 from vrcomfort.render.kernels.vrcomfort import VrcomfortKernel
 
 __all__ = ["BlurKernel", "make_kernel"]
@@ -33,4 +34,7 @@ def make_kernel(
     ctx: moderngl.Context, colour: moderngl.Texture, defocus: Defocus, settings: DepthOfField
 ) -> BlurKernel:
     """Return the kernel that `settings` name, reading `colour` and the points of `defocus`."""
-    return _KERNELS[settings.kernel](ctx, colour, defocus, settings)
+    maker = _KERNELS[settings.kernel]
+    if maker is VrcomfortKernel and settings.taps is not None:
+        maker = TapsKernel
+    return maker(ctx, colour, defocus, settings)

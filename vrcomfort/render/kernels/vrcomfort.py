@@ -12,13 +12,7 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
-
-TILE_PX = 16
-"""Side of the tiles that share one summary."""
-
-SMALL_PX = 2
-"""Discs up to this radius are summed over every pixel."""
-
+from vrcomfort.render.kernels.tiles import SMALL_PX, TILE_PX, tile_passes
 
 _LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
 """Wide blur behind each pixel, and in front of it."""
@@ -47,7 +41,7 @@ class VrcomfortKernel:
         settings: DepthOfField,
     ) -> None:
         width, height = defocus.size_px
-        self._summaries = _tile_passes(ctx, defocus)
+        self._summaries = tile_passes(ctx, defocus)
         self._half = FullscreenPass(
             ctx,
             "defocus_half.frag",
@@ -103,32 +97,3 @@ class VrcomfortKernel:
         self._half.render()
         for layer in (*self._wide, self._gather):
             layer.render(_Aspect(pixel_aspect))
-
-
-def _tile_passes(ctx: moderngl.Context, defocus: Defocus) -> tuple[FullscreenPass, ...]:
-    width, height = defocus.size_px
-    columns = (ceil(width / TILE_PX), height)
-    tiles = (columns[0], ceil(height / TILE_PX))
-    x_pass = FullscreenPass(
-        ctx,
-        "defocus_tiles.frag",
-        size_px=columns,
-        inputs={"source": defocus.points},
-        defines={"TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0", "AXIS": 0},
-    )
-    y_pass = FullscreenPass(
-        ctx,
-        "defocus_tiles.frag",
-        size_px=tiles,
-        inputs={"source": x_pass.target},
-        defines={"TILE": TILE_PX, "AXIS": 1},
-    )
-    # Pixels are at most half again as tall as wide in any headset, hence the factor.
-    reach = FullscreenPass(
-        ctx,
-        "defocus_reach.frag",
-        size_px=tiles,
-        inputs={"tiles": y_pass.target},
-        defines={"REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / TILE_PX))},
-    )
-    return x_pass, y_pass, reach
