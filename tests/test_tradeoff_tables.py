@@ -67,6 +67,15 @@ def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):
     assert "(-1.0 up to 2, where R1 counts)" in tables.dials({"dials": [dial]})[0]
 
 
+def test_each_dial_is_told_by_itself():
+    rows = [*ROWS, *(row(f"ours {n} taps", "ours", 9.0 * n, 0.1 / n, step=n) for n in (6, 12))]
+    found = results.compared(results.means(rows))
+    assert [(dial["dial"], dial["steps"]) for dial in found["dials"]] == [
+        ("rings", [1, 2]),
+        ("taps", [6, 12]),
+    ]
+
+
 def test_both_eyes_are_compared_with_r2_and_with_the_sources(found):
     (line,) = tables.both_eyes(found)
     assert "rivalry of *ours 2 rings* is 1.2 × that of R2 and 0.80 × the least" in line

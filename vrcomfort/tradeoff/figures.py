@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vrcomfort.tradeoff.measure import SCATTER
+from vrcomfort.tradeoff.results import by_dial
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -72,11 +73,12 @@ def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
 def _plot(axes: Axes, rows: list[Row], family: str) -> None:
     if not rows:
         return
-    rows = sorted(rows, key=lambda row: row["step"] or 0)
     x, y = [row["effect_to_copy"] for row in rows], [row["rms"] for row in rows]
-    line = "-" if family != "source" else ""
-    look: dict[str, Any] = {"color": COLOURS[family], "marker": MARKERS[family], "linestyle": line}
-    axes.plot(x, y, lw=1.2, ms=5, label=WORDS[family], zorder=3, **look)
+    look: dict[str, Any] = {"color": COLOURS[family], "zorder": 3}
+    axes.plot(x, y, MARKERS[family], ms=5, label=WORDS[family], **look)
+    for steps in by_dial(rows).values():
+        joined = [(row["effect_to_copy"], row["rms"]) for row in steps]
+        axes.plot(*zip(*joined, strict=True), "-", lw=1.2, **look)
     unsure = [(a, b) for a, b, row in zip(x, y, rows, strict=True) if not row["counts"]]
     if unsure:
         axes.plot(*zip(*unsure, strict=True), "o", ms=10, mfc="none", mec=FAINT, mew=0.8, zorder=2)

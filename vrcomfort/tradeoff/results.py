@@ -153,26 +153,31 @@ def _verdicts(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
     return found
 
 
+def by_dial(rows: Sequence[Row]) -> dict[str, list[Row]]:
+    """Return the methods of each dial in the order of its steps: a name ends in its dial's."""
+    dials: dict[str, list[Row]] = {}
+    for row in sorted((row for row in rows if row["step"]), key=lambda row: row["step"]):
+        word = row["method"].split()[-1]
+        dials.setdefault(word if word.endswith("s") else f"{word}s", []).append(row)
+    return dials
+
+
 def _dials(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
     """Return how the error falls along each dial."""
-    found = []
-    for family in ("ours", "dial"):
-        rows = [row for row in group if row["family"] == family and row["step"]]
-        if len(rows) < 2:
-            continue
-        rows.sort(key=lambda row: row["step"])
-        sure = [row for row in rows if row["counts"]]
-        found.append(
-            {
-                "scene": key[0],
-                "effect": key[1],
-                "dial": rows[-1]["method"].split()[-1],
-                "steps": [row["step"] for row in rows],
-                "rms": [row["rms"] for row in rows],
-                "slope": log_slope([r["step"] for r in rows], [r["rms"] for r in rows]),
-                "steps_that_count": [row["step"] for row in sure],
-                "slope_that_counts": log_slope([r["step"] for r in sure], [r["rms"] for r in sure]),
-                "falls": falls([row["rms"] for row in rows]),
-            }
-        )
-    return found
+    return [
+        {"scene": key[0], "effect": key[1], "dial": name, **_fall(rows)}
+        for name, rows in by_dial(group).items()
+        if len(rows) > 1
+    ]
+
+
+def _fall(rows: list[Row]) -> Row:
+    sure = [row for row in rows if row["counts"]]
+    return {
+        "steps": [row["step"] for row in rows],
+        "rms": [row["rms"] for row in rows],
+        "slope": log_slope([r["step"] for r in rows], [r["rms"] for r in rows]),
+        "steps_that_count": [row["step"] for row in sure],
+        "slope_that_counts": log_slope([r["step"] for r in sure], [r["rms"] for r in sure]),
+        "falls": falls([row["rms"] for row in rows]),
+    }
