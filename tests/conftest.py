@@ -10,7 +10,10 @@ from collections.abc import Callable, Iterator
 import moderngl
 import pytest
 from hypothesis import HealthCheck, settings
+from openxr_support import fresh_monado
 
+from vrcomfort.headset.monado import Monado
+from vrcomfort.headset.remote_feed import RemoteFeed
 from vrcomfort.render import gl
 
 # Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
@@ -129,3 +132,17 @@ def ctx(
         yield session_context
         gl.check_errors(session_context)
         assert count_objects() == before, "the test left OpenGL objects behind"
+
+
+@pytest.fixture(scope="module")
+def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
+    """Yield a runtime that the tests of one file share."""
+    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
+        yield service
+
+
+@pytest.fixture(scope="module")
+def feed(monado: Monado) -> Iterator[RemoteFeed]:
+    """Yield the connection through which its head and hands move."""
+    with monado.feed() as connection:
+        yield connection

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
 from typing import Any
@@ -11,12 +11,11 @@ from typing import Any
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado
+from openxr_support import Participant, needs_monado
 
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad, axis_angle
 from vrcomfort.headset.base import Frame
-from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -30,18 +29,6 @@ pytestmark = needs_monado
 
 SIZE_PX = (16, 16)
 TURNED = RemoteState(Pose(np.array([0.3, 1.6, -0.2]), axis_angle([0.0, 1.0, 0.0], 1.0)))
-
-
-@pytest.fixture(scope="module")
-def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
-    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
-        yield service
-
-
-@pytest.fixture(scope="module")
-def feed(monado: Monado) -> Iterator[RemoteFeed]:
-    with monado.feed() as connection:
-        yield connection
 
 
 def headset(

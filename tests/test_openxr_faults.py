@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -33,18 +32,6 @@ pytestmark = needs_monado
 
 SIZE_PX = (16, 16)
 STANDING = RemoteState(Pose([0.0, 1.6, 0.0]))
-
-
-@pytest.fixture(scope="module")
-def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
-    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
-        yield service
-
-
-@pytest.fixture(scope="module")
-def feed(monado: Monado) -> Iterator[RemoteFeed]:
-    with monado.feed() as connection:
-        yield connection
 
 
 def headset(ctx: moderngl.Context, feed: RemoteFeed, **calls: Any) -> OpenXrHeadset:

@@ -9,7 +9,7 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado, validation
+from openxr_support import Participant, needs_monado, validation
 
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.monado import Monado
@@ -28,12 +28,6 @@ pytestmark = needs_monado
 
 SETTINGS = OpenXrSettings(image_size_px=(32, 24))
 HEAD = Pose(np.array([0.5, 1.6, -0.2]), yaw_pitch_roll(0.4, -0.2, 0.1))
-
-
-@pytest.fixture(scope="module")
-def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
-    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
-        yield service
 
 
 @pytest.fixture

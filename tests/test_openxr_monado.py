@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -15,7 +15,6 @@ from openxr_support import Participant, Script, fresh_monado, needs_monado, vali
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, Quad, View, axis_angle, yaw_pitch_roll
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -27,18 +26,6 @@ pytestmark = needs_monado
 SIZE_PX = (32, 24)
 SMALL = OpenXrSettings(image_size_px=SIZE_PX)
 STANDING = RemoteState(Pose([0.0, 1.6, 0.0]))
-
-
-@pytest.fixture(scope="module")
-def monado(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Monado]:
-    with fresh_monado(tmp_path_factory.mktemp("monado")) as service:
-        yield service
-
-
-@pytest.fixture(scope="module")
-def feed(monado: Monado) -> Iterator[RemoteFeed]:
-    with monado.feed() as connection:
-        yield connection
 
 
 @pytest.fixture

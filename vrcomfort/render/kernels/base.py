@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import moderngl
+
+
+class Aspect(NamedTuple):
+    """The uniform that all kernels with round discs have."""
+
+    pixel_aspect: float
 
 
 class BlurKernel(Protocol):

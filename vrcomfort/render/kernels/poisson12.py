@@ -12,15 +12,12 @@ from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
 
 
 class _Constants(NamedTuple):
     offsets: bytes
     radius_limit_px: float
-
-
-class _Aspect(NamedTuple):
-    pixel_aspect: float
 
 
 class Poisson12Kernel:
@@ -57,4 +54,4 @@ class Poisson12Kernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._pass.render(_Aspect(pixel_aspect))
+        self._pass.render(Aspect(pixel_aspect))

@@ -12,15 +12,12 @@ from vrcomfort.optics import gathering
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
 
 
 class _Constants(NamedTuple):
     offsets: bytes
     radius_limit_px: float
-
-
-class _Aspect(NamedTuple):
-    pixel_aspect: float
 
 
 class Poisson15NearKernel:
@@ -65,4 +62,4 @@ class Poisson15NearKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._near_mean.render()
-        self._gather.render(_Aspect(pixel_aspect))
+        self._gather.render(Aspect(pixel_aspect))

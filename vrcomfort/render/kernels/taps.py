@@ -13,6 +13,7 @@ from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
 
 SMALL_TAPS = 12
@@ -21,10 +22,6 @@ SMALL_TAPS = 12
 
 class _Offsets(NamedTuple):
     offsets: bytes
-
-
-class _Aspect(NamedTuple):
-    pixel_aspect: float
 
 
 class TapsKernel:
@@ -68,7 +65,7 @@ class TapsKernel:
         for each in (*self._before, self._copy):
             each.render()
         for blur in self._blurs:
-            blur.render(_Aspect(pixel_aspect))
+            blur.render(Aspect(pixel_aspect))
         self._enlarge.render()
 
     def _alike(

@@ -12,6 +12,7 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tiles import SMALL_PX, TILE_PX, tile_passes
 
 _LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
@@ -20,10 +21,6 @@ _LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
 
 class _Directions(NamedTuple):
     directions: bytes
-
-
-class _Aspect(NamedTuple):
-    pixel_aspect: float
 
 
 class VrcomfortKernel:
@@ -96,4 +93,4 @@ class VrcomfortKernel:
             summary.render()
         self._half.render()
         for layer in (*self._wide, self._gather):
-            layer.render(_Aspect(pixel_aspect))
+            layer.render(Aspect(pixel_aspect))
