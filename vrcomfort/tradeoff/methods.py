@@ -17,8 +17,8 @@ Family: TypeAlias = Literal["none", "source", "ours", "dial"]
 
 OURS = "vrcomfort"
 FOCUS = Focus(method="fixed", fixed_m=1.5)
-LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 7.0, "full_blur_dioptre": 2.0}
-"""A large lens: 3.5 % of the image's width per dioptre. Nothing in the walks is nearer than the
+LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 3.5, "full_blur_dioptre": 2.0}
+"""A large lens: 1.75 % of the image's width per dioptre. Nothing in the walks is nearer than the
 limit of 2 D allows, so that the reference, which has no limit, shows the same blur."""
 SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
 

@@ -51,16 +51,26 @@ Pair: TypeAlias = tuple[Frame | None, Frame]
 
 
 class CopyFloor:
-    """Copies stereo frames of linear light: what any pass that reads and writes them costs."""
+    """Copies stereo frames of linear light: what any pass that reads and writes them costs.
+
+    Each copy is copied again: a renderer that works tile by tile would not draw one image many
+    times over as it draws the passes of a frame, where each waits for the one before.
+    """
 
     def __init__(self, ctx: moderngl.Context, size_px: tuple[int, int]) -> None:
-        source = color_texture(ctx, size_px)
-        self._copy = FullscreenPass(ctx, "copy.frag", size_px=size_px, inputs={"source": source})
+        there, back = (color_texture(ctx, size_px) for _ in range(2))
+        self._copies = tuple(
+            FullscreenPass(
+                ctx, "copy.frag", size_px=size_px, inputs={"source": source}, target=target
+            )
+            for source, target in ((there, back), (back, there))
+        )
 
     def render(self) -> None:
         """Copy `COPIES` stereo frames."""
-        for _ in range(2 * COPIES):
-            self._copy.render()
+        for _ in range(COPIES):
+            for copy in self._copies:
+                copy.render()
 
 
 class MethodTime(NamedTuple):
