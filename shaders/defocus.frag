@@ -19,13 +19,5 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 c = texelFetch(colour, pixel, 0).rgb;
     point.rgb = clamp(mix(c, vec3(0.0), isnan(c)), 0.0, HALF_MAX);
-    float radius = unlimited_radius_at(texelFetch(depth, pixel, 0).r, uv);
-    point.a = clamp(radius, -radius_limit_px, radius_limit_px);
-#ifdef PERIPHERAL
-    vec2 tangent = mix(tangents.xw, tangents.yz, uv);
-    float cos_angle = head_depth_slope(tangents, head_forward_in_view, uv)
-                    * inversesqrt(1.0 + dot(tangent, tangent));
-    point.a = add_peripheral_px(point.a, cos_angle, peripheral_px, peripheral_exponent,
-                                radius_limit_px);
-#endif
+    point.a = radius_at(texelFetch(depth, pixel, 0).r, uv);
 }

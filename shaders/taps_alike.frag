@@ -2,14 +2,14 @@
 // Where everything is about as blurred: the mean of a few bilinear reads over a pixel's own disc.
 //
 // Input:  points (signed CoC RADIUS, px of image width), or a half or quarter of them
-//         (defocus_halve.frag), drawn into a target whose texels are SHOWN px wide. offsets: PATTERN
+//         (defocus_halve.frag), drawn into a target whose texels are SHOWN px wide. offsets: TAPS
 //         points of the unit disc.
 // Output: rgb, linear HDR.
 //
 // Reads blur by themselves; the disc is narrower by that variance, READ_PX2 / 4.
 uniform sampler2D level;
 uniform sampler2D points;
-uniform vec2 offsets[PATTERN];
+uniform vec2 offsets[TAPS];
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
 out vec4 blurred;
@@ -22,7 +22,7 @@ void main() {
     vec2 extent = radius * vec2(1.0, pixel_aspect);
     extent = sqrt(max(extent * extent - READ_PX2, 0.0)) / size_px;
     vec3 sum = vec3(0.0);
-    for (int i = 0; i < PATTERN; ++i)
+    for (int i = 0; i < TAPS; ++i)
         sum += textureLod(level, centre_px / size_px + extent * offsets[i], 0.0).rgb;
-    blurred = vec4(min(sum / float(PATTERN), 65504.0), 1.0);
+    blurred = vec4(min(sum / float(TAPS), 65504.0), 1.0);
 }

@@ -248,7 +248,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
     for condition in every_choice(rng):
-        renderer = StereoRenderer(ctx, (7, 5))
+        renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()
     folder = data_folder("shaders")
@@ -268,7 +268,7 @@ THROUGH = {
     "through_lens": "the reference's images (test_render_depth_and_lens.py)",
     "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
     "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
-    "tap_kind": "the taps_*.frag (test_effects_depth_of_field.py: copies, edges, sky)",
+    "radius_at": "defocus.frag and defocus_range.frag (test_effects_lens_laws.py)",
     "add_peripheral_px": "defocus.frag (test_effects_lens_laws.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",

@@ -12,7 +12,7 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
 from vrcomfort.render import lens_radius
-from vrcomfort.render.defocus import Defocus, LargestRadius, defocus_uniforms
+from vrcomfort.render.defocus import Defocus, RadiusRange, defocus_uniforms
 from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
 
@@ -121,11 +121,11 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
             infinity_m=3e4,
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        largest = LargestRadius(
+        largest = RadiusRange(
             ctx, depth=fours, focus=focus, settings=settings, infinity_m=3e4, tile_px=2
         )
         largest.render(head, 2 * focal_px)
-        found = np.frombuffer(largest.tiles.read(), "f4").reshape(40, 50) / 2
+        found = np.frombuffer(largest.tiles.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(
             settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf
         )
@@ -169,6 +169,35 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     )
     np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
     assert found.max() > 1.0
+
+
+@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("peripheral", [None, Peripheral(unit_diameter_arcmin=300.0)])
+def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
+    """In a canted eye with sides of its own, at a size that is no multiple of the tiles'."""
+    size_px = (61, 45)
+    distance = np.exp(np.random.default_rng(5).uniform(-1, 5, size_px[::-1]))
+    distance[:16] = np.inf
+    distance[16:32] = 2.0
+    colour, depth = textures(ctx, np.zeros((45, 61, 3)), distance)
+    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
+    effect = Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, size_px=size_px, infinity_m=3e4,
+        settings=DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name]),
+    )  # fmt: skip
+    turned = Pose(np.array([0.03, 0.0, -0.01]), axis_angle([0.0, 1.0, 0.0], 0.2))
+    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
+    radii = np.frombuffer(effect.points.read(), "f2").reshape(45, 61, 4)[..., 3].astype(float)
+    tiles = np.frombuffer(effect.tiles.read(), "f4").reshape(6, 8, 4)
+    assert effect.tile_px == 8
+    for row, column in np.ndindex(6, 8):
+        inside = radii[8 * row : 8 * row + 8, 8 * column : 8 * column + 8]
+        least, greatest, largest, _ = tiles[row, column]
+        slack = 1e-3 * max(1, largest)
+        assert least - slack <= inside.min() <= inside.max() <= greatest + slack
+        if peripheral is None:  # and no wider than a tile of a canted eye is
+            assert greatest - inside.max() <= 0.5
+            assert inside.min() - least <= 0.5
 
 
 def test_peripheral_blur_alone_leaves_the_middle_as_it_is(ctx):

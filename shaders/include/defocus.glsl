@@ -1,4 +1,4 @@
-// What turns an eye's depth into signed circle-of-confusion radii: uniforms and one function.
+// What turns an eye's depth into signed circle-of-confusion radii: uniforms and functions.
 //
 // Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
 // blur. Radii in pixels of image width, negative in front of the focus.
@@ -37,4 +37,17 @@ float unlimited_radius_at(float z, vec2 uv) {
     return unlimited_radius_px(z, near, focus_m, offset_m, infinity_m, px_per_defocus,
                                radius_limit_px);
 #endif
+}
+
+// The same within the limit, and with peripheral blur.
+float radius_at(float z, vec2 uv) {
+    float radius = clamp(unlimited_radius_at(z, uv), -radius_limit_px, radius_limit_px);
+#ifdef PERIPHERAL
+    vec2 tangent = mix(tangents.xw, tangents.yz, uv);
+    float cos_angle = head_depth_slope(tangents, head_forward_in_view, uv)
+                    * inversesqrt(1.0 + dot(tangent, tangent));
+    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent,
+                               radius_limit_px);
+#endif
+    return radius;
 }

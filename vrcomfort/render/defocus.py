@@ -19,8 +19,8 @@ from vrcomfort.render.lens_radius import (
 )
 from vrcomfort.render.peak import PeakPass
 
-PEAK_TILE_PX = 16
-"""Side of the tiles whose largest radii are compared on the way to the largest of all."""
+FINE_TILE_PX, COARSE_TILE_PX = 8, 16
+"""Side of the tiles whose range of radii is known: fine ones while no disc reaches over many."""
 
 
 class DefocusUniforms(NamedTuple):
@@ -115,9 +115,18 @@ class Defocus:
             constants=_Together(lens, *_peripheral_constants(settings)),
             defines={**_law_defines(settings), **_peripheral_defines(settings)},
         )
-        self._largest = LargestRadius(
-            ctx, depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
+        self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
+        """Side of :attr:`tiles`."""
+        self._range = RadiusRange(
+            ctx,
+            depth=depth,
+            focus=focus,
+            settings=settings,
+            infinity_m=infinity_m,
+            tile_px=self.tile_px,
         )
+        self.tiles = self._range.tiles
+        """What :class:`RadiusRange` has found of the present points."""
         self._least_limit_px = self.limit_px
         self.points = self._pass.target
         """RGBA16F: finite colour, signed radius in pixels of image width."""
@@ -130,16 +139,16 @@ class Defocus:
         self.limit_now_px = limit.radius_limit_px
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
         self._pass.render(_Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px)))
-        self._largest.render(eye, focal_px)
+        self._range.render(eye, focal_px)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._largest.forget()
+        self._range.forget()
         self._least_limit_px = self.limit_px
 
     def largest_radius_px(self) -> float:
         """Return the largest radius of all frames before its limit; waits for the GPU."""
-        return self._largest.read()
+        return self._range.read()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
@@ -152,15 +161,15 @@ class Defocus:
         )
 
 
-class LargestRadius:
-    """Remembers the largest radius of all frames before its limit, peripheral blur left out.
+class RadiusRange:
+    """The range of radii in each tile; remembers the largest of all frames before its limit.
 
     Parameters
     ----------
     depth, focus, settings, infinity_m
         Those of :class:`Defocus`.
     tile_px
-        Side of the tiles that are compared first, even.
+        Side of the tiles, even.
     """
 
     def __init__(
@@ -171,28 +180,29 @@ class LargestRadius:
         focus: moderngl.Texture,
         settings: DepthOfField,
         infinity_m: float,
-        tile_px: int = PEAK_TILE_PX,
+        tile_px: int,
     ) -> None:
         self._settings, self._size_px = settings, depth.size
+        lens = _lens_constants(settings, infinity_m)
         self._tiles = FullscreenPass(
             ctx,
-            "defocus_peak.frag",
+            "defocus_range.frag",
             size_px=(ceil(depth.width / tile_px), ceil(depth.height / tile_px)),
             inputs={"depth": depth, "focus": focus},
-            constants=_lens_constants(settings, infinity_m),
-            defines={**_law_defines(settings), "TILE": tile_px},
-            components=1,
+            constants=_Together(lens, *_peripheral_constants(settings)),
+            defines={**_law_defines(settings), **_peripheral_defines(settings), "TILE": tile_px},
             dtype="f4",
         )
         self.tiles = self._tiles.target
-        """R32F: the largest radius of each tile of the last eye, in pixels of image width."""
-        self._peak = PeakPass(ctx, self.tiles)
+        """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
+        eye; largest radius before the limit, peripheral blur left out."""
+        self._peak = PeakPass(ctx, self.tiles, components="z")
 
     def render(self, eye: DefocusUniforms, focal_px: float) -> None:
         """Take what an eye drew into account; `focal_px` is that of its image."""
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        needs_limit = self._settings.law == "linear"
-        self._tiles.render(_Together(eye, scale, *([limit] if needs_limit else [])))
+        unit = _peripheral_unit(self._settings, focal_px)
+        self._tiles.render(_Together(eye, scale, limit, *unit))
         self._peak.render()
 
     def read(self) -> float:

@@ -31,8 +31,9 @@ class FullscreenPass:
         Names of the inputs that are sampled bilinearly; the others as their textures say.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
-    vertex, vertices
-        What to draw instead of the triangle: triangles that `vertex` makes of `gl_VertexID` alone.
+    vertex, tiles
+        Instead of the triangle: squares of ``POINT_PX`` px, which cover an image of `tiles` =
+        (columns, rows) of them; `vertex` makes points of `gl_VertexID` alone.
     target
         A texture to draw into instead of one of its own.
     """
@@ -51,11 +52,11 @@ class FullscreenPass:
         dtype: str = "f2",
         vertex: str = "fullscreen.vert",
         vertices: int = 3,
+        tiles: tuple[int, int] | None = None,
         target: moderngl.Texture | None = None,
     ) -> None:
         self.target = target or gl.color_texture(ctx, size_px, components=components, dtype=dtype)
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
-        self._vertices = vertices
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         self._inputs = tuple(enumerate(texture for _, texture in named))
         for name in inputs:
@@ -70,6 +71,14 @@ class FullscreenPass:
             self._set(constants)
         self._framebuffer = ctx.framebuffer([self.target])
         self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
+        self._mode, self._vertices = moderngl.TRIANGLES, vertices
+        if tiles is not None:
+            columns, rows = tiles
+            self._mode, self._vertices = moderngl.POINTS, columns * rows
+            self._scope = ctx.scope(self._framebuffer, moderngl.PROGRAM_POINT_SIZE)
+            # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
+            point_px = int((defines or {})["POINT_PX"])
+            self._framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
 
     def render(self, uniforms: Uniforms | None = None) -> None:
         """Draw, after setting the uniforms of this frame."""
@@ -80,7 +89,7 @@ class FullscreenPass:
         for unit, sampler in self._samplers:
             sampler.use(unit)
         with self._scope:
-            self._triangle.render(moderngl.TRIANGLES, vertices=self._vertices)
+            self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
             sampler.clear(unit)
 

@@ -9,15 +9,18 @@ from vrcomfort.render import gl, shaders
 
 
 class PeakPass:
-    """Keeps the greatest length of `texels.xy` in one pixel; `read` waits for the GPU."""
+    """Keeps the greatest length of some components in one pixel; `read` waits for the GPU."""
 
-    def __init__(self, ctx: moderngl.Context, texels: moderngl.Texture) -> None:
+    def __init__(
+        self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
+    ) -> None:
         self._ctx = ctx
         self._texels = texels
         self._target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
         self._framebuffer = ctx.framebuffer([self._target])
         self._framebuffer.clear()
-        self._points = ctx.vertex_array(shaders.program(ctx, "peak.frag", "peak.vert"), [])
+        program = shaders.program(ctx, "peak.frag", "peak.vert", {"VALUE": components})
+        self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
 

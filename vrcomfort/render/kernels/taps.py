@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil
+from math import ceil, pi, sqrt
 from typing import Any, NamedTuple
 
 import moderngl
@@ -14,14 +14,27 @@ from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
 
-SMALL_TAPS = 12
-"""No more are needed where discs are small: bilinear reads overlap."""
+USUAL_TAPS = 12
+"""Where the settings do not say."""
+
+READ_AREA = 4.0
+"""A bilinear read stands for so many texels."""
+
+WIDE_PX = 4.0
+"""Discs wider than this are drawn at half resolution, whose own blur is that of 2.5 px."""
+
+LEAST_SMOOTH_PX = 2.1
+"""Half resolution, read bilinearly at full, is as blurred as a disc of 1.9 px."""
 
 
 class _Offsets(NamedTuple):
     offsets: bytes
+
+
+class _Walk(NamedTuple):
+    offsets: bytes
+    tap_count: int
 
 
 class TapsKernel:
@@ -29,9 +42,10 @@ class TapsKernel:
 
     Notes
     -----
-    Tiles where nothing is blurred are copied. Where all is about alike, taps are bilinear reads:
-    small discs at full resolution, wide ones at half. Only tiles in which surfaces mix look at the
-    depth of each tap, as the rings of `VrcomfortKernel` do.
+    Tiles where nothing is blurred are copied. Where all is about alike, taps are bilinear reads of
+    texels so wide that the reads cover the disc: half of them where it is small, at half resolution
+    where it is wide. Only tiles in which surfaces mix look at the depth of each tap, as the rings
+    of `VrcomfortKernel` do.
     """
 
     def __init__(
@@ -41,50 +55,84 @@ class TapsKernel:
         defocus: Defocus,
         settings: DepthOfField,
     ) -> None:
-        self._ctx, self._points, self._taps = ctx, defocus.points, settings.taps or SMALL_TAPS
+        self._ctx, self._points, self._taps = ctx, defocus.points, settings.taps or USUAL_TAPS
+        self._tile_px = defocus.tile_px
         halves = _halve(ctx, defocus.points)
-        quarters = _halve(ctx, halves.target)
-        self._before = (*tile_passes(ctx, defocus), halves, quarters)
-        self._reach = self._before[2].target
-        self._wide = gl.color_texture(ctx, halves.target.size)
+        reach = self._reach_pass(defocus)
+        self._reach = reach.target
         self.target = gl.color_texture(ctx, defocus.size_px)
-        few = min(self._taps, SMALL_TAPS)
-        self._copy = self._tiles("taps_copy.frag", "COPIED", {"colour": colour})
-        self._blurs = (
-            self._alike("WIDE", halves.target, 2, self._taps, self._wide),
-            self._alike("WIDEST", quarters.target, 4, self._taps, self._wide),
-            self._alike("SMALL", defocus.points, 1, few, self.target),
+        self._before = [reach, halves, self._tiles("taps_copy.frag", "COPIED", {"colour": colour})]
+        self._blurs = [
+            self._alike("FEW", defocus.points, 1, self.target, ceil(self._taps / 2)),
+            self._alike("FINE", defocus.points, 1, self.target),
+            self._alike("SMOOTH", halves.target, 2, self.target),
             self._mixed(colour, halves.target),
+        ]
+        self._after: list[FullscreenPass] = []
+        if defocus.limit_px > WIDE_PX:
+            self._add_wide(halves.target, widest=defocus.limit_px > _covered_px(self._taps, 2, 1.0))
+
+    def _add_wide(self, halves: moderngl.Texture, *, widest: bool) -> None:
+        """Draw wide discs at half resolution and enlarge them; `widest`: some read a quarter."""
+        wide = gl.color_texture(self._ctx, halves.size)
+        self._blurs.append(self._alike("WIDE", halves, 2, wide))
+        if widest:
+            quarters = _halve(self._ctx, halves)
+            self._before.append(quarters)
+            self._blurs.append(self._alike("WIDEST", quarters.target, 4, wide))
+        self._after.append(
+            self._tiles("taps_wide.frag", "WIDE | WIDEST", {"wide": wide}, filtered={"wide"})
         )
-        self._enlarge = self._tiles(
-            "taps_wide.frag", "WIDE | WIDEST", {"wide": self._wide}, filtered={"wide"}
+
+    def _reach_pass(self, defocus: Defocus) -> FullscreenPass:
+        return FullscreenPass(
+            self._ctx,
+            "tap_reach.frag",
+            size_px=defocus.tiles.size,
+            inputs={"tiles": defocus.tiles},
+            defines={
+                "TILE": self._tile_px,
+                "TAPS": self._taps,
+                # Pixels are at most half again as tall as wide in any headset, hence the factor.
+                "REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / self._tile_px)),
+                "WIDE_PX": WIDE_PX,
+                "WIDEST_PX": _covered_px(self._taps, 2, 1.0),
+                "SMOOTH_PX": max(LEAST_SMOOTH_PX, _covered_px(self._taps, 1, 0.8)),
+                "FEW_PX": _covered_px(ceil(self._taps / 2), 1, 0.7),
+            },
         )
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        for each in (*self._before, self._copy):
+        for each in self._before:
             each.render()
         for blur in self._blurs:
             blur.render(Aspect(pixel_aspect))
-        self._enlarge.render()
+        for each in self._after:
+            each.render()
 
     def _alike(
-        self, kinds: str, level: moderngl.Texture, texel: int, taps: int, target: moderngl.Texture
+        self,
+        kinds: str,
+        level: moderngl.Texture,
+        texel: int,
+        target: moderngl.Texture,
+        taps: int | None = None,
     ) -> FullscreenPass:
         """Return the pass over tiles of one surface that reads texels of this width (px)."""
-        shown = 1 if texel == 1 else 2
+        shown = 1 if target is self.target else 2
         return self._tiles(
             "taps_alike.frag",
             kinds,
-            {"level": level},
+            {"points": self._points, "level": level},
             filtered={"level"},
             target=target,
-            constants=_offsets(taps),
+            constants=_offsets(taps or self._taps),
             defines={
+                "TAPS": taps or self._taps,
                 "SHOWN": f"{shown}.0",
                 "LEVEL": f"{texel}.0",
                 "READ_PX2": coc.read_variance_px2(texel, shown) * 4,
-                "PATTERN": taps,
                 **({"RIM": 1} if shown > 1 else {}),
             },
         )
@@ -93,9 +141,8 @@ class TapsKernel:
         return self._tiles(
             "taps_mixed.frag",
             "MIXED",
-            {"colour": colour, "halves": halves},
-            filtered={"points", "halves"},
-            constants=_offsets(self._taps),
+            {"points": self._points, "colour": colour, "halves": halves},
+            constants=_Walk(_offsets(self._taps).offsets, self._taps),
         )
 
     def _tiles(
@@ -109,18 +156,29 @@ class TapsKernel:
         **options: Any,
     ) -> FullscreenPass:
         """Return a pass over the tiles of some kinds."""
-        common: dict[str, Any] = {"KINDS": kinds, "TILE": TILE_PX, "TAPS": self._taps}
+        point_px = self._tile_px if target in {None, self.target} else self._tile_px // 2
+        common: dict[str, Any] = {
+            "KINDS": kinds,
+            "TILE": self._tile_px,
+            "TAPS": self._taps,
+            "POINT_PX": point_px,
+        }
         return FullscreenPass(
             self._ctx,
             fragment,
             size_px=self.target.size,
-            inputs={"points": self._points, "reach": self._reach, **inputs},
+            inputs={"reach": self._reach, **inputs},
             defines={**common, **(defines or {})},
             vertex="tap_tiles.vert",
-            vertices=6 * self._reach.width * self._reach.height,
+            tiles=self._reach.size,
             target=target or self.target,
             **options,
         )
+
+
+def _covered_px(taps: int, texel: int, share: float) -> float:
+    """Return the radius of the disc of which so many reads of texels of this width make a share."""
+    return share * texel * sqrt(READ_AREA * taps / pi)
 
 
 def _offsets(taps: int) -> _Offsets:

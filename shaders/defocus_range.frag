@@ -1,0 +1,41 @@
+#version 450 core
+// Between what bounds the circles of confusion of each tile lie.
+//
+// Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels, even.
+// Output: one texel per tile; signed RADIUS in pixels of image width, negative in front of the focus:
+//         r, g = least and greatest within the limit, with peripheral blur;
+//         b = largest |RADIUS| before the limit, peripheral blur left out, for the record.
+//         It grows away from the focus, so that the nearest or the farthest point has the largest;
+//         for b, a tile of a canted eye counts as being where its middle is.
+// Source: defocus.frag.
+#include "coc.glsl"
+#include "defocus.glsl"
+
+out vec4 range;
+
+// Least and greatest reverse-Z depth of the pixels from `first` to `last`.
+vec2 depth_range(ivec2 first, ivec2 last, vec2 size) {
+    float nearest = 0.0, farthest = 1.0;
+    for (int y = first.y; y <= last.y; y += 2)
+        for (int x = first.x; x <= last.x; x += 2) {
+            vec4 z = textureGather(depth, vec2(x + 1, y + 1) / size);  // 2 x 2 texels
+            nearest = max(nearest, max(max(z.x, z.y), max(z.z, z.w)));
+            farthest = min(farthest, min(min(z.x, z.y), min(z.z, z.w)));
+        }
+    return vec2(farthest, nearest);
+}
+
+void main() {
+    vec2 size = vec2(textureSize(depth, 0));
+    ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
+    ivec2 last = min(first + TILE, ivec2(size)) - 1;
+    vec2 z = depth_range(first, last, size);
+    range = vec4(radius_limit_px, -radius_limit_px, 0.0, 0.0);
+    for (int i = 0; i < 4; ++i) {
+        vec2 corner = vec2(i & 1, i >> 1) * vec2(last + 1 - first) + vec2(first);
+        range.r = min(range.r, radius_at(z.y, corner / size));
+        range.g = max(range.g, radius_at(z.x, corner / size));
+    }
+    vec2 middle = 0.5 * vec2(first + last + 1) / size;
+    range.b = max(abs(unlimited_radius_at(z.x, middle)), abs(unlimited_radius_at(z.y, middle)));
+}

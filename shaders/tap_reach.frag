@@ -1,0 +1,52 @@
+#version 450 core
+// What may reach each tile, and the kind of work that it takes: the range of radii over the tiles
+// around (within REACH) whose discs come as far, or that its own discs reach.
+//
+// Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px)
+//         that divide the kinds: FEW_PX, SMOOTH_PX, WIDE_PX, WIDEST_PX.
+// Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
+//         that may matter in the tile; b = kind (include/tap_kinds.glsl).
+#include "tap_kinds.glsl"
+
+uniform sampler2D tiles;
+
+out vec4 reach;
+
+// In a headset pixels are at most this much taller than wide.
+const float TALLEST = 1.5;
+// Part of the widest radius by which those of one tile's surroundings may differ.
+const float ALIKE = 1.0;
+
+float widest_px(vec4 tile) {
+    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
+}
+
+int kind_of(vec2 range) {
+    float widest = max(abs(range.r), abs(range.g));
+    float least = min(abs(range.r), abs(range.g));
+    if (widest <= 0.5)
+        return COPIED;
+    bool alike = range.g - range.r <= ALIKE * widest && max(range.r, -range.g) > 0.5;
+    if (!alike)
+        return MIXED;
+    if (least > WIDE_PX)
+        return widest > WIDEST_PX ? WIDEST : WIDE;
+    if (least > SMOOTH_PX)
+        return SMOOTH;
+    return widest > FEW_PX ? FINE : FEW;
+}
+
+void main() {
+    ivec2 last = textureSize(tiles, 0) - 1;
+    ivec2 middle = ivec2(gl_FragCoord.xy);
+    float own_px = widest_px(texelFetch(tiles, middle, 0));
+    vec2 range = vec2(1e4, -1e4);
+    for (int y = -REACH; y <= REACH; ++y)
+        for (int x = -REACH; x <= REACH; ++x) {
+            vec4 t = texelFetch(tiles, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
+            float away_px = float((max(abs(x), abs(y)) - 1) * TILE);
+            if (away_px <= max(own_px, widest_px(t)))
+                range = vec2(min(range.r, t.r), max(range.g, t.g));
+        }
+    reach = vec4(range, kind_of(range), 0.0);
+}
