@@ -49,8 +49,8 @@ for method in ("reconstruction", "per_pixel"):
 for kernel in get_args(Kernel):
     condition = Condition(name="kernel", depth_of_field=DepthOfField(kernel=kernel))
     StereoRenderer(context, (16, 16)).begin(scene, condition)
-taps = Condition(name="taps", depth_of_field=DepthOfField(taps=6))
-StereoRenderer(context, (16, 16)).begin(scene, taps)
+taps = Condition(name="taps", depth_of_field=DepthOfField(taps=6, max_radius_percent=10))
+StereoRenderer(context, (64, 16)).begin(scene, taps)
 zone = Condition(
     name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
 )
