@@ -77,7 +77,9 @@ def test_a_sharp_foreground_does_not_leak(ctx, taps):
 
 @pytest.mark.parametrize("near_is_left", [True, False])
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4, 12.0])
-@pytest.mark.parametrize(("program", "rms"), [({}, 0.03), ({"taps": 12}, 0.06), ({"taps": 48}, 0.03)])
+@pytest.mark.parametrize(
+    ("program", "rms"), [({}, 0.03), ({"taps": 12}, 0.06), ({"taps": 48}, 0.03)]
+)
 def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
     ctx, near_is_left, radius_px, program, rms
 ):

@@ -21,8 +21,8 @@ USUAL_TAPS = 12
 READ_AREA = 4.0
 """A bilinear read stands for so many texels."""
 
-WIDE_PX = 4.0
-"""Discs wider than this are drawn at half resolution, whose own blur is that of 2.5 px."""
+LEAST_WIDE_PX = 2.6
+"""What is drawn at half resolution is as blurred as a disc of 2.5 px."""
 
 LEAST_SMOOTH_PX = 2.1
 """Half resolution, read bilinearly at full, is as blurred as a disc of 1.9 px."""
@@ -57,6 +57,7 @@ class TapsKernel:
     ) -> None:
         self._ctx, self._points, self._taps = ctx, defocus.points, settings.taps or USUAL_TAPS
         self._tile_px = defocus.tile_px
+        self._wide_px = max(LEAST_WIDE_PX, _covered_px(self._taps, 1, 1.0))
         halves = _halve(ctx, defocus.points)
         reach = self._reach_pass(defocus)
         self._reach = reach.target
@@ -69,7 +70,7 @@ class TapsKernel:
             self._mixed(colour, halves.target),
         ]
         self._after: list[FullscreenPass] = []
-        if defocus.limit_px > WIDE_PX:
+        if defocus.limit_px > self._wide_px:
             self._add_wide(halves.target, widest=defocus.limit_px > _covered_px(self._taps, 2, 1.0))
 
     def _add_wide(self, halves: moderngl.Texture, *, widest: bool) -> None:
@@ -95,7 +96,7 @@ class TapsKernel:
                 "TAPS": self._taps,
                 # Pixels are at most half again as tall as wide in any headset, hence the factor.
                 "REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / self._tile_px)),
-                "WIDE_PX": WIDE_PX,
+                "WIDE_PX": self._wide_px,
                 "WIDEST_PX": _covered_px(self._taps, 2, 1.0),
                 "SMOOTH_PX": max(LEAST_SMOOTH_PX, _covered_px(self._taps, 1, 0.8)),
                 "FEW_PX": _covered_px(ceil(self._taps / 2), 1, 0.7),
