@@ -10,11 +10,12 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from vrcomfort.cli.terminal import Quiet, Size, console, output_folder, parse_size, progress_bar
+from vrcomfort.cli.terminal import Quiet, console, output_folder, parse_size, progress_bar
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
 QUICK_SAMPLES = 512
+QUICK_SIZE_PX = (160, 200)
 
 
 def register(app: typer.Typer) -> None:
@@ -38,9 +39,15 @@ def tradeoff(
         typer.Option(metavar="NAME,…", help="Only these methods; without it, all."),
     ] = None,
     quick: Annotated[
-        bool, typer.Option("--quick", help="Small: one view, fewer samples and steps.")
+        bool, typer.Option("--quick", help="Small: one small view, fewer samples and steps.")
     ] = False,
-    size: Size = "160x200",
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WxH",
+            help="Pixels of one eye's image; without it, 320x400, or 160x200 if quick.",
+        ),
+    ] = None,
     poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
     samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
     rounds: Annotated[int | None, typer.Option(help="Timed frames of each method.", min=1)] = None,
@@ -79,7 +86,7 @@ def tradeoff(
         effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
         motions=("walk",) if quick else ("walk", "turn"),
         poses=poses or (1 if quick else 2),
-        size_px=parse_size(size),
+        size_px=parse_size(size) if size else QUICK_SIZE_PX if quick else Scope.size_px,
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,
         methods=tuple(name.strip() for name in methods.split(",")) if methods else None,

@@ -40,7 +40,7 @@ class Scope:
     effects: tuple[Effect, ...] = EFFECTS
     motions: tuple[Motion, ...] = MOTIONS[1:]
     poses: int = 2
-    size_px: tuple[int, int] = (160, 200)
+    size_px: tuple[int, int] = (320, 400)
     samples: int = 2048
     quick: bool = False
     methods: tuple[str, ...] | None = None

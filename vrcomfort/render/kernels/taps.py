@@ -18,6 +18,9 @@ from vrcomfort.render.kernels.base import Aspect
 USUAL_TAPS = 12
 """Where the settings do not say."""
 
+LEAST_TAPS = 4
+"""Fewer have not the disc's second moments."""
+
 READ_AREA = 4.0
 """A bilinear read stands for so many texels."""
 
@@ -56,6 +59,7 @@ class TapsKernel:
         settings: DepthOfField,
     ) -> None:
         self._ctx, self._points, self._taps = ctx, defocus.points, settings.taps or USUAL_TAPS
+        self._few = max(LEAST_TAPS, ceil(self._taps / 2))
         self._tile_px = defocus.tile_px
         self._wide_px = max(LEAST_WIDE_PX, _covered_px(self._taps, 1, 1.0))
         halves = _halve(ctx, defocus.points)
@@ -64,7 +68,7 @@ class TapsKernel:
         self.target = gl.color_texture(ctx, defocus.size_px)
         self._before = [reach, halves, self._tiles("taps_copy.frag", "COPIED", {"colour": colour})]
         self._blurs = [
-            self._alike("FEW", defocus.points, 1, self.target, ceil(self._taps / 2)),
+            self._alike("FEW", defocus.points, 1, self.target, self._few),
             self._alike("FINE", defocus.points, 1, self.target),
             self._alike("SMOOTH", halves.target, 2, self.target),
             self._mixed(colour, halves.target),
@@ -99,7 +103,7 @@ class TapsKernel:
                 "WIDE_PX": self._wide_px,
                 "WIDEST_PX": _covered_px(self._taps, 2, 1.0),
                 "SMOOTH_PX": max(LEAST_SMOOTH_PX, _covered_px(self._taps, 1, 0.8)),
-                "FEW_PX": _covered_px(ceil(self._taps / 2), 1, 0.7),
+                "FEW_PX": _covered_px(self._few, 1, 0.7),
             },
         )
 
