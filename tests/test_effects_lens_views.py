@@ -14,7 +14,6 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, Motion
 from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import Reference, read_rgb
-from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.resources import data_folder
 
 FOCUS = Focus(method="fixed", fixed_m=1.0)
@@ -77,19 +76,6 @@ def test_views_leave_the_centre_view_behind(ctx, views):
     """Motion blur, depth layer and files read the pinhole's colour, depth and velocity."""
     one, many = (drawn(ctx, half_plane(2.0), condition(k), [standing()])[0] for k in (1, views))
     np.testing.assert_array_equal(one, many)
-
-
-@pytest.mark.parametrize(("views", "drawings"), [(4, 5), (8, 8)])
-def test_a_view_through_the_middle_is_the_centre_view(ctx, monkeypatch, views, drawings):
-    """It isn't drawn a second time; with depth of field first its velocities are read."""
-    calls = []
-    render = ScenePass.render
-    monkeypatch.setattr(ScenePass, "render", lambda *given: calls.append(1) or render(*given))
-    renderer = StereoRenderer(ctx, SIZE_PX, eyes=1)
-    renderer.begin(half_plane(2.0), condition(views))
-    calls.clear()
-    renderer.render(standing(), 0.0)
-    assert len(calls) == drawings
 
 
 @pytest.mark.parametrize("order", ["depth_of_field_first", "motion_blur_first"])

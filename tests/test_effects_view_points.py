@@ -50,13 +50,6 @@ def test_the_blur_of_a_view_falls_with_their_number_and_is_at_most_the_lens():
     assert view_radius(4, 4.0) == 1.0
 
 
-def test_the_last_view_is_the_middle_where_any_is():
-    for count in range(2, 40):
-        away = np.hypot(*view_points(count, view_radius(count)).T)
-        assert np.argmin(away) == count - 1 or away.min() > 0.05
-        assert away[-1] == 0 or away.min() > 0.05
-
-
 @pytest.mark.parametrize("away", [-1.0, -0.4, 0.0, 0.7, 1.0])
 def test_the_edge_of_a_disc_is_its_area(away):
     x = np.linspace(-1, 1, 200_001)
@@ -90,6 +83,6 @@ def test_rings_make_half_the_error_of_a_sunflower_of_the_same_moments(count):
 def test_no_two_points_of_a_ring_share_a_row_or_column(count):
     """Edges of rooms lie along rows and columns: each point counts for such an edge."""
     points = view_points(count, 0.5)
-    on_ring = points[np.hypot(*points.T) > 0]
+    on_ring = points[np.hypot(*points.T) > 1e-9]
     for axis in (0, 1):
         assert np.diff(np.sort(on_ring[:, axis])).min() > 0.05

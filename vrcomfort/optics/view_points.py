@@ -49,7 +49,7 @@ def view_points(count: int, radius: float) -> Array:
 
     Mean and second moments of the points and of the disc of `radius` over which each view is
     blurred add up to those of the lens: nothing that is out of focus moves, and it is as wide as it
-    should be, in every direction (from three points on). The last point is the middle, if any is.
+    should be, in every direction (from three points on).
 
     Notes
     -----
@@ -61,8 +61,7 @@ def view_points(count: int, radius: float) -> Array:
         return np.zeros((1, 2))
     variance = max(1 - radius**2, 0.0) / 4
     found = [with_moments(_rings(counts), variance) for counts in _shares(count)]
-    best = min(found, key=lambda points: edge_error(points, radius))[::-1]
-    return np.where(np.abs(best) < 1e-12, 0.0, best)
+    return min(found, key=lambda points: edge_error(points, radius))
 
 
 def edge_error(points: ArrayLike, radius: float) -> float:

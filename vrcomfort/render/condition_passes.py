@@ -45,8 +45,7 @@ class ConditionPasses:
 
     With several views through the lens, motion blur that comes first blurs each view along its own
     velocities; motion blur that comes after depth of field blurs the mean of the views along those
-    of the centre view, which is the last one drawn, whether it is one of the views or not: its
-    colour, depth and velocity are the eye's.
+    of the centre view, which is drawn last: its colour, depth and velocity are the eye's.
     """
 
     def __init__(
@@ -221,8 +220,7 @@ class ConditionPasses:
             self._blur_defocus(eye)
 
         views.render(eye.camera.fov, draw_and_blur)
-        if not views.ends_in_the_middle:
-            draw(None)
+        draw(None)
         if not self._blur_first:
             self._blur_motion(eye)
 

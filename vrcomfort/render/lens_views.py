@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import moderngl
-import numpy as np
 
 from vrcomfort.geometry import Fov, focal_length_px
 from vrcomfort.optics.view_points import view_points, view_radius
@@ -61,8 +60,6 @@ class LensViews:
         self._infinity_m = infinity_m
         radius = view_radius(settings.views, settings.over_blur)
         self._points = view_points(settings.views, radius)
-        self.ends_in_the_middle = not np.any(self._points[-1])
-        """Whether the last view is the pinhole's, with its colour, depth and velocity."""
         self._sum = gl.color_texture(ctx, view.size, dtype="f4")
         self.target = gl.color_texture(ctx, view.size)
         self._view = view
