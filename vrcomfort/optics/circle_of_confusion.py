@@ -269,10 +269,10 @@ def tap_offsets(taps: int) -> Array:
     Notes
     -----
     Up to nine: one in the middle of a ring, at which the mean square distance is the disc's, 1/2.
-    From there on the sunflower of `optics.sampling.lens_points`.
+    From there on the sunflower of `optics.sampling.sunflower`.
     """
     if taps > 9:
-        return sampling.lens_points(taps, over_blur=0.0)
+        return sampling.sunflower(taps)
     angle = 2 * np.pi * np.arange(taps - 1) / (taps - 1)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * math.sqrt(taps / (taps - 1) / 2)
     return np.concatenate([np.zeros((1, 2)), ring])

@@ -28,29 +28,30 @@ def low_discrepancy(count: int, shift: ArrayLike) -> Array:
     return points
 
 
-def lens_points(count: int, over_blur: float = 1.0) -> Array:
-    """Return (count, 2) points of the unit disc from which a lens is seen in `count` views.
-
-    Each view is to be blurred over a disc of radius ``over_blur / √count``. Mean and second moments
-    of the points and those of the small disc add up to those of the lens: nothing that is out of
-    focus moves, and it is as wide as it should be, in every direction (from three points on).
+def sunflower(count: int) -> Array:
+    """Return (count, 2) points spread over the unit disc, with its mean and second moments.
 
     Notes
     -----
-    Vogel, "A better way to construct the sunflower head", 1979; up to eight points are on one ring.
-    Against these, the same count of R2 points through `concentric_disc` has 3 to 6 times the error
-    at an edge, because their moments are off.
+    Vogel, "A better way to construct the sunflower head", 1979. Against these, the same count of R2
+    points through `concentric_disc` has 3 to 6 times the error at an edge, because their moments
+    are off.
     """
     index = np.arange(count)
-    on_ring = count <= 8
-    angle = index * (2 * np.pi / count if on_ring else np.pi * (3 - math.sqrt(5)))
-    radius = np.ones(count) if on_ring else np.sqrt((index + 0.5) / count)
-    points = radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    points -= points.mean(axis=0)
-    variance, axes = np.linalg.eigh(points.T @ points / count)
-    wanted = max(1 - over_blur**2 / count, 0.0) / 4
-    stretch = np.sqrt(wanted / np.where(variance > 1e-9, variance, np.inf))
-    stretched: Array = points @ (axes * stretch) @ axes.T
+    angle = index * np.pi * (3 - math.sqrt(5))
+    radius = np.sqrt((index + 0.5) / count)
+    return with_moments(radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1))
+
+
+def with_moments(points: Array, variance: float = 0.25) -> Array:
+    """Return (n, 2) points moved about 0 and stretched until their variance is the same all round.
+
+    That of the unit disc is 1/4. Where all lie on a line, they have it along this line.
+    """
+    centred = points - points.mean(axis=0)
+    found, axes = np.linalg.eigh(centred.T @ centred / len(points))
+    stretch = np.sqrt(variance / np.where(found > 1e-9, found, np.inf))
+    stretched: Array = centred @ (axes * stretch) @ axes.T
     return stretched
 
 

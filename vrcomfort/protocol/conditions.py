@@ -142,10 +142,10 @@ class DepthOfField(Settings):
     the fast way, a few spread evenly over the disc. Without it, `rings` says."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
-    the views are blurred a little and averaged; r_max does not limit what lies between them. Two
-    are worse than one."""
+    the views are blurred a little and averaged; r_max does not limit what lies between them."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
-    """Radius of the blur of each of K views, in parts of the lens over √K (`views` from 2 on)."""
+    """Scales the blur of each of K views, whose radius is 1.125/√K of the lens at 1, and 0.97 of it
+    with two or three (`views` from 2 on)."""
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:

@@ -1,19 +1,18 @@
 """Depth of field as the mean of views through the lens, each of which is blurred a little.
 
 One setting spans fast to reference: with one view all blur is a filter's; with K, each view is
-blurred over 1/√K of the lens, so that nothing shows between them, and what a filter cannot know
-(what a near thing hides) is drawn instead of guessed.
+blurred over about 1/√K of the lens, so that nothing shows between them, and what a filter cannot
+know (what a near thing hides) is drawn instead of guessed.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 
 import moderngl
 
 from vrcomfort.geometry import Fov, focal_length_px
-from vrcomfort.optics.sampling import lens_points
+from vrcomfort.optics.view_points import view_points, view_radius
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl, shaders
 from vrcomfort.render.camera import Lens
@@ -24,7 +23,7 @@ def blur_of_one_view(settings: DepthOfField) -> DepthOfField:
     """Return the settings by which one of the views is blurred; for one view, these settings."""
     if settings.views == 1:
         return settings
-    part = settings.over_blur / math.sqrt(settings.views)
+    part = view_radius(settings.views, settings.over_blur)
     diameter = settings.max_diameter_arcmin
     return settings.model_copy(
         update={
@@ -59,7 +58,8 @@ class LensViews:
         self.views = settings.views
         self._settings = settings
         self._infinity_m = infinity_m
-        self._points = lens_points(settings.views, settings.over_blur)
+        radius = view_radius(settings.views, settings.over_blur)
+        self._points = view_points(settings.views, radius)
         self._sum = gl.color_texture(ctx, view.size, dtype="f4")
         self.target = gl.color_texture(ctx, view.size)
         self._view = view
