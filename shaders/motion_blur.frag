@@ -33,7 +33,9 @@ vec3 read(vec2 at_px) {
 #ifdef CUBIC
 // Catmull-Rom across the streak, on the axis along which it is shorter: a bilinear read blurs there
 // as well. The two middle rows are read at once, where the filter weighs them as the curve does.
-// Nothing is brighter or darker than what was read.
+// The mean is no brighter or darker than all that was read.
+vec3 least = vec3(65504.0), greatest = vec3(0.0);
+
 vec3 read_across(vec2 at_px, vec2 across) {
     float t = dot(fract(at_px - 0.5), across);
     vec2 row = at_px - t * across;
@@ -42,7 +44,9 @@ vec3 read_across(vec2 at_px, vec2 across) {
     float middle = first + second;
     vec3 a = read(row - across), b = read(row + second / middle * across);
     vec3 c = read(row + 2.0 * across);
-    return clamp(before * a + middle * b + after * c, min(min(a, b), c), max(max(a, b), c));
+    least = min(least, min(min(a, b), c));
+    greatest = max(greatest, max(max(a, b), c));
+    return before * a + middle * b + after * c;
 }
 #else
 vec3 read_across(vec2 at_px, vec2 across) {
@@ -74,6 +78,9 @@ void main() {
         taps -= 1.0;
     } while (moves && taps > 0.5);
     vec3 mean = (own * blurred.rgb + part * sum) / (2.0 * reach);
+#ifdef CUBIC
+    mean = clamp(mean, min(least, blurred.rgb), max(greatest, blurred.rgb));
+#endif
     if (moves)
         blurred.rgb = min(mean, 65504.0);
 }

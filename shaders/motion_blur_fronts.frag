@@ -109,11 +109,12 @@ void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
 }
 
 void gather(Walk walk, bool for_back, bool for_front) {
-    for (int j = 1; j <= taps(walk); ++j) {
-        Tap tap = tap_of(walk, j);
+    int j = 0, last_tap = taps(walk);
+    do {
+        Tap tap = tap_of(walk, ++j);
         gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
         gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
-    }
+    } while (j < last_tap);
 }
 
 void main() {

@@ -263,8 +263,8 @@ def test_taps_share_a_streak_evenly(reach, samples):
     own, at_px, weight = motion.streak_taps(reach, samples=samples)
     assert own + 2 * len(at_px) * weight == pytest.approx(2 * reach)
     assert 0.5 <= at_px[0] <= at_px[-1] <= max(reach, 0.75)
-    assert weight <= (2 if reach <= samples // 2 * 2 else max(2, 20 / min(samples, 16))) + 1e-9
-    assert len(at_px) <= max(1, reach / 2 + 1, reach * min(samples, 16) / 20 + 1)
+    assert weight <= (2 if reach <= samples // 2 * 2 else max(2, 24 / min(samples, 16))) + 1e-9
+    assert len(at_px) <= max(1, reach / 2 + 1, reach * min(samples, 16) / 24 + 1)
 
 
 def test_shader_time_over_is_the_twin(ctx, rng):

@@ -23,7 +23,7 @@ BEHIND = 1e-3
 LEAST_W = 1e-6
 """Least present distance: the rims of triangles are interpolated past the eye."""
 
-STREAK_OF_SAMPLES_PX = 20.0
+STREAK_OF_SAMPLES_PX = 24.0
 """Length of streak that takes ``MotionBlur.samples`` samples."""
 
 MOST_SAMPLES = 16
