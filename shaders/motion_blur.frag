@@ -1,161 +1,86 @@
 #version 450 core
-// Motion blur by gathering along streaks, with who hides whom.
+// Motion blur where streaks change slowly from pixel to pixel: the average along the pixel's own.
 //
-// Input:  colour (linear HDR, filtered), streaks (streaks.frag), longest (streak_neighbours.frag).
-//         KIND: the tiles that this variant is for (streak_tiles.vert).
+// Input:  colour (linear HDR, filtered), velocity (streak.glsl).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
-// The one-dimensional sister of depth_of_field.frag. A pixel p has
+// Where a camera moves, nearly all that a pixel sees moves along with it, and nothing is uncovered;
+// the rest is drawn over this by motion_blur_fronts.frag.
 //
-//   a back   the average of p's own surface and what is behind it, along p's OWN streak;
-//   a front  nearer points q whose streak is long enough to sweep over p. Each adds its share of
-//            the time, step / (2 |u_q|), to an opacity; the front goes over the back.
-//
-// Fronts are looked for along the longest streak around. Where that is p's own streak as well,
-// one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
-// Most tiles need none of that (ALIKE): where the streaks change slowly from pixel to pixel, all taps
-// move along with p, nothing is uncovered, and a plain average along p's streak is the same.
-// Limits: one velocity for each pixel, so what is seen through holes or hidden by p stays unknown,
-// paths are straight, and highlights go with the surface, though they stay where the light is.
-// No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
-// McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
-// Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
+// The pixel itself counts for as long as the streak is over it. What is left on either side is
+// divided evenly among taps at the middle of their parts, counted in pixels along the longer axis
+// of the image. Up to 2 px apart the filter reads every pixel, so a short streak takes few taps: one
+// on either side up to 2.5 px. Beyond `few_taps` they move apart, and from 1 / `taps_per_px` on
+// their number grows with the streak. No noise, so the same scene point blurs alike in both eyes.
+// Source: ours; the midpoint rule. NumPy twin: optics.motion.streak_taps.
 #include "velocity.glsl"
+#include "streak.glsl"
 #include "streak_kinds.glsl"
 
 uniform sampler2D colour;
-uniform sampler2D streaks;
-uniform sampler2D longest;
-uniform int px_per_sample;
+uniform float taps_per_px;
+uniform float few_taps;
 
 out vec4 blurred;
 
-ivec2 pixel = ivec2(gl_FragCoord.xy);
-ivec2 last = textureSize(streaks, 0) - 1;
-vec4 p = texelFetch(streaks, pixel, 0);
+vec2 texel = 1.0 / vec2(textureSize(colour, 0));
 
-vec4 back = vec4(0.0);   // rgb * weight, weight
-vec4 front = vec4(0.0);  // rgb * opacity, opacity
-
-// 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
-// and goes its own way. What moves together uncovers nothing: a plain average is exact there.
-float in_front(vec4 q) {
-    float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-5), 0.0, 1.0);
-    return nearer * clamp(length(q.xy - p.xy) / tolerance_px(length(p.xy)) - 1.0, 0.0, 1.0);
+vec3 read(vec2 at_px) {
+    return textureLod(colour, at_px * texel, 0.0).rgb;
 }
 
-// Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
-// Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
-// streak does.
-struct Walk {
-    vec2 step;         // px of the image for one px along the longer axis
-    float per_square;  // 1 / (its length squared)
-    float reach;       // of the half streak, along the longer axis
-    int stride;
-    bool whole_pixels;
-};
+#ifdef CUBIC
+// Catmull-Rom across the streak, on the axis along which it is shorter: a bilinear read blurs there
+// as well. The two middle rows are read at once, where the filter weighs them as the curve does.
+// The mean is no brighter or darker than all that was read.
+vec3 least = vec3(65504.0), greatest = vec3(0.0);
 
-struct Tap {
-    float first;  // pixel that it stands for, px from p
-    float along;  // where it lies, px from p
-    float time;   // that p's streak is over it, in px of its way
-};
+vec3 read_across(vec2 at_px, vec2 across) {
+    float t = dot(fract(at_px - 0.5), across);
+    vec2 row = at_px - t * across;
+    float before = t * (t * (1.0 - 0.5 * t) - 0.5), after = t * t * (0.5 * t - 0.5);
+    float first = 1.0 + t * t * (1.5 * t - 2.5), second = t * (0.5 + t * (2.0 - 1.5 * t));
+    float middle = first + second;
+    vec3 a = read(row - across), b = read(row + second / middle * across);
+    vec3 c = read(row + 2.0 * across);
+    least = min(least, min(min(a, b), c));
+    greatest = max(greatest, max(max(a, b), c));
+    return before * a + middle * b + after * c;
+}
+#else
+vec3 read_across(vec2 at_px, vec2 across) {
+    return read(at_px);
+}
+#endif
 
-Walk walk_along(vec2 half_streak, int stride, bool whole_pixels) {
-    float reach = max(abs(half_streak.x), abs(half_streak.y));
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 half_streak = half_streak_at(pixel);
+    blurred = texelFetch(colour, pixel, 0);
+    bool moves = dot(half_streak, half_streak) >= LEAST_PX * LEAST_PX;
+    vec2 extent = abs(half_streak);
+    float reach = max(max(extent.x, extent.y), 1e-6);
+    float own = reach < 1.0 ? reach * (2.0 - reach) : 1.0;  // time_over(0, reach)
+    float beyond = reach - 0.5 * own;
+    float taps = max(min(ceil(0.5 * (reach - 0.5)), few_taps), ceil(taps_per_px * (reach - 0.5)));
+    taps = max(taps, 1.0);
+    float part = beyond / taps;
     vec2 step = half_streak / reach;
-    return Walk(step, 1.0 / dot(step, step), reach, stride, whole_pixels);
-}
-
-int taps(Walk walk) {
-    return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
-}
-
-Tap tap_of(Walk walk, int j) {
-    float first = float((j - 1) * walk.stride + 1), other = first + float(walk.stride - 1);
-    float a = time_over(first, walk.reach), b = time_over(other, walk.reach);
-    float along = mix(first, other, b / max(a + b, 1e-6));
-    return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
-}
-
-vec4 colour_at(vec2 at, bool whole_pixels) {
-    vec2 where = whole_pixels ? floor(at) + 0.5 : at;
-    return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
-}
-
-vec4 streak_at(vec2 at) {
-    return texelFetch(streaks, clamp(ivec2(floor(at)), ivec2(0), last), 0);
-}
-
-#ifdef ONLY_ALIKE
-// Nothing in front anywhere near: the average along p's streak.
-void gather_plain(Walk walk) {
-    vec2 centre = vec2(pixel) + 0.5;
-    for (int j = 1; j <= taps(walk); ++j) {
-        Tap tap = tap_of(walk, j);
-        vec2 offset = tap.along * walk.step;
-        back += tap.time * (colour_at(centre - offset, false) + colour_at(centre + offset, false));
-    }
-}
-#else
-void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
-    vec2 at = vec2(pixel) + 0.5 + offset;
-    vec4 q = streak_at(at - offset * (0.01 / tap.along));  // between two pixels, the closer one
-    float is_front = in_front(q);
-    // p's own surface and what is behind it.
-    float shown = for_back ? (1.0 - is_front) * tap.time : 0.0;
-    // What sweeps over p: q does for the part of the time that its own streak is over p.
-    float sweep = abs(dot(q.xy, walk.step)) * walk.per_square;
-    float time = clamp(sweep + 0.5 - tap.first, 0.0, float(walk.stride));
-    float over = for_front ? is_front * time / max(2.0 * sweep, 1e-3) : 0.0;
-    if (shown + over > 0.0) {
-        vec4 c = colour_at(at, walk.whole_pixels);
-        back += shown * c;
-        front += over * c;
-    }
-}
-
-void gather(Walk walk, bool for_back, bool for_front) {
-    for (int j = 1; j <= taps(walk); ++j) {
-        Tap tap = tap_of(walk, j);
-        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
-        gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
-    }
-}
+    vec2 across = extent.x < extent.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
+    vec2 offset = (reach < 1.0 ? 0.75 : 0.5 + 0.5 * part) * step;
+    vec3 sum = vec3(0.0);
+    // As `do`, it goes through once where one tap is enough: lanes of a block leave at its end.
+    do {
+        sum += read_across(gl_FragCoord.xy - offset, across);
+        sum += read_across(gl_FragCoord.xy + offset, across);
+        offset += part * step;
+        taps -= 1.0;
+    } while (moves && taps > 0.5);
+    vec3 mean = (own * blurred.rgb + part * sum) / (2.0 * reach);
+#ifdef CUBIC
+    mean = clamp(mean, min(least, blurred.rgb), max(greatest, blurred.rgb));
 #endif
-
-#ifdef ONLY_ALIKE
-void main() {
-    blurred = texelFetch(colour, pixel, 0);
-    if (length(p.xy) < LEAST_PX)
-        return;
-    Walk own = walk_along(p.xy, px_per_sample, false);
-    back = time_over(0.0, own.reach) * vec4(blurred.rgb, 1.0);
-    gather_plain(own);
-    blurred.rgb = min(back.rgb / back.a, 65504.0);
-}
-#else
-void main() {
-    vec4 tile = texelFetch(longest, pixel / TILE, 0);
-    vec2 around = tile.xy;
-    float reach = length(around);
-    bool moves = length(p.xy) >= LEAST_PX;
-    // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
-    bool whole_pixels = tile.w > 0.75 * reach;
-    int stride = whole_pixels ? 1 : px_per_sample;
-    blurred = texelFetch(colour, pixel, 0);
-    Walk own = walk_along(p.xy, stride, whole_pixels);
-    back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
-    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
-    bool together = moves && apart < 0.25 + 0.05 * reach;
     if (moves)
-        gather(own, true, together);
-    if (!together)
-        gather(walk_along(around, stride, whole_pixels), false, true);
-    if (front.a <= 0.0 && !moves)
-        return;
-    vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
-    blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
+        blurred.rgb = min(mean, 65504.0);
 }
-#endif

@@ -1,7 +1,7 @@
 #version 450 core
 // Motion blur as most post-processing has it: the mean of samples along the pixel's OWN velocity.
 //
-// Input:  colour (linear HDR, filtered), streaks (streaks.frag).
+// Input:  colour (linear HDR, filtered), velocity (streak.glsl).
 // Output: the mean of SAMPLES colours between the two ends of the pixel's streak; full resolution.
 // Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
@@ -11,14 +11,16 @@
 // samples lie around the pixel here, as the shutter is centred on the frame's pose.
 // Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,
 // "Comfort and motion blur in VR", which builds on it.
+#include "velocity.glsl"
+#include "streak.glsl"
+
 uniform sampler2D colour;
-uniform sampler2D streaks;
 
 out vec4 blurred;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 half_streak = texelFetch(streaks, pixel, 0).xy;
+    vec2 half_streak = half_streak_at(pixel);
     blurred = texelFetch(colour, pixel, 0);
     if (half_streak == vec2(0.0))
         return;

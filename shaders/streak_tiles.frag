@@ -1,38 +1,60 @@
 #version 450 core
-// The longest half streak of each tile (McGuire et al. 2012, TileMax), one axis at a time.
+// The longest half streak of each tile (McGuire et al. 2012, TileMax) and how steep streaks change.
 //
-// Input:  x-pass (AXIS 0): streaks.frag; y-pass (AXIS 1): the result of the x-pass.
-// Output: xy = longest half streak in the tile, px, without the limit; z = length of the shortest,
-//         with it; w = steepness: the most by which half streaks of two pixels side by side differ.
-uniform sampler2D source;
+// Input:  ROWS: velocity, of which a texel sums up TILE columns of ROWS rows; else source: the
+//         result of that, of which a texel sums up STRIPS.
+// Output: xy = longest half streak in the tile, px, without the limit; z = length of the shortest;
+//         w = steepness: the most by which half streaks of two pixels side by side differ.
+#include "velocity.glsl"
 
 out vec4 tile;
 
-ivec2 last = textureSize(source, 0) - 1;
+#ifdef ROWS
+#include "streak.glsl"
 
-#if AXIS == 0
-vec4 summary(ivec2 at) {
-    vec4 s = texelFetch(source, min(at, last), 0);
-    vec2 right = texelFetch(source, min(at + ivec2(1, 0), last), 0).xy;
-    vec2 up = texelFetch(source, min(at + ivec2(0, 1), last), 0).xy;
-    float reach = length(s.xy);
-    vec2 unlimited = s.w > 1.001 * reach ? s.xy * (s.w / max(reach, 1e-6)) : s.xy;
-    return vec4(unlimited, reach, max(length(right - s.xy), length(up - s.xy)));
+ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(TILE, ROWS);
+ivec2 last = textureSize(velocity, 0) - 1;
+
+vec2 at(int x, int y) {
+    return velocity_at(clamp(first + ivec2(x, y), ivec2(0), last));
+}
+
+float squared(vec2 v) {
+    return dot(v, v);
+}
+
+// Each pixel is compared with those to its left and above it.
+void main() {
+    vec2 left[ROWS];
+    for (int y = 0; y < ROWS; ++y)
+        left[y] = at(-1, y);
+    vec2 longest = vec2(0.0);
+    float least = 1e30, steepest = 0.0;
+    for (int x = 0; x < TILE; ++x) {
+        vec2 above = at(x, 0);
+        for (int y = 0; y < ROWS; ++y) {
+            vec2 v = above;
+            above = at(x, y + 1);
+            longest = squared(v) > squared(longest) ? v : longest;
+            least = min(least, squared(v));
+            steepest = max(steepest, max(squared(above - v), squared(left[y] - v)));
+            left[y] = v;
+        }
+    }
+    tile = 0.5 * shutter_fraction * vec4(longest, sqrt(least), sqrt(steepest));
 }
 #else
-vec4 summary(ivec2 at) {
-    return texelFetch(source, min(at, last), 0);
-}
-#endif
+uniform sampler2D source;
 
 void main() {
-    ivec2 step_px = AXIS == 0 ? ivec2(1, 0) : ivec2(0, 1);
-    ivec2 first = ivec2(gl_FragCoord.xy) * (1 + step_px * (TILE - 1));
-    tile = vec4(0.0, 0.0, 1e4, 0.0);
-    for (int i = 0; i < TILE; ++i) {
-        vec4 s = summary(first + i * step_px);
+    ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(1, STRIPS);
+    int last = textureSize(source, 0).y - 1;
+    tile = texelFetch(source, first, 0);
+    for (int i = 1; i < STRIPS; ++i) {
+        vec4 s = texelFetch(source, ivec2(first.x, min(first.y + i, last)), 0);
         tile.xy = dot(s.xy, s.xy) > dot(tile.xy, tile.xy) ? s.xy : tile.xy;
         tile.z = min(tile.z, s.z);
         tile.w = max(tile.w, s.w);
     }
 }
+#endif

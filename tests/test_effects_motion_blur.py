@@ -5,7 +5,7 @@ import pytest
 from effects_parts import motion_blur, motion_blur_pass, rgb_of
 
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.optics.motion import time_over
+from vrcomfort.optics.motion import streak_taps
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
 
@@ -111,14 +111,47 @@ def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
     assert before[48, 48, 0] == pytest.approx(0.5, abs=0.05)
 
 
-@pytest.mark.parametrize("samples", [8, 16])
+@pytest.mark.parametrize("samples", [2, 4, 8, 16])
 @pytest.mark.parametrize("half_streak_px", [0.4, 1.3, 5.0, 11.6])
-def test_a_point_is_spread_as_long_as_its_streak_is_over_each_pixel(ctx, half_streak_px, samples):
+def test_a_point_is_spread_as_the_twin_says(ctx, half_streak_px, samples):
     rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
     line = motion_blur(ctx, rgb, 2.0, [2 * half_streak_px, 0.0], samples=samples, **WHOLE)[48, :, 0]
     reach = float(np.float16(half_streak_px))
-    expected = time_over(np.arange(128) - 64, reach) / (2 * reach)
-    np.testing.assert_allclose(line, expected, atol=2e-3)
+    taps = streak_taps(reach, samples=samples)
+    x = np.arange(128)[:, None] - 64
+    tents = np.maximum(1 - np.abs(np.abs(x) - taps.at_px), 0) * np.where(x == 0, 2, 1)
+    expected = np.where(x[:, 0] == 0, taps.own, 0) + taps.weight * tents.sum(axis=1)
+    np.testing.assert_allclose(line, expected / (2 * reach), atol=2e-3)
+
+
+def waves(at_px):
+    """Return (h, w, 3) of crossing waves with periods from 3 to 11 px, at (h, w, 2) places."""
+    periods = np.array([[3.1, 17.0], [7.0, 4.3], [-5.0, 3.7], [11.0, 40.0]])
+    phases = np.tensordot(at_px, 2 * np.pi / periods.T, axes=1)
+    return np.repeat(1 + np.cos(phases).mean(axis=-1, keepdims=True), 3, axis=-1)
+
+
+def test_more_samples_are_closer(ctx):
+    """The streak's own average is known where the image is made of waves."""
+    places = np.stack(np.meshgrid(np.arange(128.0), np.arange(96.0)), axis=-1)
+    image = waves(places)
+
+    def error(velocity, samples):
+        exact = np.mean([waves(places + t * velocity) for t in np.linspace(-0.5, 0.5, 65)], axis=0)
+        blurred = motion_blur(ctx, image, 2.0, velocity, samples=samples, **WHOLE)
+        return np.sqrt(np.mean((blurred - exact)[16:-16, 16:-16] ** 2))
+
+    velocities = np.array([[17.0, 9.0], [22.0, 3.0], [7.0, 20.0], [9.0, -8.0]])
+    errors = [np.mean([error(v, samples) for v in velocities]) for samples in (2, 4, 8, 16, 32)]
+    assert errors == sorted(errors, reverse=True)
+    assert errors[0] > 4 * errors[2] > 12 * errors[4]
+
+
+def test_a_cubic_read_makes_nothing_brighter_or_darker_than_it_is(ctx, rng):
+    rgb = np.where(rng.random((96, 128, 1)) < 0.1, 60_000.0, 1.0).repeat(3, axis=-1)
+    blurred = motion_blur(ctx, rgb, 2.0, [3.0, 1.3], samples=32, **WHOLE)
+    assert blurred.min() >= 0.999
+    assert blurred.max() <= 60_032
 
 
 def test_tiles_are_told_by_what_can_be_seen_in_them(ctx, rng):
@@ -140,6 +173,19 @@ def test_tiles_are_told_by_what_can_be_seen_in_them(ctx, rng):
     assert kinds[:9].tolist() == [0] * 9
     assert kinds[12:18].tolist() == [1] * 6
     assert kinds[21:].tolist() == [2] * 11
+
+
+def test_streaks_that_grow_slowly_across_the_image_hide_nothing(ctx, rng):
+    """As where the camera goes forward: 0.4 px more for each pixel, but no jump."""
+    x = np.arange(256.0)[None, :].repeat(64, axis=0)
+    velocity = np.stack([0.4 * (x - 128), 0 * x], axis=-1)
+    rgb = rng.uniform(0, 1, (64, 256, 3))
+    effect = motion_blur_pass(
+        ctx, rgb, rng.uniform(1, 9, (64, 256)), velocity, shutter_fraction=1.0
+    )
+    longest = effect._gather._neighbours.target
+    kinds = np.frombuffer(longest.read(), "f2").reshape(longest.height, longest.width, 4)[..., 2]
+    assert np.unique(kinds).tolist() == [1]
 
 
 def turning(deg_s):

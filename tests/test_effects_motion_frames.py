@@ -294,6 +294,6 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
         count_primitives(lambda: renderer.begin(still_life(), condition))  # noqa: B023 - called now
         for condition in (PLAIN, fast)
     )
-    # Streaks, two tile passes, their peak over 3 x 3 tiles, neighbours, two triangles for each tile
-    # of two kinds; two Gaussians.
-    assert warm - plain == 1 + 2 + 9 + 1 + 2 * 2 * 9 + 2
+    # Two tile passes, their peak over 3 x 3 tiles, neighbours, the plain average, two triangles for
+    # each tile in which things pass each other; two Gaussians.
+    assert warm - plain == 2 + 9 + 1 + 1 + 2 * 9 + 2

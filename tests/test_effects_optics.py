@@ -257,6 +257,16 @@ def test_the_times_over_all_pixels_are_the_whole_streak(reach):
     np.testing.assert_allclose(times[np.abs(pixels) <= reach - 1], 1, atol=1e-12)
 
 
+@given(st.floats(0.01, 400), st.integers(2, 64))
+def test_taps_share_a_streak_evenly(reach, samples):
+    """All of it, inside it, and near enough that no pixel of a short one is passed over."""
+    own, at_px, weight = motion.streak_taps(reach, samples=samples)
+    assert own + 2 * len(at_px) * weight == pytest.approx(2 * reach)
+    assert 0.5 <= at_px[0] <= at_px[-1] <= max(reach, 0.75)
+    assert weight <= (2 if reach <= samples // 2 * 2 else max(2, 24 / min(samples, 16))) + 1e-9
+    assert len(at_px) <= max(1, reach / 2 + 1, reach * min(samples, 16) / 24 + 1)
+
+
 def test_shader_time_over_is_the_twin(ctx, rng):
     x = rng.uniform(0, 12, (100, 4)).astype("f4")
     result = evaluate(ctx, "velocity.glsl", "vec4(time_over(x.x, x.y))", x)
@@ -264,7 +274,7 @@ def test_shader_time_over_is_the_twin(ctx, rng):
 
 
 def test_shader_kinds_of_tiles_are_the_twins(ctx, rng):
-    x = rng.uniform(0, 1, (300, 4)).astype("f4") * np.float32([20, 2, 10, 0.2])
+    x = rng.uniform(0, 1, (300, 4)).astype("f4") * np.float32([20, 2, 10, 3])
     kinds = evaluate(ctx, "streak_kinds.glsl", "vec4(kind_of(x.xy, x.z, x.w))", x)[:, 0]
     alike = [
         motion.moves_alike(r[:2], shortest_px=r[2], steepness_px=r[3]) for r in x.astype(float)

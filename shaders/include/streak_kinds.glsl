@@ -11,11 +11,16 @@ float tolerance_px(float half_streak_px) {
     return 0.25 + 0.1 * half_streak_px;
 }
 
+// Half streaks of two pixels side by side that differ by more are of things that pass each other.
+float jump_px(float half_streak_px) {
+    return 0.5 + 0.1 * half_streak_px;
+}
+
 // around: the longest half streak that comes here; shortest: of the tile; steepness: see
-// streak_tiles.frag. Between a pixel and its farthest tap lie |x| + |y| steps from pixel to pixel.
+// streak_tiles.frag. Where streaks change slowly, taps move along with the pixel; only where they
+// jump can one thing be seen to pass before another.
 float kind_of(vec2 around, float shortest, float steepness) {
     if (length(around) < LEAST_PX)
         return STILL;
-    float most_apart = steepness * (abs(around.x) + abs(around.y) + 1.0);
-    return most_apart <= tolerance_px(shortest) ? ALIKE : MIXED;
+    return steepness <= jump_px(shortest) ? ALIKE : MIXED;
 }

@@ -1,11 +1,13 @@
 """Motion on the image: velocity, shutter and streaks; and how fast a head goes.
 
-NumPy twins, in float64, of ``shaders/include/velocity.glsl``.
+NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and of the taps of
+``shaders/motion_blur.frag``.
 """
 
 from __future__ import annotations
 
-from math import atan2, degrees
+from math import atan2, ceil, degrees
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,6 +22,12 @@ BEHIND = 1e-3
 
 LEAST_W = 1e-6
 """Least present distance: the rims of triangles are interpolated past the eye."""
+
+STREAK_OF_SAMPLES_PX = 24.0
+"""Length of streak that takes ``MotionBlur.samples`` samples."""
+
+MOST_SAMPLES = 16
+"""Along that length; more are not closer. Settings above it read across the streak more finely."""
 
 
 def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[int, int]) -> Array:
@@ -81,12 +89,44 @@ def _tent_integral(x: Array) -> Array:
     return np.where(x < 0, beyond, 1 - beyond)
 
 
+class StreakTaps(NamedTuple):
+    """Where a streak is sampled, to both sides of its pixel."""
+
+    own: float
+    """Weight of the pixel itself."""
+    at_px: Array
+    """Distances of the taps, px along the longer axis of the image."""
+    weight: float
+    """Of each of them; all weights together are the length of the streak."""
+
+
+def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
+    """Return how ``shaders/motion_blur.frag`` averages along half a streak.
+
+    Parameters
+    ----------
+    reach_px
+        Of the half streak, along the longer axis of the image; more than 0.
+    samples
+        As in ``MotionBlur.samples``: on a streak of :data:`STREAK_OF_SAMPLES_PX`.
+    """
+    along, beyond_px = min(samples, MOST_SAMPLES), reach_px - 0.5
+    own = float(time_over(0.0, reach_px))
+    few = min(ceil(beyond_px / 2), along // 2)
+    count = max(few, ceil(beyond_px * along / STREAK_OF_SAMPLES_PX), 1)
+    part_px = (reach_px - own / 2) / count
+    first_px = 0.75 if reach_px < 1 else 0.5 + part_px / 2
+    at_px: Array = first_px + part_px * np.arange(count, dtype=np.float64)
+    return StreakTaps(own, at_px, part_px)
+
+
 def moves_alike(
     around: ArrayLike, /, *, shortest_px: float, steepness_px: float, least_px: float = 0.25
 ) -> bool:
     """Return whether a tile in which something moves needs no look at who hides whom.
 
-    Twin of ``kind_of`` in ``shaders/include/streak_kinds.glsl``.
+    Twin of ``kind_of`` in ``shaders/include/streak_kinds.glsl``. Things pass each other where half
+    streaks jump; where they change slowly, all that a pixel sees moves along with it.
 
     Parameters
     ----------
@@ -96,8 +136,7 @@ def moves_alike(
         Length of the tile's shortest half streak, and the most by which half streaks of two pixels
         side by side differ within reach.
     """
-    most_apart_px = steepness_px * (np.abs(around).sum() + 1)
-    return bool(np.linalg.norm(around) >= least_px and most_apart_px <= 0.25 + 0.1 * shortest_px)
+    return bool(np.linalg.norm(around) >= least_px and steepness_px <= 0.5 + 0.1 * shortest_px)
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:

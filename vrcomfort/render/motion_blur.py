@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from math import ceil
 from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.optics.motion import ramp
+from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX, ramp
 from vrcomfort.protocol.conditions import MotionBlur
-from vrcomfort.render import gl, shaders
+from vrcomfort.render import gl
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.head_step import HeadStep
-from vrcomfort.render.streaks import Streaks
+from vrcomfort.render.streaks import Shutter, Streaks
 
-STREAK_OF_SAMPLES_PX = 16.0
-"""Length of streak that takes ``MotionBlur.samples`` samples."""
+WIDEST_STRIDE_PX = 4
+"""Between samples that look for what is in front: it must not be stepped over."""
 
 
 class _Limit(NamedTuple):
     radius_limit_px: float
+
+
+class _Taps(NamedTuple):
+    taps_per_px: float
+    few_taps: float
 
 
 class _Sampling(NamedTuple):
@@ -59,12 +63,13 @@ class MotionBlurPass:
         size_px: tuple[int, int],
     ) -> None:
         self._settings, self._colour = settings, colour
-        self._streaks = Streaks(
-            ctx, depth=depth, velocity=velocity, settings=settings, size_px=size_px
-        )
+        self._streaks = Streaks(ctx, velocity=velocity, settings=settings, size_px=size_px)
         self.limit_px = self._streaks.limit_px
-        make = _Reconstruction if settings.method == "reconstruction" else _per_pixel
-        self._gather = make(ctx, colour, self._streaks, settings)
+        self._gather: _Reconstruction | FullscreenPass
+        if settings.method == "reconstruction":
+            self._gather = _Reconstruction(ctx, colour, depth, self._streaks, settings)
+        else:
+            self._gather = _per_pixel(ctx, colour, self._streaks, settings)
         self._copy = gl.copier(ctx)
         self.target = self._gather.target
 
@@ -89,12 +94,11 @@ class MotionBlurPass:
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._streaks.render(scale)
-        self._gather.render()
+        self._gather.render(self._streaks.render(scale))
 
     def longest_half_streak_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._streaks.longest_px()
+        return self._streaks.peak.read()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
@@ -108,50 +112,61 @@ class MotionBlurPass:
 
 
 class _Reconstruction:
-    """Copies the image, then draws over the tiles in which something is seen to move."""
+    """Blurs along each pixel's own streak, then draws over where things pass each other."""
 
     def __init__(
         self,
         ctx: moderngl.Context,
         colour: moderngl.Texture,
+        depth: moderngl.Texture,
         streaks: Streaks,
         settings: MotionBlur,
     ) -> None:
-        self._colour, self._copy = colour, gl.copier(ctx)
         tile: dict[str, int | float | str] = {"TILE": streaks.tile_px}
-        kinds: tuple[shaders.Defines, ...] = ({"KIND": "ALIKE", "ONLY_ALIKE": 1}, {"KIND": "MIXED"})
+        samples = min(settings.samples, MOST_SAMPLES)
+        stride_px = min(int(STREAK_OF_SAMPLES_PX / samples), WIDEST_STRIDE_PX)
         self._neighbours = FullscreenPass(
             ctx,
             "streak_neighbours.frag",
             size_px=streaks.tiles.size,
-            inputs={"tiles": streaks.tiles},
+            inputs={"tiles": streaks.tiles, "peak": streaks.peak.target},
             constants=_Limit(streaks.limit_px),
-            defines=tile | {"REACH": ceil(streaks.limit_px / streaks.tile_px) + 1},
+            defines=tile,
         )
         longest = self._neighbours.target
-        self.target = gl.color_texture(ctx, colour.size)
-        self._gathers = tuple(
-            FullscreenPass(
-                ctx,
-                "motion_blur.frag",
-                size_px=colour.size,
-                inputs={"colour": colour, "streaks": streaks.points, "longest": longest},
-                filtered={"colour"},
-                constants=_Sampling(max(1, round(STREAK_OF_SAMPLES_PX / settings.samples))),
-                defines={**tile, **kind},
-                vertex="streak_tiles.vert",
-                vertices=6 * longest.width * longest.height,
-                target=self.target,
-            )
-            for kind in kinds
+        self._plain = FullscreenPass(
+            ctx,
+            "motion_blur.frag",
+            size_px=colour.size,
+            inputs={"colour": colour, "velocity": streaks.velocity},
+            filtered={"colour"},
+            constants=_Taps(samples / STREAK_OF_SAMPLES_PX, samples // 2),
+            defines={"CUBIC": 1} if settings.samples > MOST_SAMPLES else {},
+        )
+        self.target = self._plain.target
+        self._fronts = FullscreenPass(
+            ctx,
+            "motion_blur_fronts.frag",
+            size_px=colour.size,
+            inputs={
+                "colour": colour,
+                "velocity": streaks.velocity,
+                "depth": depth,
+                "longest": longest,
+            },
+            filtered={"colour"},
+            constants=_Sampling(stride_px),
+            defines={**tile, "KIND": "MIXED"},
+            vertex="streak_tiles.vert",
+            vertices=6 * longest.width * longest.height,
+            target=self.target,
         )
 
-    def render(self) -> None:
+    def render(self, shutter: Shutter) -> None:
         """Blur along the present streaks."""
         self._neighbours.render()
-        self._copy(self._colour, self.target)
-        for gather in self._gathers:
-            gather.render()
+        self._plain.render(shutter)
+        self._fronts.render(shutter)
 
 
 def _per_pixel(
@@ -161,7 +176,7 @@ def _per_pixel(
         ctx,
         "motion_blur_per_pixel.frag",
         size_px=colour.size,
-        inputs={"colour": colour, "streaks": streaks.points},
+        inputs={"colour": colour, "velocity": streaks.velocity},
         filtered={"colour"},
         defines={"SAMPLES": settings.samples},
     )

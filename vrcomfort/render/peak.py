@@ -9,15 +9,15 @@ from vrcomfort.render import gl, shaders
 
 
 class PeakPass:
-    """Keeps the greatest length of some components in one pixel; `read` waits for the GPU."""
+    """Keeps the greatest length of some components in `target`, one pixel; `read` waits for the GPU."""
 
     def __init__(
         self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
     ) -> None:
         self._ctx = ctx
         self._texels = texels
-        self._target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
-        self._framebuffer = ctx.framebuffer([self._target])
+        self.target = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self.target])
         self._framebuffer.clear()
         program = shaders.program(ctx, "peak.frag", "peak.vert", {"VALUE": components})
         self._points = ctx.vertex_array(program, [])
@@ -34,7 +34,7 @@ class PeakPass:
 
     def read(self) -> float:
         """Return the greatest value since the pass was made."""
-        return float(np.frombuffer(self._target.read(), dtype=np.float32)[0])
+        return float(np.frombuffer(self.target.read(), dtype=np.float32)[0])
 
     def forget(self) -> None:
         """Start again from 0."""

@@ -14,78 +14,71 @@ from vrcomfort.render.peak import PeakPass
 LEAST_TILE_PX = 16
 MOST_TILES = 4
 """Tiles that the longest half streak may cross: more are finer, and more to look at."""
+ROWS = 4
+"""Rows of pixels that are summed up first; a tile has a multiple of them."""
 
 
-class _Shutter(NamedTuple):
+class Shutter(NamedTuple):
+    """Uniforms of ``include/streak.glsl``."""
+
     shutter_fraction: float
     radius_limit_px: float
 
 
 class Streaks:
-    """Turns velocities into half streaks of at most `limit_px`, and sums them up by tile.
+    """Sums up by tile how far points move while the shutter is open.
 
     Parameters
     ----------
-    depth, velocity
-        Reverse-Z D32F and RG16F (px per frame, +x right, +y up) of `size_px`.
+    velocity
+        RG16F (px per frame, +x right, +y up) of `size_px`.
 
     Attributes
     ----------
-    points
-        RGBA16F, see ``streaks.frag``.
     tiles
         RGBA16F, see ``streak_tiles.frag``; one texel for `tile_px` pixels each way.
+    peak
+        The longest half streak of all frames, before the limit.
     """
 
     def __init__(
         self,
         ctx: moderngl.Context,
         *,
-        depth: moderngl.Texture,
         velocity: moderngl.Texture,
         settings: MotionBlur,
         size_px: tuple[int, int],
     ) -> None:
         self.limit_px = settings.max_radius_percent / 100 * size_px[0]
-        self.tile_px = max(LEAST_TILE_PX, ceil(self.limit_px / MOST_TILES))
+        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(self.limit_px / MOST_TILES / ROWS))
+        self.velocity = velocity
         self._fraction = settings.shutter_fraction
-        self._streaks = FullscreenPass(
+        columns, strips = ceil(size_px[0] / self.tile_px), ceil(size_px[1] / ROWS)
+        self._strips = FullscreenPass(
             ctx,
-            "streaks.frag",
-            size_px=size_px,
-            inputs={"velocity": velocity, "depth": depth},
+            "streak_tiles.frag",
+            size_px=(columns, strips),
+            inputs={"velocity": velocity},
+            defines={"TILE": self.tile_px, "ROWS": ROWS},
         )
-        self.points = self._streaks.target
-        columns, rows = (ceil(side / self.tile_px) for side in size_px)
-        x_pass = _tile_pass(ctx, 0, self.points, (columns, size_px[1]), self.tile_px)
-        y_pass = _tile_pass(ctx, 1, x_pass.target, (columns, rows), self.tile_px)
-        self.tiles = y_pass.target
-        self._tile_passes = (x_pass, y_pass)
-        self._peak = PeakPass(ctx, self.tiles)
+        self._tiles = FullscreenPass(
+            ctx,
+            "streak_tiles.frag",
+            size_px=(columns, ceil(size_px[1] / self.tile_px)),
+            inputs={"source": self._strips.target},
+            defines={"STRIPS": self.tile_px // ROWS},
+        )
+        self.tiles = self._tiles.target
+        self.peak = PeakPass(ctx, self.tiles)
 
-    def render(self, scale: float = 1.0) -> None:
-        """Find the present streaks; `scale` shortens them all."""
-        self._streaks.render(_Shutter(self._fraction * scale, self.limit_px))
-        for stage in self._tile_passes:
-            stage.render()
-        self._peak.render()
-
-    def longest_px(self) -> float:
-        """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._peak.read()
+    def render(self, scale: float = 1.0) -> Shutter:
+        """Find the present streaks; `scale` shortens them all. Return how the shutter is open."""
+        shutter = Shutter(self._fraction * scale, self.limit_px)
+        self._strips.render(_Opening(shutter.shutter_fraction))
+        self._tiles.render()
+        self.peak.render()
+        return shutter
 
 
-def _tile_pass(
-    ctx: moderngl.Context,
-    axis: int,
-    source: moderngl.Texture,
-    size_px: tuple[int, int],
-    tile_px: int,
-) -> FullscreenPass:
-    return FullscreenPass(
-        ctx,
-        "streak_tiles.frag",
-        size_px=size_px,
-        inputs={"source": source},
-        defines={"TILE": tile_px, "AXIS": axis},
-    )
+class _Opening(NamedTuple):
+    shutter_fraction: float

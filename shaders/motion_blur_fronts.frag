@@ -1,0 +1,141 @@
+#version 450 core
+// Motion blur by gathering along streaks, with who hides whom: tiles of kind MIXED.
+//
+// Input:  colour (linear HDR, filtered), velocity (streak.glsl), depth (reverse-Z, 0 = sky),
+//         longest (streak_neighbours.frag).
+// Output: the image as a shutter would see it, open around the frame's own time; full resolution.
+// Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
+//
+// The one-dimensional sister of depth_of_field.frag. A pixel p has
+//
+//   a back   the average of p's own surface and what is behind it, along p's OWN streak;
+//   a front  nearer points q whose streak is long enough to sweep over p. Each adds its share of
+//            the time, step / (2 |u_q|), to an opacity; the front goes over the back.
+//
+// Fronts are looked for along the longest streak around. Where that is p's own streak as well,
+// one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
+// Limits: one velocity for each pixel, so what is seen through holes or hidden by p stays unknown,
+// paths are straight, and highlights go with the surface, though they stay where the light is.
+// No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
+// McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
+// Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
+#include "velocity.glsl"
+#include "streak.glsl"
+#include "streak_kinds.glsl"
+
+uniform sampler2D colour;
+uniform sampler2D depth;
+uniform sampler2D longest;
+uniform int px_per_sample;
+
+out vec4 blurred;
+
+ivec2 pixel = ivec2(gl_FragCoord.xy);
+ivec2 last = textureSize(velocity, 0) - 1;
+
+// xy = half streak, z = depth.
+vec3 point_at(ivec2 at) {
+    return vec3(half_streak_at(at), texelFetch(depth, at, 0).r);
+}
+
+vec3 p = point_at(pixel);
+
+vec4 back = vec4(0.0);   // rgb * weight, weight
+vec4 front = vec4(0.0);  // rgb * opacity, opacity
+
+// 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
+// and goes its own way. What moves together uncovers nothing: a plain average is exact there.
+float in_front(vec3 q) {
+    float nearer = clamp((q.z - p.z * 1.02) / (p.z * 0.02 + 1e-8), 0.0, 1.0);
+    return nearer * clamp(length(q.xy - p.xy) / tolerance_px(length(p.xy)) - 1.0, 0.0, 1.0);
+}
+
+// Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
+// Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
+// streak does.
+struct Walk {
+    vec2 step;         // px of the image for one px along the longer axis
+    float per_square;  // 1 / (its length squared)
+    float reach;       // of the half streak, along the longer axis
+    int stride;
+    bool whole_pixels;
+};
+
+struct Tap {
+    float first;  // pixel that it stands for, px from p
+    float along;  // where it lies, px from p
+    float time;   // that p's streak is over it, in px of its way
+};
+
+Walk walk_along(vec2 half_streak, int stride, bool whole_pixels) {
+    float reach = max(abs(half_streak.x), abs(half_streak.y));
+    vec2 step = half_streak / reach;
+    return Walk(step, 1.0 / dot(step, step), reach, stride, whole_pixels);
+}
+
+int taps(Walk walk) {
+    return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
+}
+
+Tap tap_of(Walk walk, int j) {
+    float first = float((j - 1) * walk.stride + 1), other = first + float(walk.stride - 1);
+    float a = time_over(first, walk.reach), b = time_over(other, walk.reach);
+    float along = mix(first, other, b / max(a + b, 1e-6));
+    return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
+}
+
+vec4 colour_at(vec2 at, bool whole_pixels) {
+    vec2 where = whole_pixels ? floor(at) + 0.5 : at;
+    return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
+}
+
+void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
+    vec2 at = vec2(pixel) + 0.5 + offset;
+    // Between two pixels, the closer one.
+    ivec2 pixel_there = ivec2(floor(at - offset * (0.01 / tap.along)));
+    vec3 q = point_at(clamp(pixel_there, ivec2(0), last));
+    float is_front = in_front(q);
+    // p's own surface and what is behind it.
+    float shown = for_back ? (1.0 - is_front) * tap.time : 0.0;
+    // What sweeps over p: q does for the part of the time that its own streak is over p.
+    float sweep = abs(dot(q.xy, walk.step)) * walk.per_square;
+    float time = clamp(sweep + 0.5 - tap.first, 0.0, float(walk.stride));
+    float over = for_front ? is_front * time / max(2.0 * sweep, 1e-3) : 0.0;
+    if (shown + over > 0.0) {
+        vec4 c = colour_at(at, walk.whole_pixels);
+        back += shown * c;
+        front += over * c;
+    }
+}
+
+void gather(Walk walk, bool for_back, bool for_front) {
+    int j = 0, last_tap = taps(walk);
+    do {
+        Tap tap = tap_of(walk, ++j);
+        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
+        gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
+    } while (j < last_tap);
+}
+
+void main() {
+    vec4 tile = texelFetch(longest, pixel / TILE, 0);
+    vec2 around = tile.xy;
+    float reach = length(around);
+    bool moves = length(p.xy) >= LEAST_PX;
+    // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
+    bool whole_pixels = tile.w > 0.75 * reach;
+    int stride = whole_pixels ? 1 : px_per_sample;
+    blurred = texelFetch(colour, pixel, 0);
+    Walk own = walk_along(p.xy, stride, whole_pixels);
+    back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
+    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
+    bool together = moves && apart < 0.25 + 0.05 * reach;
+    if (moves)
+        gather(own, true, together);
+    if (!together)
+        gather(walk_along(around, stride, whole_pixels), false, true);
+    if (front.a <= 0.0 && !moves)
+        return;
+    vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
+    blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
+}
