@@ -1,21 +1,17 @@
 #version 450 core
-// A square for each tile of one KIND; the other tiles collapse into nothing.
+// A square point on each tile of one KIND; the other tiles are put outside the image.
 //
-// Input:  gl_VertexID, six for each tile; longest (streak_neighbours.frag); velocity for its size.
-// Output: the square in clip space; what reaches over the image is clipped.
+// Input:  gl_VertexID, one for each tile; longest (streak_neighbours.frag).
+// Output: the point in clip space of the image rounded up to whole tiles (as tap_tiles.vert).
 #include "streak_kinds.glsl"
 
 uniform sampler2D longest;
-uniform sampler2D velocity;
-
-const ivec2 CORNERS[6] = ivec2[](ivec2(0, 0), ivec2(1, 0), ivec2(0, 1),
-                                 ivec2(0, 1), ivec2(1, 0), ivec2(1, 1));
 
 void main() {
-    int columns = textureSize(longest, 0).x;
-    ivec2 tile = ivec2(gl_VertexID / 6 % columns, gl_VertexID / 6 / columns);
+    ivec2 tiles = textureSize(longest, 0);
+    ivec2 tile = ivec2(gl_VertexID % tiles.x, gl_VertexID / tiles.x);
     bool drawn = texelFetch(longest, tile, 0).z == KIND;
-    vec2 corner = vec2(TILE * (tile + CORNERS[gl_VertexID % 6]));
-    vec2 size_px = vec2(textureSize(velocity, 0));
-    gl_Position = drawn ? vec4(2.0 * corner / size_px - 1.0, 0.0, 1.0) : vec4(0.0, 0.0, 0.0, 1.0);
+    vec2 middle = (vec2(tile) + 0.5) / vec2(tiles);
+    gl_PointSize = float(POINT_PX);
+    gl_Position = vec4(drawn ? 2.0 * middle - 1.0 : vec2(-2.0), 0.0, 1.0);
 }

@@ -51,7 +51,6 @@ class FullscreenPass:
         components: int = 4,
         dtype: str = "f2",
         vertex: str = "fullscreen.vert",
-        vertices: int = 3,
         tiles: tuple[int, int] | None = None,
         target: moderngl.Texture | None = None,
     ) -> None:
@@ -71,7 +70,7 @@ class FullscreenPass:
             self._set(constants)
         self._framebuffer = ctx.framebuffer([self.target])
         self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
-        self._mode, self._vertices = moderngl.TRIANGLES, vertices
+        self._mode, self._vertices = moderngl.TRIANGLES, 3
         if tiles is not None:
             columns, rows = tiles
             self._mode, self._vertices = moderngl.POINTS, columns * rows

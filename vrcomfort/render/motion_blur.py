@@ -156,9 +156,9 @@ class _Reconstruction:
             },
             filtered={"colour"},
             constants=_Sampling(stride_px),
-            defines={**tile, "KIND": "MIXED"},
+            defines={**tile, "KIND": "MIXED", "POINT_PX": streaks.tile_px},
             vertex="streak_tiles.vert",
-            vertices=6 * longest.width * longest.height,
+            tiles=longest.size,
             target=self.target,
         )
 

@@ -9,7 +9,7 @@ from vrcomfort.render import gl, shaders
 
 
 class PeakPass:
-    """Keeps the greatest length of some components in `target`, one pixel; `read` waits for the GPU."""
+    """Keeps the greatest length of some components in one pixel, `target`."""
 
     def __init__(
         self, ctx: moderngl.Context, texels: moderngl.Texture, *, components: str = "xy"
@@ -33,7 +33,7 @@ class PeakPass:
         self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
 
     def read(self) -> float:
-        """Return the greatest value since the pass was made."""
+        """Return the greatest value since the pass was made; waits for the GPU."""
         return float(np.frombuffer(self.target.read(), dtype=np.float32)[0])
 
     def forget(self) -> None:
