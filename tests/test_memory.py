@@ -75,6 +75,7 @@ def slope(values: np.ndarray) -> float:
     return float(np.median((values[after] - values[before]) / ((after - before) * EVERY)))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="reads /proc")
 def test_frames_leave_nothing_behind(ctx, tmp_path):
     kept = growth(ctx, tmp_path, lambda _: None)
@@ -82,6 +83,7 @@ def test_frames_leave_nothing_behind(ctx, tmp_path):
     assert kept.rss_kib < RSS_KIB
 
 
+@pytest.mark.slow
 def test_a_frame_that_is_kept_would_be_noticed(ctx, tmp_path):
     frames: list[object] = []
     assert growth(ctx, tmp_path, lambda frame: frames.append(frame.views)).blocks > BLOCKS
