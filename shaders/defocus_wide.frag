@@ -61,8 +61,8 @@ void main() {
     vec4 p = texelFetch(points_half, texel, 0);
     layer = p;
     vec4 tile = texelFetch(reach, 2 * texel / TILE, 0);
-    bool alike = is_alike(p.a, tile);
-    if (abs(p.a) <= (alike ? ALIKE_PX : MIXED_PX))
+    bool alike = is_alike(p.a, tile, 2.0);
+    if (abs(p.a) <= SMALL_PX)
         return;
     // Half extents in texels; a disc of pixels that are higher than wide is higher by their aspect.
     vec2 extent = abs(p.a) * vec2(1.0, pixel_aspect);

@@ -9,7 +9,8 @@
 // A pixel p looks for two kinds of neighbours q, told apart by their CoC, which orders depth:
 //
 //   back   q is p's own surface or behind it. A lens sample u sees p's surface at p + u r_p, or
-//          past its silhouette something behind: the average over p's OWN disc.
+//          past its silhouette something behind: the average over p's OWN disc. Where q is p's
+//          surface, q's own disc says how much of q lands here, so that lamps keep their light.
 //   front  q is nearer than p. Its disc covers p if it is wide enough: q adds 1 / area(q) to an
 //          opacity, and the front goes over the back. A sharp q covers no neighbour, so sharp
 //          silhouettes do not bleed; a blurred near q spreads over a sharp p.
@@ -20,10 +21,13 @@
 //     ---|---p---|--- back        front's opacity is absolute and stops at 1.
 //         \ ___ /
 //
-// Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where
-// the texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. No noise, hence the same kernel in both eyes. Carnegie & Rhee 2015,
-// Algorithm 1; gathering after Jimenez 2014, "Next generation post processing in Call of Duty:
-// Advanced Warfare".
+// Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where the
+// texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. No noise,
+// hence the same kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
+// Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
+//
+// Renderers on the CPU run both sides of every branch, but no loop that no pixel wants. So what few
+// pixels want is a loop: of no taps, or `for (bool on = wanted; on; on = false)` around one.
 #include "coc.glsl"
 #include "gather.glsl"
 
@@ -46,52 +50,92 @@ float own_px = abs(p.a);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-// Every pixel nearer than reach_px: the back if p is small itself, and small fronts.
-void gather_dense(float reach_px, bool with_back) {
-    int cells = int(ceil(reach_px)) - 1;
-    int rows = int(ceil(reach_px * pixel_aspect)) - 1;
-    float disc_px = grid_radius_px(own_px);
-    for (int y = -rows; y <= rows; ++y)
-        for (int x = -cells; x <= cells; ++x) {
-            vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
-            float away = length(vec2(x, float(y) / pixel_aspect));
-            float is_front = nearer(p.a, q.a);
-            if (with_back)
-                back += (1.0 - is_front) * disc_weight(away, disc_px, 1.0) * vec4(q.rgb, 1.0);
-            float radius = abs(q.a);
-            if (is_front > 0.0 && radius > 0.5 && radius <= SMALL_PX)
-                front += is_front * front_opacity(away, grid_radius_px(radius), 1.0, 1.0 / pixel_aspect)
-                       * vec4(q.rgb, 1.0);
-        }
+// How many pixels to either side a row has within reach.
+int cells_of(float row_px, float reach_px) {
+    return int(sqrt(max(reach_px * reach_px - row_px * row_px, 0.0)));
 }
 
-// Rings over a disc: the back within p's own disc, and wide fronts.
+// Every pixel of a small p's surroundings, where they are all of one surface.
+void gather_alike() {
+    float slack_px = slack_of(own_px);
+    float grown_px = grid_radius_px(own_px) - own_px;
+    float reach_px = own_px + grown_px + slack_px + 0.5;
+    int rows = int(reach_px * pixel_aspect);
+    for (int y = -rows; y <= rows; ++y) {
+        float row_px = float(y) / pixel_aspect;
+        int cells = cells_of(row_px, reach_px);
+        for (int x = -cells; x <= cells; ++x) {
+            vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
+            float away = sqrt(float(x * x) + row_px * row_px);
+            float radius = clamp(abs(q.a), own_px - slack_px, own_px + slack_px) + grown_px;
+            back += disc_share(away, radius) * vec4(q.rgb, 1.0);
+        }
+    }
+}
+
+// Every pixel around: the back if p is small, and the fronts that are, with discs up to front_px.
+void gather_dense(bool with_back, float front_px) {
+    float slack_px = slack_of(own_px);
+    float grown_px = grid_radius_px(max(own_px, 0.5)) - own_px;
+    float reach_px = max(with_back ? own_px + grown_px + slack_px : 0.0, front_px) + 0.5;
+    int rows = int(reach_px * pixel_aspect);
+    float per_margin = 1.0 / margin_px(p.a);
+    vec4 over = vec4(0.0);
+    for (int y = -rows; y <= rows; ++y) {
+        float row_px = float(y) / pixel_aspect;
+        int cells = cells_of(row_px, reach_px);
+        for (int x = -cells; x <= cells; ++x) {
+            vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
+            float away = sqrt(float(x * x) + row_px * row_px);
+            float is_front = clamp((p.a - q.a) * per_margin - 1.0, 0.0, 1.0);  // nearer()
+            float radius = abs(q.a);
+            float as_own = clamp(radius, own_px - slack_px, own_px + slack_px) + grown_px;
+            float share = disc_share(away, mix(as_own, radius, is_front));
+            back += (with_back ? (1.0 - is_front) * share : 0.0) * vec4(q.rgb, 1.0);
+            over += (radius <= SMALL_PX ? is_front * share : 0.0) * vec4(q.rgb, 1.0);
+        }
+    }
+    front += over / (PI * pixel_aspect);
+}
+
+// Rings over a disc: the back within back_px, and wide fronts.
 void gather_rings(float disc_px, float back_px) {
-    int rings = ring_count(disc_px, SPACING_PX);
+    int rings = disc_px > 0.0 ? ring_count(disc_px, SPACING_PX) : 0;
     float spacing = disc_px / (float(rings) + 0.5);
     float area = 0.25 * PI * spacing * spacing;
     int i = 0;
     for (int ring = 1; ring <= rings; ++ring) {
         float away = ring_radius(ring, spacing);
+        float own = disc_weight(away, back_px, spacing);
         for (int k = 0; k < 8 * ring; ++k, ++i) {
             vec2 at = vec2(pixel) + 0.5 + away * directions[i] * vec2(1.0, pixel_aspect);
             vec4 q = texelFetch(points, clamp(ivec2(floor(at)), ivec2(0), last), 0);
             float is_front = nearer(p.a, q.a);
-            back += (1.0 - is_front) * disc_weight(away, back_px, spacing) * vec4(q.rgb, 1.0);
-            if (is_front > 0.0 && abs(q.a) > SMALL_PX)
-                front += is_front * front_opacity(away, abs(q.a), spacing, area) * vec4(q.rgb, 1.0);
+            float radius = abs(q.a);
+            back += (1.0 - is_front) * own * vec4(q.rgb, 1.0);
+            front += (radius > SMALL_PX ? is_front : 0.0)
+                   * front_opacity(away, radius, spacing, area) * vec4(q.rgb, 1.0);
         }
     }
 }
 
+// The wide discs, p's own and those of fronts up to front_px: one walk, or two if these are wider.
+void walk_rings(bool wide, float front_px) {
+    back += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
+    bool together = front_px <= 1.25 * own_px;
+    for (int walk = wide ? 0 : 1; walk < (together ? 1 : 2); ++walk)
+        gather_rings(walk > 0 ? front_px : max(own_px, together ? front_px : 0.0),
+                     walk > 0 ? -1e4 : own_px);
+}
+
 // The wide layers, mixed from the texels around; false unless these are on p's surface.
-bool mix_halves(bool with_back, bool with_front) {
+bool mix_halves(bool wanted, bool with_back, bool with_front) {
     ivec2 first = pixel / 2;
     ivec2 last_half = textureSize(wide_back, 0) - 1;
     float tolerance = 1.0 / (2.0 * margin_px(p.a));
     vec4 backs = vec4(0.0), fronts = vec4(0.0);
     ivec2 odd = pixel & 1;
-    for (int i = 0; i < 4; ++i) {
+    for (int i = wanted ? 0 : 4; i < 4; ++i) {
         ivec2 texel = min(first + (ivec2(i, i >> 1) & odd), last_half);
         vec4 b = texelFetch(wide_back, texel, 0);
         float like = clamp(2.0 - abs(b.a - p.a) * tolerance, 0.0, 1.0);
@@ -109,20 +153,15 @@ bool mix_halves(bool with_back, bool with_front) {
 // What reaches p from this tile's surroundings.
 void blur(vec4 tile, bool small_front, bool wide_front_) {
     bool wide = own_px > SMALL_PX;
-    bool halves = wide ? own_px > (is_alike(p.a, tile) ? ALIKE_PX : MIXED_PX) : -tile.a > MIXED_PX;
-    if ((wide || wide_front_) && !(halves && mix_halves(wide, wide_front_))) {
-        float reach_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
-        bool one_walk = reach_px <= 1.25 * own_px;
-        back += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
-        if (wide)
-            gather_rings(one_walk ? max(own_px, reach_px) : own_px, own_px);
-        if (!one_walk)
-            gather_rings(reach_px, -reach_px);
-    }
-    if (!wide || small_front) {
-        float widest_px = max(wide ? 0.0 : own_px, small_front ? tile.b : 0.0);
-        gather_dense(0.5 + (widest_px <= 1.5 ? 1.5 : SMALL_PX), !wide);
-    }
+    bool alike = is_alike(p.a, tile, 1.0);
+    bool layered = wide || wide_front_;
+    layered = layered && !mix_halves(layered, wide, wide_front_);
+    for (bool on = layered; on; on = false)
+        walk_rings(wide, wide_front_ ? max(-tile.a, p.a) : 0.0);
+    for (bool on = alike && !wide; on; on = false)
+        gather_alike();
+    for (bool on = !alike && (!wide || small_front); on; on = false)
+        gather_dense(!wide, small_front ? min(tile.b, max(-tile.r, p.a)) : 0.0);
     if (front.a <= 0.0 && own_px <= 0.5)
         return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
@@ -135,6 +174,6 @@ void main() {
     float nearest = p.a - margin_px(p.a);  // what is less is a front
     bool small_front = tile.b > 0.0 && tile.r < nearest;
     bool wide_front_ = tile.a < nearest;
-    if (own_px > 0.5 || small_front || wide_front_)
+    for (bool on = own_px > 0.5 || small_front || wide_front_; on; on = false)
         blur(tile, small_front, wide_front_);
 }

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 from effects_parts import depth_of_field, textures
+from kernel_parts import blur
 
 from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.optics import fronts, layers
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
@@ -61,13 +63,13 @@ def textured(seed=3):
     return np.mean(layers, axis=0)
 
 
-@pytest.mark.parametrize("radius_px", np.arange(0.5, 2.05, 0.25))
-def test_small_discs_on_the_grid_have_the_variance_of_the_disc(radius_px):
-    x, y = np.mgrid[-3:4, -3:4]
+@pytest.mark.parametrize("radius_px", [*np.arange(0.5, 3.05, 0.25), 4.0, 9.0])
+def test_discs_on_the_grid_have_the_variance_of_the_disc(radius_px):
+    x, y = np.mgrid[-10:11, -10:11]
     weights = coc.disc_weight(np.hypot(x, y), coc.grid_radius_px(radius_px))
     variance = np.sum(weights * x**2) / weights.sum()
     if radius_px > 0.5:
-        assert variance == pytest.approx(radius_px**2 / 4 + 1 / 12, rel=0.01)
+        assert variance == pytest.approx(radius_px**2 / 4 + 1 / 12, rel=0.015)
     else:
         assert variance == 0
 
@@ -116,6 +118,57 @@ def test_both_eyes_see_the_same_blur(ctx, radius_px):
     assert shower_door <= 0.05
     # Half resolution is tied to pixels: odd shifts change wide blur, by less than its error.
     assert rivalry <= (0 if radius_px <= 2 else np.mean(np.abs(first)))
+
+
+@pytest.mark.parametrize("pixel_aspect", [1.0, 1.25])
+@pytest.mark.parametrize("spread", [0.0, 0.03, 1.0])
+def test_discs_of_a_few_pixels_are_summed_as_the_twin_sums_them(ctx, pixel_aspect, spread):
+    """Surfaces that mix, that are about alike (a way of its own), and a single one."""
+    rng = np.random.default_rng(2)
+    rgb = rng.uniform(0, 1, (23, 21, 3)).astype("f2")
+    rgb[4:6, 9] = 900.0
+    radius = 3.9 - spread * rng.uniform(0, 7.8, (23, 21)) * rng.integers(0, 2, (23, 21))
+    found = blur(ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect)
+    expected = layers.layered(found.points, pixel_aspect=pixel_aspect)
+    np.testing.assert_allclose(found.rgb, expected, rtol=2e-3, atol=1e-4)
+    assert np.abs(found.rgb - rgb).max() > 0.1
+
+
+@pytest.mark.parametrize("radius_px", [3.0, 3.7])
+def test_a_lamp_of_one_pixel_becomes_a_disc_not_spots(ctx, radius_px):
+    """Every pixel of the disc is lit alike, on one surface and before a background alike."""
+    rgb = np.full((HEIGHT, WIDTH, 3), 0.1)
+    rgb[48, 64] = 200.0
+    y, x = np.mgrid[-48:48, -64:64]
+    away = np.hypot(x, y)
+    for distance in (at_radius(radius_px), np.where(x < 20, at_radius(radius_px), 1.0)):
+        lit = depth_of_field(ctx, rgb, distance, 1.0, **WIDE).astype(float)[..., 0]
+        inside = lit[away < radius_px - 0.55] - 0.1
+        np.testing.assert_allclose(inside, 200 / (np.pi * radius_px**2), rtol=0.05)
+        np.testing.assert_allclose(lit[away > radius_px + 0.6][:1000], 0.1, rtol=2e-3)
+
+
+def test_more_rings_are_closer_to_the_ideal(ctx):
+    """Until every pixel of a disc counts; then they change nothing."""
+    rgb = textured()
+    rgb[30:60:10, 20:110:10] = 20.0
+    inside = slice(12, -12)
+    for radius_px in (3.2, 4.5, 6.4):
+        ideal = scatter(rgb, radius_px)
+        found = [
+            depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=rings, **WIDE)
+            for rings in (1, 3, 8)
+        ]
+        few, some, many = (
+            np.sqrt(np.mean((each.astype(float) - ideal)[inside, inside] ** 2)) for each in found
+        )
+        assert few >= some >= many, radius_px
+        assert many <= 0.01
+        for rings, each in zip((1, 3, 8), found, strict=True):
+            if radius_px <= fronts.small_px(rings):
+                np.testing.assert_array_equal(each, found[-1])
+            else:
+                assert np.abs(each - found[-1]).max() > 0.05
 
 
 def test_depth_of_field_owns_ten_textures(ctx, count_objects):

@@ -204,11 +204,15 @@ def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
     x[:100, 2] = x[:100, 0] * rng.uniform(1.0, 1.15, 100)
     p, q, r, _ = x.T.astype("f8")
     include = "coc.glsl gather.glsl"
-    call = "vec4(nearer(x.x, x.y), is_alike(x.x, vec4(x.yz, 0, 0)), margin_px(x.x), 0)"
-    is_front, alike, margin, _ = evaluate(ctx, include, call, x).T
+    call = (
+        "vec4(nearer(x.x, x.y), is_alike(x.x, vec4(x.yz, 0, 0), 2.0), margin_px(x.x),"
+        " slack_of(abs(x.x)))"
+    )
+    is_front, alike, margin, slack = evaluate(ctx, include, call, x).T
+    np.testing.assert_allclose(slack, fronts.slack_px(p), rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(margin, fronts.margin_px(p), rtol=1e-5)
     np.testing.assert_allclose(is_front, fronts.nearer(p, q), atol=1e-4)
-    np.testing.assert_array_equal(alike, fronts.is_alike(p, q, r))
+    np.testing.assert_array_equal(alike, fronts.is_alike(p, q, r, 2.0))
     assert 0 < alike.mean() < 1
     assert ((is_front > 0) & (is_front < 1)).any()
     call = (
@@ -221,6 +225,12 @@ def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
     np.testing.assert_allclose(away, q * coc.ring_radius_px(2, 1.0), rtol=1e-5)
     np.testing.assert_allclose(opacity, fronts.front_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5)
     np.testing.assert_allclose(grid, coc.grid_radius_px(p), rtol=1e-5)
+    share = evaluate(ctx, include, "vec4(disc_share(abs(x.x), 0.5 + abs(x.y)))", x)[:, 0]
+    expected = fronts.disc_share(p, 0.5 + q)
+    np.testing.assert_allclose(share, expected, rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(
+        expected, np.pi * fronts.front_opacity(p, 0.5 + q, 1.0, 1.0), rtol=1e-12
+    )
 
 
 def test_a_point_is_in_front_between_one_margin_and_two():

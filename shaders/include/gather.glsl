@@ -9,14 +9,6 @@ uniform float pixel_aspect;                        // image pixels per unit, ver
 
 // Half resolution, its taps and its interpolation blur by themselves: their variance together.
 const float HALF_VARIANCE_PX2 = 1.67;
-// It serves discs of which it is no more than that, and where surfaces mix, wider ones only.
-const float ALIKE_PX = 2.6;
-const float MIXED_PX = 4.0;
-
-// Whether all that may reach p is about as blurred as p: one surface, whose rims do not show.
-bool is_alike(float radius, vec4 tile) {
-    return tile.g - tile.r <= 0.08 * abs(radius);
-}
 
 // How much nearer (in radius) another point must be to be a surface of its own: well above the
 // rounding of half floats, and a slanted surface stays one.
@@ -24,18 +16,36 @@ float margin_px(float radius) {
     return max(0.125, 0.05 * abs(radius));
 }
 
+// Whether all that may reach p is about as blurred as p: at most so many margins apart. Within one
+// there is no front; within two the rims do not show where discs are wide.
+bool is_alike(float radius, vec4 tile, float margins) {
+    return tile.g - tile.r <= margins * margin_px(radius);
+}
+
 // 0 where q is the surface of p or behind it, 1 where it is nearer.
 float nearer(float p, float q) {
     return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);
 }
 
-// A disc up to 2 px wide on the pixel grid: the radius at which weights of softness 1 have the
-// variance of a pixel spread over the disc. Twin: grid_radius_px.
+// How far the radius of a disc may be from that of p (px) to count in full as a disc of p's surface;
+// 0 where p is sharp, so that nothing but p itself is at p.
+float slack_of(float own_px) {
+    return min(margin_px(own_px), max(own_px - 0.5, 0.0));
+}
+
+// A disc on the pixel grid: the radius at which weights of softness 1 have the variance of a pixel
+// spread over the disc. Twin: grid_radius_px.
 float grid_radius_px(float radius) {
-    const float AT[8] = float[](0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 1.928);
-    float step_ = clamp(4.0 * (radius - 0.5), 0.0, 6.0);
+    const float AT[12] = float[](0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 2.204, 2.521, 2.735,
+                                 2.973, 2.973);
+    float step_ = clamp(4.0 * (radius - 0.5), 0.0, 10.0);
     int i = int(step_);
-    return mix(AT[i], AT[i + 1], step_ - float(i));
+    return mix(AT[i], AT[i + 1], step_ - float(i)) + max(radius - 3.0, 0.0);
+}
+
+// PI times the part of a disc's light that lands on a square pixel of its plane.
+float disc_share(float away, float radius) {
+    return disc_weight(away, radius, 1.0) / (radius * radius + 1.0 / 12.0);
 }
 
 int ring_count(float disc, float spacing) {

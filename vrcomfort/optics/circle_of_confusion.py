@@ -239,15 +239,18 @@ def disc_area_px(radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /) -> Array
 
 
 def grid_radius_px(radius_px: ArrayLike, /) -> Array:
-    """Return the (...,) radius at which a small disc, summed over pixels, is as wide as it should.
+    """Return the (...,) radius at which a disc, summed over pixels, is as wide as it should.
 
     On the pixel grid, :func:`disc_weight` of softness 1 does not have the variance of a pixel that
-    is spread over a disc, r²/4 + 1/12 (20 % more at 1 px); at the radius returned it does. For
-    radii from 0.5 (nothing but the pixel itself) to 2 px.
+    is spread over a disc, r²/4 + 1/12 (20 % more at 1 px); at the radius returned it does, within
+    1 % where the table has an entry and 2 % beyond its end. From 0.5 px on (nothing but the pixel
+    itself).
     """
-    radii = np.arange(0.5, 2.25, 0.25)
-    at = [0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928]
-    return np.interp(np.asarray(radius_px, dtype=np.float64), radii, at)
+    radius = np.asarray(radius_px, dtype=np.float64)
+    radii = np.arange(0.5, 3.25, 0.25)
+    at = [0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 2.204, 2.521, 2.735, 2.973]
+    beyond: Array = np.maximum(radius - radii[-1], 0.0)
+    return np.interp(radius, radii, at) + beyond
 
 
 def ring_directions(rings: int) -> Array:

@@ -30,22 +30,51 @@ def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
 
 
-def is_alike(radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, /) -> Array:
-    """Return whether all that may reach a point is about as blurred: one surface, without rims.
+def small_px(rings: int) -> float:
+    """Return the radius up to which a disc is summed over every pixel.
+
+    Wider ones come from half resolution, which blurs by itself as a disc of 2.6 px does: the least.
+    """
+    return rings + 1.6
+
+
+def is_alike(
+    radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, margins: float, /
+) -> Array:
+    """Return whether all that may reach a point is about as blurred as it.
 
     Parameters
     ----------
     least_px, greatest_px
         Signed radii within reach.
+    margins
+        How far apart these may be. Within one there is no front; within two the rims do not show
+        where discs are wide.
     """
     apart: Array = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
-    return np.asarray(apart <= 0.08 * np.abs(np.asarray(radius_px)))
+    return np.asarray(apart <= margins * margin_px(radius_px))
+
+
+def slack_px(radius_px: ArrayLike, /) -> Array:
+    """Return how much another radius may differ to count in full as one of this point's surface.
+
+    0 where the point is sharp, so that nothing but itself is seen at it.
+    """
+    radius = np.abs(np.asarray(radius_px, dtype=np.float64))
+    return np.minimum(margin_px(radius), np.maximum(radius - 0.5, 0.0))
 
 
 def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
     """Return how many rings, `spacing_px` apart, a disc takes: from 1 to `most`."""
     rings = np.ceil(np.asarray(disc_px, dtype=np.float64) / spacing_px - 0.5)
     return np.asarray(np.clip(rings, 1, most))
+
+
+def disc_share(away_px: ArrayLike, radius_px: ArrayLike, /) -> Array:
+    """Return π times the part of a disc's light that lands on a square pixel of its plane."""
+    radius = np.asarray(radius_px, dtype=np.float64)
+    share: Array = disc_weight(away_px, radius) / (radius**2 + 1 / 12)
+    return share
 
 
 def front_opacity(

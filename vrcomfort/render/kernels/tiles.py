@@ -12,12 +12,19 @@ from vrcomfort.render.fullscreen_pass import FullscreenPass
 TILE_PX = 16
 """Side of the tiles that share one summary."""
 
-SMALL_PX = 2
-"""Discs up to this radius are summed over every pixel."""
+SMALL_PX = 2.0
 
 
-def tile_passes(ctx: moderngl.Context, defocus: Defocus) -> tuple[FullscreenPass, ...]:
-    """Return the passes, in order; the last one's target has what may reach each tile."""
+def tile_passes(
+    ctx: moderngl.Context, defocus: Defocus, *, small_px: float = SMALL_PX
+) -> tuple[FullscreenPass, ...]:
+    """Return the passes, in order; the last one's target has what may reach each tile.
+
+    Parameters
+    ----------
+    small_px
+        Discs up to this radius, at most that of a tile, are told apart from wider ones.
+    """
     width, height = defocus.size_px
     columns = (ceil(width / TILE_PX), height)
     tiles = (columns[0], ceil(height / TILE_PX))
@@ -26,7 +33,7 @@ def tile_passes(ctx: moderngl.Context, defocus: Defocus) -> tuple[FullscreenPass
         "defocus_tiles.frag",
         size_px=columns,
         inputs={"source": defocus.points},
-        defines={"TILE": TILE_PX, "SMALL_PX": f"{SMALL_PX}.0", "AXIS": 0},
+        defines={"TILE": TILE_PX, "SMALL_PX": small_px, "AXIS": 0},
     )
     y_pass = FullscreenPass(
         ctx,

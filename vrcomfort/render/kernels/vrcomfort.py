@@ -9,11 +9,12 @@ import moderngl
 import numpy as np
 
 from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.optics import fronts
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tiles import SMALL_PX, TILE_PX, tile_passes
+from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
 
 _LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
 """Wide blur behind each pixel, and in front of it."""
@@ -26,8 +27,9 @@ class _Directions(NamedTuple):
 class VrcomfortKernel:
     """Tile-classified gather with a back and a front layer (``depth_of_field.frag``).
 
-    Discs above a few pixels come from half resolution, in 32-bit floats, so that a constant image
-    is rounded once.
+    Every pixel of a disc is looked at up to a radius that grows with the `rings`
+    (:func:`fronts.small_px`). The widest discs come from half resolution, in 32-bit floats, so that
+    a constant image is rounded once.
     """
 
     def __init__(
@@ -38,7 +40,8 @@ class VrcomfortKernel:
         settings: DepthOfField,
     ) -> None:
         width, height = defocus.size_px
-        self._summaries = tile_passes(ctx, defocus)
+        small_px = fronts.small_px(settings.rings)
+        self._summaries = tile_passes(ctx, defocus, small_px=small_px)
         self._half = FullscreenPass(
             ctx,
             "defocus_half.frag",
@@ -48,10 +51,10 @@ class VrcomfortKernel:
         )
         reach = self._summaries[-1].target
         directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
-        defines: dict[str, int | str] = {
+        defines: dict[str, int | float] = {
             "RINGS": settings.rings,
             "TILE": TILE_PX,
-            "SMALL_PX": f"{SMALL_PX}.0",
+            "SMALL_PX": small_px,
         }
         self._wide = tuple(
             FullscreenPass(
