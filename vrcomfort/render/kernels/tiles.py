@@ -13,6 +13,7 @@ TILE_PX = 16
 """Side of the tiles that share one summary."""
 
 SMALL_PX = 2.0
+"""What counts as a small disc unless a kernel says otherwise."""
 
 
 def tile_passes(
@@ -23,7 +24,7 @@ def tile_passes(
     Parameters
     ----------
     small_px
-        Discs up to this radius, at most that of a tile, are told apart from wider ones.
+        Discs up to this radius are told apart from wider ones; less than a tile.
     """
     width, height = defocus.size_px
     columns = (ceil(width / TILE_PX), height)
