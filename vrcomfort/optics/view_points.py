@@ -19,11 +19,11 @@ from vrcomfort.optics.sampling import with_moments
 Counts: TypeAlias = NDArray[np.int64]
 """Points on each ring, from the inside."""
 
-OVERLAP = 1.125
-"""Radius of each of K discs in parts of 1/√K, at which they had the lens's area together. A little
-more closes the gaps between them; measured against 1 and 1.25 in both shipped scenes."""
+OVERLAP = 1.5
+"""Radius of each of K discs in parts of 1/√K, at which they had the lens's area together. More
+closes the gaps between them; measured against 1.125 to 2.25 in both shipped scenes."""
 
-FEW = 4
+FEW = 9
 """Fewer discs than this leave gaps however they lie."""
 
 FEW_RADIUS = 0.97
@@ -36,7 +36,7 @@ _PLACES = 64
 def view_radius(count: int, over_blur: float = 1.0) -> float:
     """Return the radius over which each of `count` views is blurred, in parts of the lens.
 
-    It is at most the lens, and `over_blur` times ``1.125 / √count``; up to three views, times 0.97.
+    It is at most the lens, and `over_blur` times ``1.5 / √count``; up to eight views, times 0.97.
     """
     if count == 1:
         return 1.0
