@@ -65,7 +65,7 @@ def test_a_lens_makes_no_error_and_a_pinhole_a_large_one():
 
 
 def test_more_views_make_less_error_at_an_edge():
-    counts = (4, 16, 32, 64, 128, 256)
+    counts = (16, 32, 64, 128, 256)
     errors = [edge_error(view_points(n, view_radius(n)), view_radius(n)) for n in counts]
     assert np.all(np.diff(errors) < 0), errors
     slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
