@@ -40,7 +40,8 @@ def test_levels_rise_in_what_they_sample():
     rings = [each.depth_of_field.rings for each in settings]
     samples = [each.motion_blur.samples for each in settings]
     assert rings == sorted(rings)
-    assert samples == sorted(set(samples))
+    assert samples == sorted(samples)
+    assert samples[0] < samples[1] < samples[2]
 
 
 def test_balanced_is_what_is_taken_without_a_level():
@@ -116,9 +117,13 @@ def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
         drawn = [name for name in DIALLED if figure.effects in {name, "both"}]
         effects = {"depth_of_field": {"law": "dioptre"}, "motion_blur": {}}
         named = with_level(figure.level, **{name: effects[name] for name in drawn})
-        assert dial.figure_for(named, figure.scene, drawn) == figure
         unnamed = named.model_copy(update={"quality": None})
-        assert dial.figure_for(unnamed, figure.scene, drawn) == figure
+        found = dial.figure_for(named, figure.scene, drawn)
+        assert found == dial.figure_for(unnamed, figure.scene, drawn)
+        # Two levels may have the same settings of an effect: either's figures are right.
+        assert found is not None
+        assert (found.effects, found.scene) == (figure.effects, figure.scene)
+        assert found == figure or (found.psnr_db, found.flip) == (figure.psnr_db, figure.flip)
         assert dial.figure_for(named, "nowhere", drawn) is None
 
 

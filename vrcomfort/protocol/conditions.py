@@ -208,7 +208,7 @@ class MotionBlur(Settings):
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""
     max_radius_percent: Annotated[float, Field(gt=0, le=20)] = 5.0
     """Longest half streak, as a percentage of one eye's image width (logged when it clamps)."""
-    samples: Annotated[int, Field(ge=2, le=64)] = 8
+    samples: Annotated[int, Field(ge=2, le=64)] = 16
     """`reconstruction`: samples along 24 px of a streak; longer ones take proportionally more, and
     up to 12 samples shorter ones take fewer, one for every 2 px. Above 16, the samples are those of
     16, read with a cubic filter across the streak. `per_pixel`: samples along every streak."""

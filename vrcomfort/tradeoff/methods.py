@@ -22,6 +22,9 @@ LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 3.5, "full_blur_
 limit of 2 D allows, so that the reference, which has no limit, shows the same blur."""
 SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
 
+PER_PIXEL_SAMPLES = 8
+"""Samples along every streak of the method that does not know who hides whom."""
+
 RINGS = (1, 2, 3)
 TAPS = (4, 6, 12, 16, 24, 48)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
@@ -93,7 +96,7 @@ def _lens(quick: bool) -> list[Method]:
 def _shutter(quick: bool) -> list[Method]:
     return [
         _no_blur("motion_blur"),
-        *_sources("motion_blur", MotionBlur, "method", _shutter_condition),
+        *_sources("motion_blur", MotionBlur, "method", _per_pixel_condition),
         *_dial("motion_blur", "ours", "samples", _few(STREAK_SAMPLES, quick), _shutter_condition),
     ]
 
@@ -152,6 +155,10 @@ def _lens_condition(name: str, **settings: Any) -> Condition:
 
 def _shutter_condition(name: str, **settings: Any) -> Condition:
     return Condition(name=name, focus=FOCUS, motion_blur=MotionBlur(**{**SHUTTER, **settings}))
+
+
+def _per_pixel_condition(name: str, **settings: Any) -> Condition:
+    return _shutter_condition(name, **{"samples": PER_PIXEL_SAMPLES, **settings})
 
 
 def _condition(_: Effect, name: str, lens: bool, shutter: bool, **settings: Any) -> Condition:
