@@ -4,27 +4,22 @@
 //
 // Input:  tiles of defocus_tiles.frag. Output: the same four numbers over the neighbourhood;
 //         b over the next tiles only. TILE: side of a tile (px); RADIUS in px of image width.
+#include "tile_reach.glsl"
+
 uniform sampler2D tiles;
 
 out vec4 reach;
 
-// In a headset pixels are at most this much taller than wide.
-const float TALLEST = 1.5;
-
-float widest_px(vec4 tile) {
-    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
-}
-
 void main() {
     ivec2 last = textureSize(tiles, 0) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
-    float own_px = widest_px(texelFetch(tiles, middle, 0));
+    vec4 own = texelFetch(tiles, middle, 0);
     reach = vec4(1e4, -1e4, 0.0, 1e4);
     for (int y = -REACH; y <= REACH; ++y)
         for (int x = -REACH; x <= REACH; ++x) {
             vec4 t = texelFetch(tiles, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
             int away = max(abs(x), abs(y));
-            if (float((away - 1) * TILE) > max(own_px, widest_px(t)))
+            if (!matters(away, own, t))
                 continue;
             if (away > 1)
                 t.b = 0.0;  // small discs reach no further

@@ -7,19 +7,14 @@
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
 //         that may matter in the tile; b = kind (include/tap_kinds.glsl).
 #include "tap_kinds.glsl"
+#include "tile_reach.glsl"
 
 uniform sampler2D tiles;
 
 out vec4 reach;
 
-// In a headset pixels are at most this much taller than wide.
-const float TALLEST = 1.5;
 // Part of the widest radius by which those of one tile's surroundings may differ.
 const float ALIKE = 1.0;
-
-float widest_px(vec4 tile) {
-    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
-}
 
 int kind_of(vec2 range) {
     float widest = max(abs(range.r), abs(range.g));
@@ -39,13 +34,12 @@ int kind_of(vec2 range) {
 void main() {
     ivec2 last = textureSize(tiles, 0) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
-    float own_px = widest_px(texelFetch(tiles, middle, 0));
+    vec4 own = texelFetch(tiles, middle, 0);
     vec2 range = vec2(1e4, -1e4);
     for (int y = -REACH; y <= REACH; ++y)
         for (int x = -REACH; x <= REACH; ++x) {
             vec4 t = texelFetch(tiles, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
-            float away_px = float((max(abs(x), abs(y)) - 1) * TILE);
-            if (away_px <= max(own_px, widest_px(t)))
+            if (matters(max(abs(x), abs(y)), own, t))
                 range = vec2(min(range.r, t.r), max(range.g, t.g));
         }
     reach = vec4(range, kind_of(range), 0.0);

@@ -3,9 +3,9 @@
 //
 // Input:  gl_VertexID, one for each tile; reach (tap_reach.frag).
 //         RIM: also tiles of other kinds beside one of KINDS, for bilinear reads across the rim.
-// Output: the point in clip space of the image rounded up to whole tiles. Points, not triangles:
-//         those would have every block of pixels along a diagonal drawn twice.
+// Output: the point (tile_points.glsl).
 #include "tap_kinds.glsl"
+#include "tile_points.glsl"
 
 uniform sampler2D reach;
 
@@ -25,8 +25,6 @@ bool is_drawn(ivec2 tile) {
 
 void main() {
     ivec2 tiles = textureSize(reach, 0);
-    ivec2 tile = ivec2(gl_VertexID % tiles.x, gl_VertexID / tiles.x);
-    vec2 middle = (vec2(tile) + 0.5) / vec2(tiles);
-    gl_PointSize = float(POINT_PX);
-    gl_Position = vec4(is_drawn(tile) ? 2.0 * middle - 1.0 : vec2(-2.0), 0.0, 1.0);
+    ivec2 tile = tile_of_vertex(tiles);
+    put_point(is_drawn(tile), tile, tiles);
 }

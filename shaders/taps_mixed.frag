@@ -28,10 +28,6 @@ vec4 p;
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
-float margin_px(float radius) {
-    return max(0.125, 0.05 * abs(radius));
-}
-
 // Taps over the pixel's own disc and over those of fronts: the same ones, or where fronts are much
 // wider (apart) every second one each. No taps where they are not wanted: loops end early where
 // branches do not.
@@ -47,7 +43,7 @@ void walk(sampler2D level, float texel_px, bool wanted, vec2 discs_px, bool apar
         vec2 at = (gl_FragCoord.xy + away * vec2(1.0, pixel_aspect)) / texel_px;
         vec4 q = texelFetch(level, clamp(ivec2(floor(at)), ivec2(0), last), 0);
         float distance_px = length(away);
-        float is_front = clamp((p.a - q.a) / margin_px(p.a) - 1.0, 0.0, 1.0);
+        float is_front = nearer(p.a, q.a);
         if (own)
             back += (1.0 - is_front) * disc_weight(distance_px, abs(p.a), spacings.x) * vec4(q.rgb, 1.0);
         float radius = abs(q.a);

@@ -268,6 +268,8 @@ THROUGH = {
     "through_lens": "the reference's images (test_render_depth_and_lens.py)",
     "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
     "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
+    "widest_px": "defocus_reach.frag and tap_reach.frag (test_effects_depth_of_field.py: edges)",
+    "matters": "the same",
     "radius_at": "defocus.frag and defocus_range.frag (test_effects_lens_laws.py)",
     "velocity_at": "the shaders of motion blur (test_effects_motion_blur.py: extremes)",
     "half_streak_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",

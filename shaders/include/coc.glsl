@@ -2,7 +2,7 @@
 //
 // Every amount is a RADIUS in pixels of image width; negative in front of the focus distance,
 // positive behind it. NumPy twins: vrcomfort/optics/circle_of_confusion.py, where the formulas are
-// derived. Sources: Carnegie & Rhee 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al.
+// derived; of margin_px and nearer, vrcomfort/optics/fronts.py. Sources: Carnegie & Rhee 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al.
 // 2008.
 
 const float PI = 3.14159265358979;
@@ -71,4 +71,15 @@ float disc_area_px(float radius_px, float softness_px) {
     return radius_px >= 0.5 * softness_px
         ? PI * (radius_px * radius_px + softness_px * softness_px / 12.0)
         : PI * reach * reach * reach / (3.0 * softness_px);
+}
+
+// How much nearer (in radius) another point must be to be a surface of its own: well above the
+// rounding of half floats, and a slanted surface stays one.
+float margin_px(float radius) {
+    return max(0.125, 0.05 * abs(radius));
+}
+
+// 0 where q is the surface of p or behind it, 1 where it is nearer.
+float nearer(float p, float q) {
+    return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);
 }

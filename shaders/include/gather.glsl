@@ -1,4 +1,4 @@
-// Gathering what other pixels would scatter here: who is behind, who is in front, where the taps are.
+// Gathering what other pixels would scatter here: whose discs count, where the taps are.
 //
 // Radii in pixels of image width, negative in front of the focus; where one surface ends and the
 // next begins is told by radii, which order depth. Include after coc.glsl. Twins:
@@ -10,21 +10,10 @@ uniform float pixel_aspect;                        // image pixels per unit, ver
 // Half resolution, its taps and its interpolation blur by themselves: their variance together.
 const float HALF_VARIANCE_PX2 = 1.67;
 
-// How much nearer (in radius) another point must be to be a surface of its own: well above the
-// rounding of half floats, and a slanted surface stays one.
-float margin_px(float radius) {
-    return max(0.125, 0.05 * abs(radius));
-}
-
 // Whether all that may reach p is about as blurred as p: at most so many margins apart. Within one
 // there is no front; within two the rims do not show where discs are wide.
 bool is_alike(float radius, vec4 tile, float margins) {
     return tile.g - tile.r <= margins * margin_px(radius);
-}
-
-// 0 where q is the surface of p or behind it, 1 where it is nearer.
-float nearer(float p, float q) {
-    return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);
 }
 
 // How far the radius of a disc may be from that of p (px) to count in full as a disc of p's surface;

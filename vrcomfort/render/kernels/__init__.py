@@ -34,7 +34,6 @@ def make_kernel(
     ctx: moderngl.Context, colour: moderngl.Texture, defocus: Defocus, settings: DepthOfField
 ) -> BlurKernel:
     """Return the kernel that `settings` name, reading `colour` and the points of `defocus`."""
-    maker = _KERNELS[settings.kernel]
-    if maker is VrcomfortKernel and settings.taps is not None:
-        maker = TapsKernel
-    return maker(ctx, colour, defocus, settings)
+    if settings.kernel == "vrcomfort" and settings.taps is not None:
+        return TapsKernel(ctx, colour, defocus, settings.taps)
+    return _KERNELS[settings.kernel](ctx, colour, defocus, settings)

@@ -9,14 +9,11 @@ import moderngl
 import numpy as np
 
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-
-USUAL_TAPS = 12
-"""Where the settings do not say."""
+from vrcomfort.render.kernels.tiles import reach_defines
 
 LEAST_TAPS = 4
 """Fewer have not the disc's second moments."""
@@ -56,9 +53,9 @@ class TapsKernel:
         ctx: moderngl.Context,
         colour: moderngl.Texture,
         defocus: Defocus,
-        settings: DepthOfField,
+        taps: int,
     ) -> None:
-        self._ctx, self._points, self._taps = ctx, defocus.points, settings.taps or USUAL_TAPS
+        self._ctx, self._points, self._taps = ctx, defocus.points, taps
         self._few = max(LEAST_TAPS, ceil(self._taps / 2))
         self._tile_px = defocus.tile_px
         self._wide_px = max(LEAST_WIDE_PX, _covered_px(self._taps, 1, 1.0))
@@ -96,10 +93,7 @@ class TapsKernel:
             size_px=defocus.tiles.size,
             inputs={"tiles": defocus.tiles},
             defines={
-                "TILE": self._tile_px,
-                "TAPS": self._taps,
-                # Pixels are at most half again as tall as wide in any headset, hence the factor.
-                "REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / self._tile_px)),
+                **reach_defines(defocus.limit_px, self._tile_px),
                 "WIDE_PX": self._wide_px,
                 "WIDEST_PX": _covered_px(self._taps, 2, 1.0),
                 "SMOOTH_PX": max(LEAST_SMOOTH_PX, _covered_px(self._taps, 1, 0.8)),
@@ -132,7 +126,7 @@ class TapsKernel:
             {"points": self._points, "level": level},
             filtered={"level"},
             target=target,
-            constants=_offsets(taps or self._taps),
+            constants=_Offsets(_offsets(taps or self._taps)),
             defines={
                 "TAPS": taps or self._taps,
                 "SHOWN": f"{shown}.0",
@@ -147,7 +141,7 @@ class TapsKernel:
             "taps_mixed.frag",
             "MIXED",
             {"points": self._points, "colour": colour, "halves": halves},
-            constants=_Walk(_offsets(self._taps).offsets, self._taps),
+            constants=_Walk(_offsets(self._taps), self._taps),
         )
 
     def _tiles(
@@ -186,8 +180,8 @@ def _covered_px(taps: int, texel: int, share: float) -> float:
     return share * texel * sqrt(READ_AREA * taps / pi)
 
 
-def _offsets(taps: int) -> _Offsets:
-    return _Offsets(coc.tap_offsets(taps).astype(np.float32).tobytes())
+def _offsets(taps: int) -> bytes:
+    return coc.tap_offsets(taps).astype(np.float32).tobytes()
 
 
 def _halve(ctx: moderngl.Context, source: moderngl.Texture) -> FullscreenPass:

@@ -12,12 +12,18 @@ from vrcomfort.render.fullscreen_pass import FullscreenPass
 TILE_PX = 16
 """Side of the tiles that share one summary."""
 
-SMALL_PX = 2.0
-"""What counts as a small disc unless a kernel says otherwise."""
+TALLEST = 1.5
+"""In a headset pixels are at most this much taller than wide."""
+
+
+def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
+    """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
+    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
+    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
 
 
 def tile_passes(
-    ctx: moderngl.Context, defocus: Defocus, *, small_px: float = SMALL_PX
+    ctx: moderngl.Context, defocus: Defocus, *, small_px: float
 ) -> tuple[FullscreenPass, ...]:
     """Return the passes, in order; the last one's target has what may reach each tile.
 
@@ -43,12 +49,11 @@ def tile_passes(
         inputs={"source": x_pass.target},
         defines={"TILE": TILE_PX, "AXIS": 1},
     )
-    # Pixels are at most half again as tall as wide in any headset, hence the factor.
     reach = FullscreenPass(
         ctx,
         "defocus_reach.frag",
         size_px=tiles,
         inputs={"tiles": y_pass.target},
-        defines={"REACH": max(1, ceil((1.5 * defocus.limit_px + 1) / TILE_PX)), "TILE": TILE_PX},
+        defines=reach_defines(defocus.limit_px, TILE_PX),
     )
     return x_pass, y_pass, reach

@@ -1,0 +1,11 @@
+// How far the discs of a tile reach. TILE: side of a tile (px); TALLEST: pixels are at most this much
+// taller than wide. r, g of a tile are its least and greatest signed RADIUS, px of image width.
+
+float widest_px(vec4 tile) {
+    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
+}
+
+// Whether what is so many tiles away matters here: its discs come as far, or those of here do.
+bool matters(int away, vec4 here, vec4 there) {
+    return float((away - 1) * TILE) <= max(widest_px(here), widest_px(there));
+}
