@@ -12,7 +12,7 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
 from vrcomfort.render import lens_radius
-from vrcomfort.render.defocus import Defocus, RadiusRange, defocus_uniforms
+from vrcomfort.render.defocus import Defocus, Radii, RadiusRange, defocus_uniforms
 from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
 
@@ -121,10 +121,9 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
             infinity_m=3e4,
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        largest = RadiusRange(
-            ctx, depth=fours, focus=focus, settings=settings, infinity_m=3e4, tile_px=2
-        )
-        largest.render(head, 2 * focal_px)
+        radii = Radii(depth=fours, focus=focus, settings=settings, infinity_m=3e4)
+        largest = RadiusRange(ctx, radii, size_px=(100, 80), tile_px=2)
+        largest.render(radii.of_eye(head, 2 * focal_px))
         found = np.frombuffer(largest.tiles.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(
             settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf

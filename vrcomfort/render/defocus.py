@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.fullscreen_pass import FullscreenPass, Uniforms
+from vrcomfort.render.fullscreen_pass import FullscreenPass, Together, Uniforms
 from vrcomfort.render.lens_radius import (
     px_per_dioptre,
     radius_limit_in_px,
@@ -59,21 +59,61 @@ class _PeripheralShape(NamedTuple):
     peripheral_exponent: float
 
 
-class _Together:
-    """The fields of several tuples of uniforms."""
-
-    def __init__(self, *parts: Uniforms) -> None:
-        self._parts = parts
-
-    def _asdict(self) -> dict[str, Any]:
-        return {name: value for part in self._parts for name, value in part._asdict().items()}
-
-
 def defocus_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> DefocusUniforms:
     """Return the uniforms that turn an eye's depth into depth along the head's forward axis."""
     x, y, z = rotate(head_from_eye.inverse().orientation, np.array([0.0, 0.0, -1.0]))
     offset_m = -float(head_from_eye.position[2])
     return DefocusUniforms(fov.tangents, (float(x), float(y), float(z)), near_m, offset_m)
+
+
+class Radii:
+    """The signed radius of any depth in one eye's image: what ``include/defocus.glsl`` needs.
+
+    Parameters
+    ----------
+    depth, focus, settings, infinity_m
+        Those of :class:`Defocus`.
+    """
+
+    def __init__(
+        self,
+        *,
+        depth: moderngl.Texture,
+        focus: moderngl.Texture,
+        settings: DepthOfField,
+        infinity_m: float,
+    ) -> None:
+        self._settings, self._size_px = settings, depth.size
+        self._inputs = {"depth": depth, "focus": focus}
+        self._constants = Together(
+            _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
+        )
+        self._defines = {**_law_defines(settings), **_peripheral_defines(settings)}
+
+    def make_pass(
+        self,
+        ctx: moderngl.Context,
+        fragment: str,
+        *,
+        inputs: dict[str, moderngl.Texture] | None = None,
+        defines: dict[str, Any] | None = None,
+        constants: Uniforms | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return a pass that includes ``defocus.glsl``; it is drawn with :meth:`of_eye`."""
+        return FullscreenPass(
+            ctx,
+            fragment,
+            inputs={**self._inputs, **(inputs or {})},
+            constants=Together(self._constants, *([constants] if constants else [])),
+            defines={**self._defines, **(defines or {})},
+            **options,
+        )
+
+    def of_eye(self, eye: DefocusUniforms, focal_px: float) -> Uniforms:
+        """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
+        limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
+        return Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px))
 
 
 class Defocus:
@@ -101,45 +141,47 @@ class Defocus:
         infinity_m: float,
     ) -> None:
         self.size_px = size_px
-        self._settings = settings
+        self._ctx, self._colour, self._settings = ctx, colour, settings
         self.limit_px = radius_limit_px(settings, size_px)
         """No eye's image can have a larger radius."""
         self.limit_now_px = self.limit_px
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
-        lens = _lens_constants(settings, infinity_m)
-        self._pass = FullscreenPass(
-            ctx,
-            "defocus.frag",
-            size_px=size_px,
-            inputs={"colour": colour, "depth": depth, "focus": focus},
-            constants=_Together(lens, *_peripheral_constants(settings)),
-            defines={**_law_defines(settings), **_peripheral_defines(settings)},
-        )
+        self._least_limit_px = self.limit_px
+        self.radii = Radii(depth=depth, focus=focus, settings=settings, infinity_m=infinity_m)
+        self.now: Uniforms | None = None
+        """What :meth:`Radii.of_eye` says of the last eye."""
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tiles`."""
-        self._range = RadiusRange(
-            ctx,
-            depth=depth,
-            focus=focus,
-            settings=settings,
-            infinity_m=infinity_m,
-            tile_px=self.tile_px,
-        )
+        self._range = RadiusRange(ctx, self.radii, size_px=size_px, tile_px=self.tile_px)
         self.tiles = self._range.tiles
-        """What :class:`RadiusRange` has found of the present points."""
-        self._least_limit_px = self.limit_px
-        self.points = self._pass.target
-        """RGBA16F: finite colour, signed radius in pixels of image width."""
+        """What :class:`RadiusRange` has found of the last eye."""
+        self._points: FullscreenPass | None = None
+
+    @property
+    def points(self) -> moderngl.Texture:
+        """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
+        if self._points is None:
+            self._points = self.make_points(size_px=self.size_px)
+            if self.now is not None:
+                self._points.render(self.now)
+        return self._points.target
+
+    def make_points(self, **options: Any) -> FullscreenPass:
+        """Return the pass that draws points, to be rendered with :attr:`now`."""
+        return self.radii.make_pass(
+            self._ctx, "defocus.frag", inputs={"colour": self._colour}, **options
+        )
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
         eye = defocus_uniforms(fov, near_m, head_from_eye)
         focal_px = focal_length_px(fov, self.size_px)[0]
-        limit, scale = _limit_and_scale(self._settings, focal_px, self.size_px)
-        self.limit_now_px = limit.radius_limit_px
+        self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
-        self._pass.render(_Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px)))
-        self._range.render(eye, focal_px)
+        self.now = self.radii.of_eye(eye, focal_px)
+        if self._points is not None:
+            self._points.render(self.now)
+        self._range.render(self.now)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
@@ -166,31 +208,19 @@ class RadiusRange:
 
     Parameters
     ----------
-    depth, focus, settings, infinity_m
-        Those of :class:`Defocus`.
     tile_px
         Side of the tiles, even.
     """
 
     def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        depth: moderngl.Texture,
-        focus: moderngl.Texture,
-        settings: DepthOfField,
-        infinity_m: float,
-        tile_px: int,
+        self, ctx: moderngl.Context, radii: Radii, *, size_px: tuple[int, int], tile_px: int
     ) -> None:
-        self._settings, self._size_px = settings, depth.size
-        lens = _lens_constants(settings, infinity_m)
-        self._tiles = FullscreenPass(
+        width, height = size_px
+        self._tiles = radii.make_pass(
             ctx,
             "defocus_range.frag",
-            size_px=(ceil(depth.width / tile_px), ceil(depth.height / tile_px)),
-            inputs={"depth": depth, "focus": focus},
-            constants=_Together(lens, *_peripheral_constants(settings)),
-            defines={**_law_defines(settings), **_peripheral_defines(settings), "TILE": tile_px},
+            size_px=(ceil(width / tile_px), ceil(height / tile_px)),
+            defines={"TILE": tile_px},
             dtype="f4",
         )
         self.tiles = self._tiles.target
@@ -198,11 +228,9 @@ class RadiusRange:
         eye; largest radius before the limit, peripheral blur left out."""
         self._peak = PeakPass(ctx, self.tiles, components="z")
 
-    def render(self, eye: DefocusUniforms, focal_px: float) -> None:
-        """Take what an eye drew into account; `focal_px` is that of its image."""
-        limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        unit = _peripheral_unit(self._settings, focal_px)
-        self._tiles.render(_Together(eye, scale, limit, *unit))
+    def render(self, eye: Uniforms) -> None:
+        """Take what an eye drew into account: :meth:`Radii.of_eye`."""
+        self._tiles.render(eye)
         self._peak.render()
 
     def read(self) -> float:
@@ -234,7 +262,7 @@ def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
     infinity = _Infinity(infinity_m)
     if settings.law != "thin_lens":
         return infinity
-    return _Together(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
+    return Together(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
 
 
 def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:

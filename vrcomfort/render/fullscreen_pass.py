@@ -16,6 +16,16 @@ class Uniforms(Protocol):
     def _asdict(self) -> dict[str, Any]: ...
 
 
+class Together:
+    """The fields of several tuples of uniforms."""
+
+    def __init__(self, *parts: Uniforms) -> None:
+        self._parts = parts
+
+    def _asdict(self) -> dict[str, Any]:
+        return {name: value for part in self._parts for name, value in part._asdict().items()}
+
+
 class FullscreenPass:
     """Draws `fragment` into a texture of its own.
 
