@@ -2,7 +2,8 @@
 // A square point on each tile of some KINDS; the other tiles are put outside the image.
 //
 // Input:  gl_VertexID, one for each tile; reach (tap_reach.frag).
-//         RIM: also tiles of other kinds beside one of KINDS, for bilinear reads across the rim.
+//         AROUND: also tiles of other kinds at most so many away from one of KINDS, whose programs
+//         read across the rim.
 // Output: the point (tile_points.glsl).
 #include "tap_kinds.glsl"
 #include "tile_points.glsl"
@@ -15,11 +16,10 @@ int kind(ivec2 tile) {
 
 bool is_drawn(ivec2 tile) {
     int found = kind(tile);
-#ifdef RIM
-    if ((found & (WIDE | WIDEST)) == 0)
-        for (int i = 0; i < 9; ++i)
-            found |= kind(tile + ivec2(i % 3, i / 3) - 1);
-#endif
+    if ((found & (KINDS)) == 0)
+        for (int y = -AROUND; y <= AROUND; ++y)
+            for (int x = -AROUND; x <= AROUND; ++x)
+                found |= kind(tile + ivec2(x, y));
     return (found & (KINDS)) != 0;
 }
 

@@ -1,14 +1,16 @@
 #version 450 core
 // Where everything is about as blurred: the mean of a few bilinear reads over a pixel's own disc.
 //
-// Input:  points (signed CoC RADIUS, px of image width), or a half or quarter of them
-//         (defocus_halve.frag), drawn into a target whose texels are SHOWN px wide. offsets: TAPS
-//         points of the unit disc.
+// Input:  depth, focus (include/defocus.glsl); level: the image (linear HDR), or a half or quarter of
+//         it, whose texels are LEVEL px wide, drawn into a target whose texels are SHOWN px wide.
+//         offsets: TAPS points of the unit disc.
 // Output: rgb, linear HDR.
 //
 // Reads blur by themselves; the disc is narrower by that variance, READ_PX2 / 4.
+#include "coc.glsl"
+#include "defocus.glsl"
+
 uniform sampler2D level;
-uniform sampler2D points;
 uniform vec2 offsets[TAPS];
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
@@ -16,9 +18,9 @@ out vec4 blurred;
 
 void main() {
     vec2 centre_px = SHOWN * gl_FragCoord.xy;
-    ivec2 last = textureSize(points, 0) - 1;
+    ivec2 last = textureSize(depth, 0) - 1;
     vec2 size_px = LEVEL * vec2(textureSize(level, 0));
-    float radius = texelFetch(points, min(ivec2(centre_px), last), 0).a;
+    float radius = radius_of(min(ivec2(centre_px), last));
     vec2 extent = radius * vec2(1.0, pixel_aspect);
     extent = sqrt(max(extent * extent - READ_PX2, 0.0)) / size_px;
     vec3 sum = vec3(0.0);

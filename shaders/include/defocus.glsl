@@ -51,3 +51,8 @@ float radius_at(float z, vec2 uv) {
 #endif
     return radius;
 }
+
+// That of a pixel.
+float radius_of(ivec2 pixel) {
+    return radius_at(texelFetch(depth, pixel, 0).r, (vec2(pixel) + 0.5) / vec2(textureSize(depth, 0)));
+}

@@ -166,11 +166,12 @@ class Defocus:
                 self._points.render(self.now)
         return self._points.target
 
-    def make_points(self, **options: Any) -> FullscreenPass:
+    def make_points(
+        self, *, inputs: dict[str, moderngl.Texture] | None = None, **options: Any
+    ) -> FullscreenPass:
         """Return the pass that draws points, to be rendered with :attr:`now`."""
-        return self.radii.make_pass(
-            self._ctx, "defocus.frag", inputs={"colour": self._colour}, **options
-        )
+        inputs = {"colour": self._colour, **(inputs or {})}
+        return self.radii.make_pass(self._ctx, "defocus.frag", inputs=inputs, **options)
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""

@@ -16,10 +16,14 @@ TALLEST = 1.5
 """In a headset pixels are at most this much taller than wide."""
 
 
+def reach_tiles(limit_px: float, tile_px: int) -> int:
+    """Return how many tiles away anything may matter, where no disc is wider."""
+    return max(1, ceil((TALLEST * limit_px + 1) / tile_px))
+
+
 def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
     """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
-    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
-    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
+    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach_tiles(limit_px, tile_px)}
 
 
 def tile_passes(
