@@ -2,8 +2,8 @@
 // What may reach each tile, and the kind of work that it takes: the range of radii over the tiles
 // around (within REACH) whose discs come as far, or that its own discs reach.
 //
-// Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px)
-//         that divide the kinds: FEW_PX, SMOOTH_PX, WIDE_PX, WIDEST_PX.
+// Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px) that divide the kinds:
+//         SLIGHT_PX, FEW_PX, WIDE_PX, WIDEST_PX. BETWEEN: the kind of what is neither few nor wide.
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
 //         that may matter in the tile; b = kind (include/tap_kinds.glsl).
 #include "tap_kinds.glsl"
@@ -16,19 +16,22 @@ out vec4 reach;
 // Part of the widest radius by which those of one tile's surroundings may differ.
 const float ALIKE = 1.0;
 
+// What is drawn at half resolution is as blurred as a disc of this radius (px), at least.
+const float LEAST_WIDE = 1.75;
+
 int kind_of(vec2 range) {
     float widest = max(abs(range.r), abs(range.g));
     float least = min(abs(range.r), abs(range.g));
     if (widest <= 0.5)
         return COPIED;
+    if (widest <= SLIGHT_PX)
+        return FEW;
     bool alike = range.g - range.r <= ALIKE * widest && max(range.r, -range.g) > 0.5;
     if (!alike)
         return MIXED;
-    if (least > WIDE_PX)
+    if (least > LEAST_WIDE && least + widest > 2.0 * WIDE_PX)
         return widest > WIDEST_PX ? WIDEST : WIDE;
-    if (least > SMOOTH_PX)
-        return SMOOTH;
-    return widest > FEW_PX ? FINE : FEW;
+    return widest > FEW_PX ? BETWEEN : FEW;
 }
 
 void main() {

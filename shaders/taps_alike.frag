@@ -6,7 +6,7 @@
 //         offsets: TAPS points of the unit disc.
 // Output: rgb, linear HDR.
 //
-// Reads blur by themselves; the disc is narrower by that variance, READ_PX2 / 4.
+// Reads blur by themselves: the pattern is narrower than the disc (EXTENT_*, twin: tap_extent_px).
 #include "coc.glsl"
 #include "defocus.glsl"
 
@@ -22,7 +22,9 @@ void main() {
     vec2 size_px = LEVEL * vec2(textureSize(level, 0));
     float radius = radius_of(min(ivec2(centre_px), last));
     vec2 extent = radius * vec2(1.0, pixel_aspect);
-    extent = sqrt(max(extent * extent - READ_PX2, 0.0)) / size_px;
+    vec2 far = sqrt(max(extent * extent - EXTENT_FAR_PX2, 0.0));
+    vec2 near = min(max(extent * extent - EXTENT_NEAR_PX2, 0.0) * EXTENT_PER_PX, EXTENT_NEAR_PX);
+    extent = max(far, near) / size_px;
     vec3 sum = vec3(0.0);
     for (int i = 0; i < TAPS; ++i)
         sum += textureLod(level, centre_px / size_px + extent * offsets[i], 0.0).rgb;

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array, Fov
-from vrcomfort.optics import sampling
 
 Law: TypeAlias = Literal["linear", "dioptre"]
 
@@ -264,36 +263,6 @@ def ring_directions(rings: int) -> Array:
     angles = [2 * np.pi * (np.arange(8 * k) + 0.5 * (k % 2)) / (8 * k) for k in range(1, rings + 1)]
     angle = np.concatenate(angles)
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-
-
-def tap_offsets(taps: int) -> Array:
-    """Return (taps, 2) points of the unit disc, evenly spread, with its mean and second moments.
-
-    Notes
-    -----
-    Up to nine: one in the middle of a ring, at which the mean square distance is the disc's, 1/2.
-    From there on the sunflower of `optics.sampling.sunflower`.
-    """
-    if taps > 9:
-        return sampling.sunflower(taps)
-    angle = 2 * np.pi * np.arange(taps - 1) / (taps - 1)
-    ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1) * math.sqrt(taps / (taps - 1) / 2)
-    return np.concatenate([np.zeros((1, 2)), ring])
-
-
-def read_variance_px2(texel_px: int, shown_px: int) -> float:
-    """Return the variance along an axis that bilinear reads add to the pattern of their taps.
-
-    Parameters
-    ----------
-    texel_px
-        Width of the texels that are read: means of so many pixels, (texel² − 1)/12, read between
-        them, texel²/6 on average.
-    shown_px
-        Width of the texels that are drawn; where above 1, these are read between again.
-    """
-    again = shown_px**2 / 6 if shown_px > 1 else 0.0
-    return (texel_px**2 - 1) / 12 + texel_px**2 / 6 + again
 
 
 def ring_radius_px(ring: int, spacing_px: float) -> float:

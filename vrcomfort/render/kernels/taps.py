@@ -3,29 +3,34 @@
 from __future__ import annotations
 
 from math import ceil, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.render import gl
+from vrcomfort.optics import taps as pattern
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Together
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tiles import reach_defines, reach_tiles
+from vrcomfort.render.kernels.tap_tiles import Bounds, Level, TapTiles
 
 LEAST_TAPS = 4
-"""Fewer have not the disc's second moments."""
+"""Fewer have not the disc's second moments: small discs are a cross-fade then."""
+
+LEAST_MIXED_TAPS = 6
+"""Fewer do not tell surfaces apart well."""
 
 READ_AREA = 4.0
 """A bilinear read stands for so many texels."""
 
-LEAST_WIDE_PX = 2.6
-"""What is drawn at half resolution is as blurred as a disc of 2.5 px."""
+SLIGHT_PX = 1.0
+"""In a cross-fade, surfaces whose discs are not wider are not told apart."""
 
-LEAST_SMOOTH_PX = 2.1
-"""Half resolution, read bilinearly at full, is as blurred as a disc of 1.9 px."""
+FADED_PX = 2.8
+"""Widest disc that a cross-fade stands for; it ends at 2 px."""
+
+LEAST_WIDE_PX = 2.2
+"""What is drawn at half resolution is as blurred as a disc of 2 px."""
 
 
 class _Offsets(NamedTuple):
@@ -37,22 +42,16 @@ class _Walk(NamedTuple):
     tap_count: int
 
 
-class _Level(NamedTuple):
-    """An image, or half or a quarter of it, whose texels are so many pixels wide."""
-
-    texture: moderngl.Texture
-    texel_px: int
-
-
 class TapsKernel:
     """Gathers a few taps from a disc, the same ones everywhere (``taps_*.frag``).
 
     Notes
     -----
     Tiles where nothing is blurred are copied. Where all is about alike, taps are bilinear reads of
-    texels so wide that the reads cover the disc: half of them where it is small, at half resolution
-    where it is wide. Only tiles in which surfaces mix look at the depth of each tap, as the rings
-    of `VrcomfortKernel` do.
+    texels so wide that the reads cover the disc: half of them where it is small; where it is wide,
+    twice as many at half resolution, which is a quarter of the pixels. Only tiles in which surfaces
+    mix look at the depth of each tap, as the rings of `VrcomfortKernel` do. With less than
+    `LEAST_TAPS`, a small disc is a cross-fade of the image and half of it.
     """
 
     def __init__(
@@ -62,152 +61,132 @@ class TapsKernel:
         defocus: Defocus,
         taps: int,
     ) -> None:
-        self._ctx, self._defocus, self._taps = ctx, defocus, taps
-        self._few = max(LEAST_TAPS, ceil(self._taps / 2))
-        self._wide_px = max(LEAST_WIDE_PX, _covered_px(self._taps, 1, 1.0))
-        self._reach = self._reach_pass()
-        image, blurred, half = _Level(colour, 1), self._level(1), self._level(2)
+        self._defocus, self._taps = defocus, taps
+        self._fades = taps < LEAST_TAPS
+        self._wide_taps = (4 if self._fades else 2) * taps
+        bounds = self._bounds()
+        self._tiles = TapTiles(ctx, defocus, bounds)
+        image, half, blurred = Level(colour, 1), self._tiles.level(2), self._tiles.level(1)
         self.target = blurred.texture
-        points = self._level(1)
-        self._points = defocus.make_points(**self._on_tiles("MIXED", points, around=True))
+        points = self._tiles.level(1)
+        self._points = self._tiles.make_defocus_pass(
+            "defocus.frag", "MIXED", {"colour": colour}, points, around=True
+        )
         self._before = [
-            self._tiles("taps_copy.frag", "COPIED", {"colour": colour}, blurred),
-            self._shrink(image, half, "SMOOTH | WIDE | WIDEST"),
-            self._halve_mixed(points, half),
+            self._tiles.make_pass("taps_copy.frag", "COPIED", {"colour": colour}, blurred),
+            self._shrink(image, half, "FEW | WIDE | WIDEST" if self._fades else "WIDE | WIDEST"),
+            self._tiles.make_pass(
+                "defocus_halve.frag", "MIXED", {"points": points.texture}, half, around=True
+            ),
         ]
-        self._alikes = [
-            self._alike("FEW", image, blurred, self._few),
-            self._alike("FINE", image, blurred),
-            self._alike("SMOOTH", half, blurred),
-        ]
+        self._fade = [self._fade_pass(image, half, blurred)] if self._fades else []
+        self._alikes = [] if self._fades else self._small(image, blurred)
         self._mixed = self._mixed_pass(image, points, half, blurred)
         self._after: list[FullscreenPass] = []
-        if defocus.limit_px > self._wide_px:
-            self._add_wide(half, blurred, widest=defocus.limit_px > _covered_px(self._taps, 2, 1.0))
+        if defocus.limit_px > bounds.wide_px:
+            self._add_wide(half, blurred, widest=defocus.limit_px > bounds.widest_px)
 
-    def _add_wide(self, half: _Level, blurred: _Level, *, widest: bool) -> None:
+    def _bounds(self) -> Bounds:
+        widest_px = _covered_px(self._wide_taps, 2)
+        if self._fades:
+            return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, "MIXED")
+        few_px, wide_px = 0.7 * _covered_px(self._few, 1), _covered_px(self._taps, 1)
+        return Bounds(0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, "FINE")
+
+    @property
+    def _few(self) -> int:
+        return max(LEAST_TAPS, ceil(self._taps / 2))
+
+    def _small(self, image: Level, blurred: Level) -> list[FullscreenPass]:
+        return [
+            self._alike("FEW", image, blurred, self._few),
+            self._alike("FINE", image, blurred, self._taps),
+        ]
+
+    def _add_wide(self, half: Level, blurred: Level, *, widest: bool) -> None:
         """Draw wide discs at half resolution and enlarge them; `widest`: some read a quarter."""
-        wide = self._level(2)
-        self._alikes.append(self._alike("WIDE", half, wide))
+        wide = self._tiles.level(2)
+        self._alikes.append(self._alike("WIDE", half, wide, self._wide_taps))
         if widest:
-            quarter = self._level(4)
+            quarter = self._tiles.level(4)
             self._before.append(self._shrink(half, quarter, "WIDEST"))
-            self._alikes.append(self._alike("WIDEST", quarter, wide))
-        inputs = {"wide": wide.texture}
+            self._alikes.append(self._alike("WIDEST", quarter, wide, self._wide_taps))
         self._after.append(
-            self._tiles("taps_wide.frag", "WIDE | WIDEST", inputs, blurred, filtered={"wide"})
+            self._tiles.make_pass(
+                "taps_wide.frag",
+                "WIDE | WIDEST",
+                {"wide": wide.texture},
+                blurred,
+                filtered={"wide"},
+            )
         )
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
         aspect, eye = Aspect(pixel_aspect), self._defocus.now
-        self._reach.render()
+        self._tiles.render()
         self._points.render(eye)
         for each in self._before:
             each.render()
+        for fade in self._fade:
+            fade.render(eye)
         for alike in self._alikes:
             alike.render(Together(eye, aspect))
         self._mixed.render(aspect)
         for each in self._after:
             each.render()
 
-    def _reach_pass(self) -> FullscreenPass:
-        tiles = self._defocus.tiles
-        return FullscreenPass(
-            self._ctx,
-            "tap_reach.frag",
-            size_px=tiles.size,
-            inputs={"tiles": tiles},
-            defines={
-                **reach_defines(self._defocus.limit_px, self._defocus.tile_px),
-                "WIDE_PX": self._wide_px,
-                "WIDEST_PX": _covered_px(self._taps, 2, 1.0),
-                "SMOOTH_PX": max(LEAST_SMOOTH_PX, _covered_px(self._taps, 1, 0.8)),
-                "FEW_PX": _covered_px(self._few, 1, 0.7),
-            },
-        )
-
-    def _level(self, texel_px: int) -> _Level:
-        width, height = self._defocus.size_px
-        size = ceil(width / texel_px), ceil(height / texel_px)
-        return _Level(gl.color_texture(self._ctx, size), texel_px)
-
-    def _shrink(self, source: _Level, target: _Level, kinds: str) -> FullscreenPass:
+    def _shrink(self, source: Level, target: Level, kinds: str) -> FullscreenPass:
         """Return the pass that halves what tiles of one surface read."""
         level = {"level": source.texture}
-        return self._tiles(
+        return self._tiles.make_pass(
             "taps_shrink.frag", kinds, level, target, around=True, filtered={"level"}
         )
 
-    def _halve_mixed(self, points: _Level, target: _Level) -> FullscreenPass:
-        """Return the pass that halves points without mixing surfaces."""
-        inputs = {"points": points.texture}
-        return self._tiles("defocus_halve.frag", "MIXED", inputs, target, around=True)
+    def _fade_pass(self, image: Level, half: Level, target: Level) -> FullscreenPass:
+        inputs = {"colour": image.texture, "halves": half.texture}
+        return self._tiles.make_defocus_pass(
+            "taps_fade.frag", "FEW", inputs, target, filtered={"halves"}
+        )
 
-    def _alike(
-        self, kinds: str, level: _Level, target: _Level, taps: int | None = None
-    ) -> FullscreenPass:
+    def _alike(self, kinds: str, level: Level, target: Level, taps: int) -> FullscreenPass:
         """Return the pass over tiles of one surface."""
-        shown = target.texel_px
-        on_tiles = self._on_tiles(kinds, target, around=shown > 1)
-        on_tiles["inputs"]["level"] = level.texture
-        on_tiles["defines"] |= {
-            "TAPS": taps or self._taps,
-            "SHOWN": f"{shown}.0",
-            "LEVEL": f"{level.texel_px}.0",
-            "READ_PX2": coc.read_variance_px2(level.texel_px, shown) * 4,
-        }
-        constants = _Offsets(_offsets(taps or self._taps))
-        return self._defocus.radii.make_pass(
-            self._ctx, "taps_alike.frag", filtered={"level"}, constants=constants, **on_tiles
+        texel, shown = level.texel_px, target.texel_px
+        spread = pattern.spread(taps, texel, shown)
+        return self._tiles.make_defocus_pass(
+            "taps_alike.frag",
+            kinds,
+            {"level": level.texture},
+            target,
+            around=shown > 1,
+            constants=_Offsets(_offsets(taps)),
+            defines={
+                "TAPS": taps,
+                "SHOWN": f"{shown}.0",
+                "LEVEL": f"{texel}.0",
+                **{f"EXTENT_{name.upper()}": each for name, each in spread._asdict().items()},
+            },
+            filtered={"level"},
         )
 
     def _mixed_pass(
-        self, image: _Level, points: _Level, half: _Level, target: _Level
+        self, image: Level, points: Level, half: Level, target: Level
     ) -> FullscreenPass:
-        walk = _Walk(_offsets(self._taps), self._taps)
-        inputs = {"points": points.texture, "colour": image.texture, "halves": half.texture}
-        return self._tiles("taps_mixed.frag", "MIXED", inputs, target, constants=walk)
-
-    def _tiles(
-        self,
-        fragment: str,
-        kinds: str,
-        inputs: dict[str, moderngl.Texture],
-        target: _Level,
-        *,
-        around: bool = False,
-        **options: Any,
-    ) -> FullscreenPass:
-        """Return a pass over the tiles of some kinds."""
-        on_tiles = self._on_tiles(kinds, target, around=around)
-        on_tiles["inputs"] |= inputs
-        return FullscreenPass(self._ctx, fragment, **on_tiles, **options)
-
-    def _on_tiles(self, kinds: str, target: _Level, *, around: bool) -> dict[str, Any]:
-        """Return the options of a pass over tiles; `around`: also over those that they read."""
-        tile_px = self._defocus.tile_px
-        reach = self._reach.target
-        return {
-            "size_px": target.texture.size,
-            "inputs": {"reach": reach},
-            "vertex": "tap_tiles.vert",
-            "tiles": reach.size,
-            "target": target.texture,
-            "defines": {
-                "KINDS": kinds,
-                "AROUND": reach_tiles(self._defocus.limit_px, tile_px) if around else 0,
-                "TILE": tile_px,
-                "TAPS": self._taps,
-                "POINT_PX": tile_px // target.texel_px,
-            },
-        }
+        taps = max(self._taps, LEAST_MIXED_TAPS)
+        return self._tiles.make_pass(
+            "taps_mixed.frag",
+            "MIXED",
+            {"points": points.texture, "colour": image.texture, "halves": half.texture},
+            target,
+            constants=_Walk(_offsets(taps), taps),
+            defines={"TAPS": taps},
+        )
 
 
-def _covered_px(taps: int, texel: int, share: float) -> float:
-    """Return the radius of the disc of which so many reads of texels of this width make a share."""
-    return share * texel * sqrt(READ_AREA * taps / pi)
+def _covered_px(taps: int, texel: int) -> float:
+    """Return the radius of the disc that so many reads of texels of this width make up."""
+    return texel * sqrt(READ_AREA * taps / pi)
 
 
 def _offsets(taps: int) -> bytes:
-    return coc.tap_offsets(taps).astype(np.float32).tobytes()
+    return pattern.tap_offsets(taps).astype(np.float32).tobytes()

@@ -1,0 +1,122 @@
+"""Tiles of an image by the kind of work that their blur takes, and passes over those of one kind."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any, NamedTuple
+
+import moderngl
+
+from vrcomfort.render import gl
+from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.tiles import reach_defines, reach_tiles
+
+
+class Bounds(NamedTuple):
+    """Radii that divide the kinds of tiles (``include/tap_kinds.glsl``)."""
+
+    slight_px: float
+    few_px: float
+    wide_px: float
+    widest_px: float
+    between: str
+
+    def defines(self) -> dict[str, float | str]:
+        """Return them for ``tap_reach.frag``."""
+        return {name.upper(): value for name, value in self._asdict().items()}
+
+
+class Level(NamedTuple):
+    """An image, or half or a quarter of it, whose texels are so many pixels wide."""
+
+    texture: moderngl.Texture
+    texel_px: int
+
+
+class TapTiles:
+    """What may reach each tile (``tap_reach.frag``, ``tap_around.frag``), and who draws it."""
+
+    def __init__(self, ctx: moderngl.Context, defocus: Defocus, bounds: Bounds) -> None:
+        self._ctx, self._defocus = ctx, defocus
+        tiles, limit_px, tile_px = defocus.tiles, defocus.limit_px, defocus.tile_px
+        self._reach = FullscreenPass(
+            ctx,
+            "tap_reach.frag",
+            size_px=tiles.size,
+            inputs={"tiles": tiles},
+            defines={**reach_defines(limit_px, tile_px), **bounds.defines()},
+        )
+        self._around = FullscreenPass(
+            ctx,
+            "tap_around.frag",
+            size_px=tiles.size,
+            inputs={"reach": self._reach.target},
+            defines={"AROUND": reach_tiles(limit_px, tile_px)},
+        )
+
+    def render(self) -> None:
+        """Sort the tiles of the last eye."""
+        self._reach.render()
+        self._around.render()
+
+    def level(self, texel_px: int) -> Level:
+        """Return a new target whose texels are so wide."""
+        width, height = self._defocus.size_px
+        size = ceil(width / texel_px), ceil(height / texel_px)
+        return Level(gl.color_texture(self._ctx, size), texel_px)
+
+    def make_pass(
+        self,
+        fragment: str,
+        kinds: str,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        *,
+        around: bool = False,
+        defines: dict[str, Any] | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return a pass over the tiles of some kinds; `around`: over those that they read, too."""
+        on_tiles = self._on_tiles(kinds, inputs, target, around=around, defines=defines)
+        return FullscreenPass(self._ctx, fragment, **on_tiles, **options)
+
+    def make_defocus_pass(
+        self,
+        fragment: str,
+        kinds: str,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        *,
+        around: bool = False,
+        defines: dict[str, Any] | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return the same for a shader that includes ``defocus.glsl``."""
+        on_tiles = self._on_tiles(kinds, inputs, target, around=around, defines=defines)
+        return self._defocus.radii.make_pass(self._ctx, fragment, **on_tiles, **options)
+
+    def _on_tiles(
+        self,
+        kinds: str,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        *,
+        around: bool,
+        defines: dict[str, Any] | None,
+    ) -> dict[str, Any]:
+        tile_px, tiles = self._defocus.tile_px, self._around.target
+        return {
+            "size_px": target.texture.size,
+            "inputs": {"reach": tiles, **inputs},
+            "vertex": "tap_tiles.vert",
+            "tiles": tiles.size,
+            "target": target.texture,
+            "defines": {
+                "KINDS": kinds,
+                "OF": "a" if around else "b",
+                "TILE": tile_px,
+                "POINT_PX": tile_px // target.texel_px,
+                **(defines or {}),
+            },
+        }
