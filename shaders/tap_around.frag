@@ -1,8 +1,10 @@
 #version 450 core
-// Which kinds of tiles lie around each tile, within AROUND: their programs may read it.
+// Which kinds of tiles lie around each tile, so near that their programs read it.
 //
-// Input:  reach (tap_reach.frag).
+// Input:  reach (tap_reach.frag). REACH: tiles farther away than this read nothing here.
 // Output: the same; a = all kinds around, the tile's own too (include/tap_kinds.glsl).
+#include "tile_reach.glsl"
+
 uniform sampler2D reach;
 
 out vec4 tile;
@@ -12,8 +14,11 @@ void main() {
     ivec2 middle = ivec2(gl_FragCoord.xy);
     tile = texelFetch(reach, middle, 0);
     int kinds = 0;
-    for (int y = -AROUND; y <= AROUND; ++y)
-        for (int x = -AROUND; x <= AROUND; ++x)
-            kinds |= int(texelFetch(reach, clamp(middle + ivec2(x, y), ivec2(0), last), 0).b);
+    for (int y = -REACH; y <= REACH; ++y)
+        for (int x = -REACH; x <= REACH; ++x) {
+            vec4 t = texelFetch(reach, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
+            if (comes(max(abs(x), abs(y)), t))
+                kinds |= int(t.b);
+        }
     tile.a = float(kinds);
 }

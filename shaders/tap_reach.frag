@@ -3,7 +3,7 @@
 // around (within REACH) whose discs come as far, or that its own discs reach.
 //
 // Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px) that divide the kinds:
-//         SLIGHT_PX, FEW_PX, WIDE_PX, WIDEST_PX. BETWEEN: the kind of what is neither few nor wide.
+//         SLIGHT_PX, FEW_PX, WIDE_PX, WIDEST_PX, APART_PX. FINE_READS: whether there are programs for FINE.
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
 //         that may matter in the tile; b = kind (include/tap_kinds.glsl).
 #include "tap_kinds.glsl"
@@ -27,11 +27,14 @@ int kind_of(vec2 range) {
     if (widest <= SLIGHT_PX)
         return FEW;
     bool alike = range.g - range.r <= ALIKE * widest && max(range.r, -range.g) > 0.5;
+    int mixed = widest > APART_PX ? APART : MIXED;
     if (!alike)
-        return MIXED;
+        return mixed;
     if (least > LEAST_WIDE && least + widest > 2.0 * WIDE_PX)
         return widest > WIDEST_PX ? WIDEST : WIDE;
-    return widest > FEW_PX ? BETWEEN : FEW;
+    if (widest <= FEW_PX)
+        return FEW;
+    return FINE_READS ? FINE : mixed;
 }
 
 void main() {

@@ -1,8 +1,8 @@
 #version 450 core
 // Where surfaces mix: a few taps over a disc, told apart by their radii.
 //
-// Input:  colour (for exact copies), points (colour and signed CoC RADIUS, px of image width,
-//         negative in front of the focus), halves (defocus_halve.frag), reach (tap_reach.frag).
+// Input:  points (colour and signed CoC RADIUS, px of image width, negative in front of the focus),
+//         reach (tap_reach.frag). HALVES: also halves (defocus_halve.frag) where taps are far apart.
 //         offsets: TAPS points of the unit disc, evenly spread, the same in every pixel and eye.
 // Output: the blurred image, linear HDR.
 //
@@ -11,9 +11,10 @@
 // post processing in Call of Duty: Advanced Warfare" (layers); Vogel 1979 (pattern).
 #include "coc.glsl"
 
-uniform sampler2D colour;
 uniform sampler2D points;
+#ifdef HALVES
 uniform sampler2D halves;
+#endif
 uniform sampler2D reach;
 uniform vec2 offsets[TAPS];
 uniform int tap_count;       // TAPS, which compilers must not know: unrolled loops do not end early
@@ -62,13 +63,17 @@ void main() {
     bool apart = front_px > 1.25 * own_px && own_px > 0.5;
     float widest_px = max(own_px, front_px);
     vec2 discs_px = vec2(apart ? own_px : widest_px, widest_px);
-    bool fine = SPACING * widest_px <= 2.0;
     back = vec4(p.rgb, own_px > 0.5 ? 0.05 : 1.0);
     back.rgb *= back.a;
-    walk(points, 1.0, widest_px > 0.5 && fine, discs_px, apart);
-    walk(halves, 2.0, widest_px > 0.5 && !fine, discs_px, apart);
+#ifdef HALVES
+    bool far = SPACING * widest_px > FAR_PX;
+    walk(points, 1.0, widest_px > 0.5 && !far, discs_px, apart);
+    walk(halves, 2.0, far, discs_px, apart);
+#else
+    walk(points, 1.0, widest_px > 0.5, discs_px, apart);
+#endif
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
     blurred = vec4(min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0), 1.0);
     if (own_px <= 0.5 && front.a <= 0.0)
-        blurred = texelFetch(colour, pixel, 0);
+        blurred.rgb = p.rgb;
 }

@@ -6,3 +6,4 @@ const int FINE = 4;     // alike: bilinear reads of the image
 const int WIDE = 8;     // alike, and wide enough to be drawn at half resolution
 const int WIDEST = 16;  // the same from a quarter of the image
 const int MIXED = 32;   // several surfaces, told apart tap by tap
+const int APART = 64;   // the same, with discs so wide that taps are far apart

@@ -5,7 +5,12 @@ float widest_px(vec4 tile) {
     return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
 }
 
+// Whether the discs of a tile come so many tiles far.
+bool comes(int away, vec4 tile) {
+    return float((away - 1) * TILE) <= widest_px(tile);
+}
+
 // Whether what is so many tiles away matters here: its discs come as far, or those of here do.
 bool matters(int away, vec4 here, vec4 there) {
-    return float((away - 1) * TILE) <= max(widest_px(here), widest_px(there));
+    return comes(away, here) || comes(away, there);
 }

@@ -10,7 +10,7 @@ import moderngl
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.kernels.tiles import reach_defines, reach_tiles
+from vrcomfort.render.kernels.tiles import reach_defines
 
 
 class Bounds(NamedTuple):
@@ -20,11 +20,14 @@ class Bounds(NamedTuple):
     few_px: float
     wide_px: float
     widest_px: float
-    between: str
+    apart_px: float
+    fine_reads: bool
+    """Whether there is a program for what is alike, and neither few nor wide."""
 
     def defines(self) -> dict[str, float | str]:
         """Return them for ``tap_reach.frag``."""
-        return {name.upper(): value for name, value in self._asdict().items()}
+        radii = {name.upper(): each for name, each in self._asdict().items() if "px" in name}
+        return {**radii, "FINE_READS": "true" if self.fine_reads else "false"}
 
 
 class Level(NamedTuple):
@@ -39,20 +42,21 @@ class TapTiles:
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus, bounds: Bounds) -> None:
         self._ctx, self._defocus = ctx, defocus
-        tiles, limit_px, tile_px = defocus.tiles, defocus.limit_px, defocus.tile_px
+        tiles = defocus.tiles
+        reach = reach_defines(defocus.limit_px, defocus.tile_px)
         self._reach = FullscreenPass(
             ctx,
             "tap_reach.frag",
             size_px=tiles.size,
             inputs={"tiles": tiles},
-            defines={**reach_defines(limit_px, tile_px), **bounds.defines()},
+            defines={**reach, **bounds.defines()},
         )
         self._around = FullscreenPass(
             ctx,
             "tap_around.frag",
             size_px=tiles.size,
             inputs={"reach": self._reach.target},
-            defines={"AROUND": reach_tiles(limit_px, tile_px)},
+            defines=reach,
         )
 
     def render(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -31,6 +31,10 @@ FADED_PX = 2.8
 
 LEAST_WIDE_PX = 2.2
 """What is drawn at half resolution is as blurred as a disc of 2 px."""
+
+
+FAR_PX = 2.0
+"""Taps among several surfaces read half of the points where they are farther apart."""
 
 
 class _Offsets(NamedTuple):
@@ -61,37 +65,42 @@ class TapsKernel:
         defocus: Defocus,
         taps: int,
     ) -> None:
-        self._defocus, self._taps = defocus, taps
+        self._ctx, self._defocus, self._taps = ctx, defocus, taps
         self._fades = taps < LEAST_TAPS
         self._wide_taps = (4 if self._fades else 2) * taps
+        self._mixed_taps = max(taps, LEAST_MIXED_TAPS)
         bounds = self._bounds()
         self._tiles = TapTiles(ctx, defocus, bounds)
         image, half, blurred = Level(colour, 1), self._tiles.level(2), self._tiles.level(1)
-        self.target = blurred.texture
         points = self._tiles.level(1)
+        self.target = blurred.texture
         self._points = self._tiles.make_defocus_pass(
-            "defocus.frag", "MIXED", {"colour": colour}, points, around=True
+            "defocus.frag", "MIXED | APART", {"colour": colour}, points, around=True
         )
         self._before = [
             self._tiles.make_pass("taps_copy.frag", "COPIED", {"colour": colour}, blurred),
-            self._shrink(image, half, "FEW | WIDE | WIDEST" if self._fades else "WIDE | WIDEST"),
-            self._tiles.make_pass(
-                "defocus_halve.frag", "MIXED", {"points": points.texture}, half, around=True
-            ),
+            self._shrink(image, half, None if self._fades else "WIDE | WIDEST"),
         ]
         self._fade = [self._fade_pass(image, half, blurred)] if self._fades else []
         self._alikes = [] if self._fades else self._small(image, blurred)
-        self._mixed = self._mixed_pass(image, points, half, blurred)
+        self._mixed = [self._mixed_pass("MIXED", {"points": points.texture}, blurred)]
+        if defocus.limit_px > bounds.apart_px:
+            self._add_apart(points, half, blurred)
         self._after: list[FullscreenPass] = []
         if defocus.limit_px > bounds.wide_px:
             self._add_wide(half, blurred, widest=defocus.limit_px > bounds.widest_px)
 
     def _bounds(self) -> Bounds:
         widest_px = _covered_px(self._wide_taps, 2)
+        apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
         if self._fades:
-            return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, "MIXED")
+            return Bounds(
+                SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, apart_px, fine_reads=False
+            )
         few_px, wide_px = 0.7 * _covered_px(self._few, 1), _covered_px(self._taps, 1)
-        return Bounds(0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, "FINE")
+        return Bounds(
+            0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, apart_px, fine_reads=True
+        )
 
     @property
     def _few(self) -> int:
@@ -102,6 +111,15 @@ class TapsKernel:
             self._alike("FEW", image, blurred, self._few),
             self._alike("FINE", image, blurred, self._taps),
         ]
+
+    def _add_apart(self, points: Level, half: Level, blurred: Level) -> None:
+        """Read half of the points where taps among several surfaces are far apart."""
+        inputs = {"points": points.texture}
+        self._before.append(
+            self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, around=True)
+        )
+        inputs = {**inputs, "halves": half.texture}
+        self._mixed.append(self._mixed_pass("APART", inputs, blurred, HALVES=1, FAR_PX=FAR_PX))
 
     def _add_wide(self, half: Level, blurred: Level, *, widest: bool) -> None:
         """Draw wide discs at half resolution and enlarge them; `widest`: some read a quarter."""
@@ -132,15 +150,21 @@ class TapsKernel:
             fade.render(eye)
         for alike in self._alikes:
             alike.render(Together(eye, aspect))
-        self._mixed.render(aspect)
+        for mixed in self._mixed:
+            mixed.render(aspect)
         for each in self._after:
             each.render()
 
-    def _shrink(self, source: Level, target: Level, kinds: str) -> FullscreenPass:
-        """Return the pass that halves what tiles of one surface read."""
-        level = {"level": source.texture}
+    def _shrink(self, source: Level, target: Level, kinds: str | None) -> FullscreenPass:
+        """Return the pass that halves what tiles of one surface read, or (None) all."""
+        options: dict[str, Any] = {"inputs": {"level": source.texture}, "filtered": {"level"}}
+        if kinds is None:
+            size, texture = target.texture.size, target.texture
+            return FullscreenPass(
+                self._ctx, "taps_shrink.frag", size_px=size, target=texture, **options
+            )
         return self._tiles.make_pass(
-            "taps_shrink.frag", kinds, level, target, around=True, filtered={"level"}
+            "taps_shrink.frag", kinds, target=target, around=True, **options
         )
 
     def _fade_pass(self, image: Level, half: Level, target: Level) -> FullscreenPass:
@@ -170,16 +194,16 @@ class TapsKernel:
         )
 
     def _mixed_pass(
-        self, image: Level, points: Level, half: Level, target: Level
+        self, kind: str, inputs: dict[str, moderngl.Texture], target: Level, **defines: float
     ) -> FullscreenPass:
-        taps = max(self._taps, LEAST_MIXED_TAPS)
+        taps = self._mixed_taps
         return self._tiles.make_pass(
             "taps_mixed.frag",
-            "MIXED",
-            {"points": points.texture, "colour": image.texture, "halves": half.texture},
+            kind,
+            inputs,
             target,
             constants=_Walk(_offsets(taps), taps),
-            defines={"TAPS": taps},
+            defines={"TAPS": taps, **defines},
         )
 
 
