@@ -14,8 +14,9 @@ void main() {
     ivec2 middle = ivec2(gl_FragCoord.xy);
     tile = texelFetch(reach, middle, 0);
     int kinds = 0;
-    for (int y = -REACH; y <= REACH; ++y)
-        for (int x = -REACH; x <= REACH; ++x) {
+    int far = reach_now();
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
             vec4 t = texelFetch(reach, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
             if (comes(max(abs(x), abs(y)), t))
                 kinds |= int(t.b);

@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field
+from effects_parts import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
 
 from vrcomfort.geometry import Fov, Pose, axis_angle
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.depth_of_field import DepthOfFieldPass
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
 """At 128 px: 6.4 px of radius per dioptre and at most."""
@@ -23,7 +25,7 @@ def ulps(a, b):
     return np.abs(a.view("i2").astype(int) - b.view("i2").astype(int)).max()
 
 
-PROGRAMS = [{"rings": 1}, {"rings": 3}, {"rings": 5}, {"taps": 4}, {"taps": 6}, {"taps": 16}]
+PROGRAMS = [{"rings": 1}, {"rings": 3}, {"rings": 5}, {"taps": 2}, {"taps": 6}, {"taps": 16}]
 """The accurate program and the light one."""
 
 
@@ -45,7 +47,7 @@ def test_a_constant_sky_stays_constant(ctx, program):
     assert ulps(blurred, rgb) <= 1
 
 
-@pytest.mark.parametrize("taps", [None, 6])
+@pytest.mark.parametrize("taps", [None, 2, 6])
 def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng, taps):
     rgb = np.exp(rng.uniform(-9, 11, (37, 61, 3))).astype("f2")
     distance = rng.uniform(0.1, 50, (37, 61))
@@ -53,7 +55,7 @@ def test_without_aperture_the_image_is_the_pinhole_image(ctx, rng, taps):
     np.testing.assert_array_equal(blurred.view("i2"), rgb.view("i2"))
 
 
-@pytest.mark.parametrize("taps", [None, 6, 16])
+@pytest.mark.parametrize("taps", [None, 2, 6, 16])
 def test_small_blur_is_an_exact_copy_unless_something_wider_reaches_it(ctx, rng, taps):
     rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
     # Radii: 6.4 px in front of columns 0 to 31, at most 0.48 px elsewhere.
@@ -65,7 +67,7 @@ def test_small_blur_is_an_exact_copy_unless_something_wider_reaches_it(ctx, rng,
     assert np.mean(np.abs(blurred[touched].astype(float) - rgb[touched])) > 0.05
 
 
-@pytest.mark.parametrize("taps", [None, 6, 16])
+@pytest.mark.parametrize("taps", [None, 2, 6, 16])
 def test_a_sharp_foreground_does_not_leak(ctx, taps):
     bar = np.abs(columns() - 64) < 10
     rgb = np.where(bar[..., None], [10.0, 0, 0], [0, 0, 1.0])
@@ -78,7 +80,8 @@ def test_a_sharp_foreground_does_not_leak(ctx, taps):
 @pytest.mark.parametrize("near_is_left", [True, False])
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4, 12.0])
 @pytest.mark.parametrize(
-    ("program", "rms"), [({}, 0.03), ({"taps": 12}, 0.06), ({"taps": 48}, 0.03)]
+    ("program", "rms"),
+    [({}, 0.03), ({"taps": 2}, 0.08), ({"taps": 12}, 0.06), ({"taps": 48}, 0.03)],
 )
 def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
     ctx, near_is_left, radius_px, program, rms
@@ -119,6 +122,44 @@ def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, program):
     assert abs(np.sum(blurred * x * y)) / blurred.sum() < 0.1
 
 
+@pytest.mark.parametrize("taps", [2, 6])
+@pytest.mark.parametrize("radius_px", [1.0, 1.5, 2.0, 2.3, 3.0, 5.0])
+def test_blur_from_half_the_image_is_as_wide_as_the_disc(ctx, taps, radius_px):
+    """On average over where things lie among the texels of half the image."""
+    variances = []
+    for shift in (0, 1):
+        rgb = np.zeros((96, 128, 3))
+        rgb[44 + shift : 52 + shift, 60 + shift : 68 + shift] = 1.0
+        distance = 1 / (1 - radius_px / 6.4)
+        spot = depth_of_field(ctx, rgb, distance, 1.0, taps=taps, **WIDE)[..., 0].astype(float)
+        y, x = np.mgrid[-47.5:48, -63.5:64]
+        for axis in (x, y):
+            variances.append(np.sum(spot * (axis - shift) ** 2) / spot.sum() - 63 / 12)
+    assert np.mean(variances) == pytest.approx(radius_px**2 / 4, rel=0.07, abs=0.06)
+
+
+@pytest.mark.parametrize("program", [{}, {"taps": 2}, {"taps": 16}])
+def test_frames_before_do_not_change_an_image(ctx, rng, program):
+    """Tiles look as far as any disc so far has reached; what that was changes no pixel."""
+    rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
+    colour, depth = textures(ctx, rgb, np.exp(rng.uniform(-0.5, 2, (96, 128))))
+    focus = ctx.texture((1, 1), 4, dtype="f4")
+
+    def images(*focus_m):
+        settings = DepthOfField(**program, **WIDE)
+        effect = DepthOfFieldPass(
+            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(128, 96)
+        )
+        for each in focus_m:
+            focus.write(np.full(4, each, "f4").tobytes())
+            fov = square_pixels((128, 96))
+            effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+            yield rgb_of(effect.target)
+
+    (far,), (near,) = images(1.5), images(0.4)
+    np.testing.assert_array_equal(list(images(1.5, 0.4, 1.5)), [far, near, far])
+
+
 def test_depth_runs_along_the_heads_axis_in_canted_eyes(ctx, rng):
     """A plane across the head's axis at the focus distance is sharp in an eye turned outwards."""
     rgb = rng.uniform(0, 1, (96, 128, 3)).astype("f2")
@@ -139,7 +180,7 @@ SIZES = [(1, 1), (7, 5), (33, 17), (131, 67)]
 
 @pytest.mark.parametrize("size_px", SIZES)
 @pytest.mark.parametrize("law", ["linear", "dioptre"])
-@pytest.mark.parametrize("taps", [None, 6])
+@pytest.mark.parametrize("taps", [None, 2, 6])
 def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, taps):
     width, height = size_px
     settings = {
@@ -162,7 +203,7 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, tap
                 assert out.min() >= 0
 
 
-@pytest.mark.parametrize("taps", [None, 6])
+@pytest.mark.parametrize("taps", [None, 2, 6])
 def test_the_same_input_gives_the_same_bytes(ctx, rng, taps):
     rgb = rng.uniform(0, 1, (50, 70, 3))
     distance = rng.uniform(0.4, 5, (50, 70))

@@ -297,20 +297,3 @@ def test_shader_kinds_of_tiles_are_the_twins(ctx, rng):
 @pytest.fixture
 def rng():
     return np.random.default_rng(1)
-
-
-@pytest.mark.parametrize("taps", [4, 6, 9, 10, 12, 16, 64])
-def test_taps_have_the_mean_and_the_variance_of_the_disc(taps):
-    offsets = taps.tap_offsets(taps)
-    assert offsets.shape == (taps, 2)
-    np.testing.assert_allclose(offsets.mean(axis=0), 0, atol=1e-9)
-    np.testing.assert_allclose(offsets.T @ offsets / taps, np.eye(2) / 4, atol=1e-9)
-
-
-def test_bilinear_reads_have_the_variance_that_is_taken_off_the_taps():
-    """A tent read at every place between texels: x(1 − x) has the mean 1/6."""
-    between = (np.arange(1000) + 0.5) / 1000
-    read = np.mean(between * (1 - between))
-    assert taps.read_variance_px2(1, 1) == pytest.approx(read, rel=1e-4)
-    quarter = np.var(np.arange(4)) + 16 * read + 4 * read
-    assert taps.read_variance_px2(4, 2) == pytest.approx(quarter, rel=1e-4)

@@ -14,3 +14,17 @@ bool comes(int away, vec4 tile) {
 bool matters(int away, vec4 here, vec4 there) {
     return comes(away, here) || comes(away, there);
 }
+
+// How many tiles away anything may matter.
+#ifdef WIDEST_SO_FAR
+uniform sampler2D widest_so_far;  // radius (px) without limit: no disc has been wider
+
+int reach_now() {
+    float widest = widest_px(vec4(texelFetch(widest_so_far, ivec2(0), 0).r));
+    return int(min(floor(widest / float(TILE)) + 1.0, float(REACH)));
+}
+#else
+int reach_now() {
+    return REACH;
+}
+#endif

@@ -79,6 +79,16 @@ def extent_px(radius_px: ArrayLike, law: Spread, /) -> Array:
     return extent
 
 
+def fade(radius_px: ArrayLike, /) -> Array:
+    """Return the (...,) opacity of half an image, blown up, over the image (``taps_fade.frag``).
+
+    From 0.5 px, which change nothing, linear in the variance up to a disc of 2 px: that is how
+    blurred half an image is (`optics.pyramid`).
+    """
+    squared = np.square(np.asarray(radius_px, dtype=np.float64))
+    return np.clip((squared - 0.25) / (4.0 - 0.25), 0.0, 1.0)
+
+
 def _own_variance_px2(texel_px: int, shown_px: int) -> float:
     """Return the variance of texels read at their middles, and read between when they are shown."""
     again = shown_px**2 / 6 if shown_px > 1 else 0.0

@@ -139,8 +139,9 @@ class DepthOfField(Settings):
     every pixel, wider ones have so many rings of samples, 8·k on ring k. The other kernels have the
     fixed numbers of their sources."""
     taps: Annotated[int | None, Field(ge=2, le=64)] = None
-    """Samples of each disc of `vrcomfort` in one gather at full resolution, in place of `rings`:
-    the fast way, a few spread evenly over the disc. Without it, `rings` says."""
+    """Samples of each disc of `vrcomfort`, in place of `rings`: the fast way, a few spread evenly
+    over the disc; below six, small discs are a cross-fade into half the image. Without it, `rings`
+    says."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; r_max does not limit what lies between them."""

@@ -148,13 +148,16 @@ class Defocus:
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
         self._least_limit_px = self.limit_px
         self.radii = Radii(depth=depth, focus=focus, settings=settings, infinity_m=infinity_m)
-        self.now: Uniforms | None = None
-        """What :meth:`Radii.of_eye` says of the last eye."""
+        self.now: Uniforms = Together()
+        """What :meth:`Radii.of_eye` says of the last eye; nothing before the first."""
+        self._is_rendered = False
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tiles`."""
         self._range = RadiusRange(ctx, self.radii, size_px=size_px, tile_px=self.tile_px)
         self.tiles = self._range.tiles
         """What :class:`RadiusRange` has found of the last eye."""
+        self.widest = None if settings.peripheral else self._range.widest
+        """1×1, px: no radius so far was wider; None where peripheral blur adds to radii."""
         self._points: FullscreenPass | None = None
 
     @property
@@ -162,7 +165,7 @@ class Defocus:
         """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
         if self._points is None:
             self._points = self.make_points(size_px=self.size_px)
-            if self.now is not None:
+            if self._is_rendered:
                 self._points.render(self.now)
         return self._points.target
 
@@ -179,7 +182,7 @@ class Defocus:
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
-        self.now = self.radii.of_eye(eye, focal_px)
+        self.now, self._is_rendered = self.radii.of_eye(eye, focal_px), True
         if self._points is not None:
             self._points.render(self.now)
         self._range.render(self.now)
@@ -228,6 +231,8 @@ class RadiusRange:
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
         eye; largest radius before the limit, peripheral blur left out."""
         self._peak = PeakPass(ctx, self.tiles, components="z")
+        self.widest = self._peak.target
+        """1×1: what :meth:`read` returns."""
 
     def render(self, eye: Uniforms) -> None:
         """Take what an eye drew into account: :meth:`Radii.of_eye`."""

@@ -1,4 +1,4 @@
-"""Tiles of an image by the kind of work that their blur takes, and passes over those of one kind."""
+"""Tiles of an image by the work that their blur takes, and passes over those of one kind."""
 
 from __future__ import annotations
 
@@ -42,22 +42,19 @@ class TapTiles:
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus, bounds: Bounds) -> None:
         self._ctx, self._defocus = ctx, defocus
-        tiles = defocus.tiles
-        reach = reach_defines(defocus.limit_px, defocus.tile_px)
-        self._reach = FullscreenPass(
-            ctx,
-            "tap_reach.frag",
-            size_px=tiles.size,
-            inputs={"tiles": tiles},
-            defines={**reach, **bounds.defines()},
-        )
-        self._around = FullscreenPass(
-            ctx,
-            "tap_around.frag",
-            size_px=tiles.size,
-            inputs={"reach": self._reach.target},
-            defines=reach,
-        )
+        self._reach = self._of_all("tap_reach.frag", {"tiles": defocus.tiles}, bounds.defines())
+        self._around = self._of_all("tap_around.frag", {"reach": self._reach.target}, {})
+
+    def _of_all(
+        self, fragment: str, inputs: dict[str, moderngl.Texture], defines: dict[str, Any]
+    ) -> FullscreenPass:
+        """Return a pass with a texel for each tile."""
+        defines = {**reach_defines(self._defocus.limit_px, self._defocus.tile_px), **defines}
+        if self._defocus.widest is not None:
+            inputs = {**inputs, "widest_so_far": self._defocus.widest}
+            defines = {**defines, "WIDEST_SO_FAR": 1}
+        size = self._defocus.tiles.size
+        return FullscreenPass(self._ctx, fragment, size_px=size, inputs=inputs, defines=defines)
 
     def render(self) -> None:
         """Sort the tiles of the last eye."""

@@ -14,17 +14,17 @@ from vrcomfort.render.fullscreen_pass import FullscreenPass, Together
 from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tap_tiles import Bounds, Level, TapTiles
 
-LEAST_TAPS = 4
-"""Fewer have not the disc's second moments: small discs are a cross-fade then."""
+LEAST_TAPS = 6
+"""Fewer are farther from a small disc than a cross-fade of two reads is."""
 
-LEAST_MIXED_TAPS = 6
+LEAST_MIXED_TAPS = 8
 """Fewer do not tell surfaces apart well."""
 
 READ_AREA = 4.0
 """A bilinear read stands for so many texels."""
 
-SLIGHT_PX = 1.0
-"""In a cross-fade, surfaces whose discs are not wider are not told apart."""
+SLIGHT_PX = 1.5
+"""In tiles with no wider disc a cross-fade does not tell surfaces apart."""
 
 FADED_PX = 2.8
 """Widest disc that a cross-fade stands for; it ends at 2 px."""
@@ -55,7 +55,8 @@ class TapsKernel:
     texels so wide that the reads cover the disc: half of them where it is small; where it is wide,
     twice as many at half resolution, which is a quarter of the pixels. Only tiles in which surfaces
     mix look at the depth of each tap, as the rings of `VrcomfortKernel` do. With less than
-    `LEAST_TAPS`, a small disc is a cross-fade of the image and half of it.
+    `LEAST_TAPS`, a small disc is a cross-fade of the image and half of it, in which surfaces whose
+    discs are at most `SLIGHT_PX` are not told apart.
     """
 
     def __init__(
@@ -81,8 +82,7 @@ class TapsKernel:
             self._tiles.make_pass("taps_copy.frag", "COPIED", {"colour": colour}, blurred),
             self._shrink(image, half, None if self._fades else "WIDE | WIDEST"),
         ]
-        self._fade = [self._fade_pass(image, half, blurred)] if self._fades else []
-        self._alikes = [] if self._fades else self._small(image, blurred)
+        self._alikes = self._small(image, half, blurred)
         self._mixed = [self._mixed_pass("MIXED", {"points": points.texture}, blurred)]
         if defocus.limit_px > bounds.apart_px:
             self._add_apart(points, half, blurred)
@@ -94,9 +94,7 @@ class TapsKernel:
         widest_px = _covered_px(self._wide_taps, 2)
         apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
         if self._fades:
-            return Bounds(
-                SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, apart_px, fine_reads=False
-            )
+            return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, apart_px, fine_reads=False)
         few_px, wide_px = 0.7 * _covered_px(self._few, 1), _covered_px(self._taps, 1)
         return Bounds(
             0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, apart_px, fine_reads=True
@@ -106,7 +104,10 @@ class TapsKernel:
     def _few(self) -> int:
         return max(LEAST_TAPS, ceil(self._taps / 2))
 
-    def _small(self, image: Level, blurred: Level) -> list[FullscreenPass]:
+    def _small(self, image: Level, half: Level, blurred: Level) -> list[FullscreenPass]:
+        """Return the passes over tiles of one surface with small discs."""
+        if self._fades:
+            return [self._fade_pass(image, half, blurred)]
         return [
             self._alike("FEW", image, blurred, self._few),
             self._alike("FINE", image, blurred, self._taps),
@@ -146,8 +147,6 @@ class TapsKernel:
         self._points.render(eye)
         for each in self._before:
             each.render()
-        for fade in self._fade:
-            fade.render(eye)
         for alike in self._alikes:
             alike.render(Together(eye, aspect))
         for mixed in self._mixed:
