@@ -16,14 +16,10 @@ TALLEST = 1.5
 """In a headset pixels are at most this much taller than wide."""
 
 
-def reach_tiles(limit_px: float, tile_px: int) -> int:
-    """Return how many tiles away anything may matter, where no disc is wider."""
-    return max(1, ceil((TALLEST * limit_px + 1) / tile_px))
-
-
 def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
     """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
-    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach_tiles(limit_px, tile_px)}
+    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
+    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
 
 
 def tile_passes(
