@@ -10,7 +10,6 @@
 
 uniform sampler2D colour;
 
-in vec2 uv;
 out vec4 point;
 
 const float HALF_MAX = 65504.0;
@@ -19,5 +18,6 @@ void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 c = texelFetch(colour, pixel, 0).rgb;
     point.rgb = clamp(mix(c, vec3(0.0), isnan(c)), 0.0, HALF_MAX);
+    vec2 uv = gl_FragCoord.xy / vec2(textureSize(depth, 0));
     point.a = radius_at(texelFetch(depth, pixel, 0).r, uv);
 }

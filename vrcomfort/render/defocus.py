@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import ceil
 from typing import Any, NamedTuple
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render import shaders
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Uniforms
 from vrcomfort.render.lens_radius import (
     px_per_dioptre,
@@ -101,20 +103,21 @@ class Defocus:
         infinity_m: float,
     ) -> None:
         self.size_px = size_px
-        self._settings = settings
+        self._ctx, self._settings = ctx, settings
+        self._inputs = {"depth": depth, "focus": focus}
+        self._lens = _Together(
+            _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
+        )
         self.limit_px = radius_limit_px(settings, size_px)
         """No eye's image can have a larger radius."""
         self.limit_now_px = self.limit_px
         """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
-        lens = _lens_constants(settings, infinity_m)
-        self._pass = FullscreenPass(
-            ctx,
-            "defocus.frag",
-            size_px=size_px,
-            inputs={"colour": colour, "depth": depth, "focus": focus},
-            constants=_Together(lens, *_peripheral_constants(settings)),
-            defines={**_law_defines(settings), **_peripheral_defines(settings)},
+        self._colour = colour
+        self._whole: FullscreenPass | None = self.lens_pass(
+            "defocus.frag", size_px=size_px, inputs={"colour": colour}
         )
+        self.points = self._whole.target
+        """RGBA16F: finite colour, signed radius in pixels of image width."""
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tiles`."""
         self._range = RadiusRange(
@@ -128,18 +131,59 @@ class Defocus:
         self.tiles = self._range.tiles
         """What :class:`RadiusRange` has found of the present points."""
         self._least_limit_px = self.limit_px
-        self.points = self._pass.target
-        """RGBA16F: finite colour, signed radius in pixels of image width."""
+        self.eye: Uniforms = self._lens
+        """What :meth:`lens_pass` needs of the last eye."""
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
-        """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
+        """Find the radii of what an eye drew: its frustum, near plane and place in the head.
+
+        Where points are drawn :meth:`on_tiles`, that is left to whoever knows these.
+        """
         eye = defocus_uniforms(fov, near_m, head_from_eye)
         focal_px = focal_length_px(fov, self.size_px)[0]
         limit, scale = _limit_and_scale(self._settings, focal_px, self.size_px)
         self.limit_now_px = limit.radius_limit_px
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
-        self._pass.render(_Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px)))
+        self.eye = _Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px))
+        if self._whole is not None:
+            self._whole.render(self.eye)
         self._range.render(eye, focal_px)
+
+    def lens_pass(
+        self,
+        fragment: str,
+        *,
+        inputs: Mapping[str, moderngl.Texture],
+        defines: shaders.Defines | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return a pass that includes ``defocus.glsl``; it is rendered with :attr:`eye`."""
+        lens = {**_law_defines(self._settings), **_peripheral_defines(self._settings)}
+        return FullscreenPass(
+            self._ctx,
+            fragment,
+            inputs={**self._inputs, **inputs},
+            constants=self._lens,
+            defines={**lens, **(defines or {})},
+            **options,
+        )
+
+    def on_tiles(self, inputs: Mapping[str, moderngl.Texture], **tiles: Any) -> FullscreenPass:
+        """Return the pass that draws the points on some tiles; :meth:`render` draws none any more.
+
+        Parameters
+        ----------
+        inputs, tiles
+            Of the tiles: see `FullscreenPass`.
+        """
+        self._whole = None
+        return self.lens_pass(
+            "defocus.frag",
+            size_px=self.size_px,
+            inputs={"colour": self._colour, **inputs},
+            target=self.points,
+            **tiles,
+        )
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -11,10 +10,11 @@ import numpy as np
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics import fronts
 from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
+from vrcomfort.render.kernels.tiles import TileKinds
 
 _LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
 """Wide blur behind each pixel, and in front of it."""
@@ -29,7 +29,8 @@ class VrcomfortKernel:
 
     Every pixel of a disc is looked at up to a radius that grows with the `rings`
     (:func:`fronts.small_px`). The widest discs come from half resolution, in 32-bit floats, so that
-    a constant image is rounded once.
+    a constant image is rounded once. Each tile is drawn by a program of its kind; where nothing is
+    blurred it is copied, and where nothing is blurred around it there are no points either.
     """
 
     def __init__(
@@ -39,61 +40,82 @@ class VrcomfortKernel:
         defocus: Defocus,
         settings: DepthOfField,
     ) -> None:
-        width, height = defocus.size_px
         small_px = fronts.small_px(settings.rings)
-        self._summaries = tile_passes(ctx, defocus, small_px=small_px)
-        self._half = FullscreenPass(
-            ctx,
-            "defocus_half.frag",
-            size_px=(ceil(width / 2), ceil(height / 2)),
-            inputs={"points": defocus.points},
-            dtype="f4",
+        self._kinds = TileKinds(ctx, defocus, small_px=small_px)
+        self._points_pass = self._kinds.points_pass()
+        self._defocus, self._points = defocus, {"points": defocus.points}
+        self._directions = _Directions(
+            coc.ring_directions(settings.rings).astype(np.float32).tobytes()
         )
-        reach = self._summaries[-1].target
-        directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
-        defines: dict[str, int | float] = {
-            "RINGS": settings.rings,
-            "TILE": TILE_PX,
-            "SMALL_PX": small_px,
-        }
-        self._wide = tuple(
-            FullscreenPass(
-                ctx,
-                "defocus_wide.frag",
-                size_px=self._half.target.size,
-                inputs={
-                    "points": defocus.points,
-                    "points_half": self._half.target,
-                    "reach": reach,
-                },
-                filtered=() if layer else {"points_half"},
-                constants=directions,
-                defines={**defines, **layer},
-                dtype="f4",
-            )
-            for layer in _LAYERS
+        self._defines: dict[str, Any] = {"RINGS": settings.rings, "SMALL_PX": small_px}
+        self.target = gl.color_texture(ctx, defocus.size_px)
+        seen = {"colour": colour, **self._points}
+        all_around = {**seen, "reach": self._kinds.reach}
+        self._copy = self._kinds.draw(
+            "taps_copy.frag", "COPIED", {"colour": colour}, target=self.target
         )
-        wide_back, wide_front = (layer.target for layer in self._wide)
-        self._gather = FullscreenPass(
-            ctx,
-            "depth_of_field.frag",
-            size_px=defocus.size_px,
-            inputs={
-                "colour": colour,
-                "points": defocus.points,
-                "wide_back": wide_back,
-                "wide_front": wide_front,
-                "reach": reach,
-            },
-            constants=directions,
-            defines=defines,
-        )
-        self.target = self._gather.target
+        self._blurs = [
+            self._gather("ALIKE", seen, {"ONE_SURFACE": 1}),
+            self._gather("SMALL", all_around, {}),
+        ]
+        self._halves: list[FullscreenPass] = []
+        if defocus.limit_px > small_px:
+            self._add_wide(all_around)
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        for summary in self._summaries:
-            summary.render()
-        self._half.render()
-        for layer in (*self._wide, self._gather):
-            layer.render(Aspect(pixel_aspect))
+        self._kinds.render()
+        self._points_pass.render(self._defocus.eye)
+        for each in (*self._halves, self._copy):
+            each.render()
+        for blur in self._blurs:
+            blur.render(Aspect(pixel_aspect))
+
+    def _gather(
+        self,
+        kind: str,
+        inputs: dict[str, moderngl.Texture],
+        defines: dict[str, int],
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return the pass over tiles of this kind."""
+        return self._kinds.draw(
+            "depth_of_field.frag",
+            kind,
+            inputs,
+            defines={**self._defines, **defines},
+            target=self.target,
+            **options,
+        )
+
+    def _add_wide(self, all_around: dict[str, moderngl.Texture]) -> None:
+        """Draw wide discs at half resolution, where there are any, and then what they reach."""
+        half = self._kinds.draw(
+            "defocus_half.frag", "HALVES", self._points, halved=True, dtype="f4"
+        )
+        wide = [self._wide(half.target, layer) for layer in _LAYERS]
+        back, front = (layer.target for layer in wide)
+        layers = {"wide_back": back, "wide_front": front}
+        self._halves.append(half)
+        self._blurs += wide
+        self._blurs.append(
+            self._gather(
+                "LAYERED",
+                {**all_around, **layers},
+                {"WIDE_LAYERS": 1},
+                constants=self._directions,
+            )
+        )
+
+    def _wide(self, half: moderngl.Texture, layer: dict[str, int]) -> FullscreenPass:
+        """Return the pass that draws one layer."""
+        return self._kinds.draw(
+            "defocus_wide.frag",
+            "LAYERS",
+            {**self._points, "points_half": half, "reach": self._kinds.reach},
+            halved=True,
+            filtered=() if layer else {"points_half"},
+            constants=self._directions,
+            defines={**self._defines, **layer},
+            dtype="f4",
+        )
