@@ -1,25 +1,42 @@
 #version 450 core
-// Sums up tiles of pixels, one axis at a time: a column of TILE pixels, then a row of columns.
+// What each tile has of small discs and of wide ones.
 //
-// Input:  x-pass (AXIS 0): points of defocus.frag; y-pass (AXIS 1): the result of the x-pass.
-// Output: r = least and g = greatest signed CoC RADIUS (px) in the tile; b = greatest RADIUS that
-//         is small (above half a pixel, within SMALL_PX), or 0: those need the dense loop;
-//         a = least signed RADIUS of those that are wider, or 1e4.
-uniform sampler2D source;
+// Input:  tiles (defocus_range.frag); depth, focus (include/defocus.glsl). TILE: side of a tile (px).
+// Output: r = least and g = greatest signed RADIUS in the tile (px of image width, negative in front
+//         of the focus); b = greatest RADIUS that is small (above half a pixel, within SMALL_PX), or
+//         0: those need every pixel; a = least signed RADIUS of those that are wider, or 1e4.
+//
+// Only where the range leaves it open, pixels are looked at one by one.
+#include "coc.glsl"
+#include "defocus.glsl"
+
+uniform sampler2D tiles;
 
 out vec4 tile;
 
+// Points are half floats: what is within their rounding of SMALL_PX counts as both.
+const float ROUNDING = 1.001;
+
+// The last two of the output, of one radius.
+vec2 sorted(float radius) {
+    float size = abs(radius);
+    return vec2(size > 0.5 && size <= SMALL_PX * ROUNDING ? size : 0.0,
+                size * ROUNDING > SMALL_PX ? radius : 1e4);
+}
+
 void main() {
-    ivec2 last = textureSize(source, 0) - 1;
-    ivec2 step_px = AXIS == 0 ? ivec2(1, 0) : ivec2(0, 1);
-    ivec2 first = ivec2(gl_FragCoord.xy) * (1 + step_px * (TILE - 1));
-    tile = vec4(1e4, -1e4, 0.0, 1e4);
-    for (int i = 0; i < TILE; ++i) {
-        vec4 s = texelFetch(source, min(first + i * step_px, last), 0);
-#if AXIS == 0
-        bool small = abs(s.a) > 0.5 && abs(s.a) <= SMALL_PX;
-        s = vec4(s.aa, small ? abs(s.a) : 0.0, abs(s.a) > SMALL_PX ? s.a : 1e4);
-#endif
-        tile = vec4(min(tile.r, s.r), max(tile.gb, s.gb), min(tile.a, s.a));
+    ivec2 size = textureSize(depth, 0);
+    ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
+    vec2 range = texelFetch(tiles, ivec2(gl_FragCoord.xy), 0).rg;
+    float widest = max(-range.r, range.g), least = max(range.r, -range.g);
+    vec2 found = least > SMALL_PX ? vec2(0.0, range.r) : vec2(widest > 0.5 ? widest : 0.0, 1e4);
+    bool open_ = widest * ROUNDING > SMALL_PX && least <= SMALL_PX * ROUNDING;
+    found = open_ ? vec2(0.0, 1e4) : found;
+    for (int i = 0; i < (open_ ? TILE * TILE : 0); ++i) {
+        ivec2 pixel = min(first + ivec2(i % TILE, i / TILE), size - 1);
+        float z = texelFetch(depth, pixel, 0).r;
+        vec2 one = sorted(radius_at(z, (vec2(pixel) + 0.5) / vec2(size)));
+        found = vec2(max(found.x, one.x), min(found.y, one.y));
     }
+    tile = vec4(range, found);
 }

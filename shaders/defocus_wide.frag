@@ -61,7 +61,7 @@ void main() {
     vec4 p = texelFetch(points_half, texel, 0);
     layer = p;
     vec4 tile = texelFetch(reach, 2 * texel / TILE, 0);
-    bool alike = is_alike(p.a, tile, 2.0);
+    bool alike = is_alike(p.a, tile, 1.5);
     if (abs(p.a) <= SMALL_PX)
         return;
     // Half extents in texels; a disc of pixels that are higher than wide is higher by their aspect.

@@ -33,9 +33,9 @@
 
 uniform sampler2D colour;
 uniform sampler2D points;
-uniform sampler2D wide_back;
-uniform sampler2D wide_front;
+#ifndef ONE_SURFACE
 uniform sampler2D reach;
+#endif
 
 out vec4 blurred;
 
@@ -55,29 +55,11 @@ int cells_of(float row_px, float reach_px) {
     return int(sqrt(max(reach_px * reach_px - row_px * row_px, 0.0)));
 }
 
-// Every pixel of a small p's surroundings, where they are all of one surface.
-void gather_alike() {
+// Every pixel around: the back, with_back, and the fronts that are small, with discs up to front_px.
+void gather_pixels(bool with_back, float front_px) {
     float slack_px = slack_of(own_px);
-    float grown_px = grid_radius_px(own_px) - own_px;
-    float reach_px = own_px + grown_px + slack_px + 0.5;
-    int rows = int(reach_px * pixel_aspect);
-    for (int y = -rows; y <= rows; ++y) {
-        float row_px = float(y) / pixel_aspect;
-        int cells = cells_of(row_px, reach_px);
-        for (int x = -cells; x <= cells; ++x) {
-            vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
-            float away = sqrt(float(x * x) + row_px * row_px);
-            float radius = clamp(abs(q.a), own_px - slack_px, own_px + slack_px) + grown_px;
-            back += disc_share(away, radius) * vec4(q.rgb, 1.0);
-        }
-    }
-}
-
-// Every pixel around: the back if p is small, and the fronts that are, with discs up to front_px.
-void gather_dense(bool with_back, float front_px) {
-    float slack_px = slack_of(own_px);
-    float grown_px = grid_radius_px(max(own_px, 0.5)) - own_px;
-    float reach_px = max(with_back ? own_px + grown_px + slack_px : 0.0, front_px) + 0.5;
+    float widest_px = max(with_back ? own_px + slack_px : 0.0, front_px);
+    float reach_px = grid_radius_px(widest_px) + 0.5 * RIM_PX;
     int rows = int(reach_px * pixel_aspect);
     float per_margin = 1.0 / margin_px(p.a);
     vec4 over = vec4(0.0);
@@ -87,16 +69,24 @@ void gather_dense(bool with_back, float front_px) {
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
             float away = sqrt(float(x * x) + row_px * row_px);
-            float is_front = clamp((p.a - q.a) * per_margin - 1.0, 0.0, 1.0);  // nearer()
             float radius = abs(q.a);
-            float as_own = clamp(radius, own_px - slack_px, own_px + slack_px) + grown_px;
-            float share = disc_share(away, mix(as_own, radius, is_front));
+            float as_own = clamp(radius, own_px - slack_px, own_px + slack_px);
+#ifdef ONE_SURFACE
+            back += disc_share(away, grid_radius_px(as_own)) * vec4(q.rgb, 1.0);
+#else
+            float is_front = clamp((p.a - q.a) * per_margin - 1.0, 0.0, 1.0);  // nearer()
+            float share = disc_share(away, grid_radius_px(mix(as_own, radius, is_front)));
             back += (with_back ? (1.0 - is_front) * share : 0.0) * vec4(q.rgb, 1.0);
             over += (radius <= SMALL_PX ? is_front * share : 0.0) * vec4(q.rgb, 1.0);
+#endif
         }
     }
     front += over / (PI * pixel_aspect);
 }
+
+#ifdef WIDE_LAYERS
+uniform sampler2D wide_back;
+uniform sampler2D wide_front;
 
 // Rings over a disc: the back within back_px, and wide fronts.
 void gather_rings(float disc_px, float back_px) {
@@ -150,30 +140,39 @@ bool mix_halves(bool wanted, bool with_back, bool with_front) {
     return true;
 }
 
-// What reaches p from this tile's surroundings.
-void blur(vec4 tile, bool small_front, bool wide_front_) {
-    bool wide = own_px > SMALL_PX;
-    bool alike = is_alike(p.a, tile, 1.0);
+// What is wide, p's own disc (wide) and what is in front of it (wide_front_).
+void gather_wide(vec4 tile, bool wide, bool wide_front_) {
     bool layered = wide || wide_front_;
     layered = layered && !mix_halves(layered, wide, wide_front_);
     for (bool on = layered; on; on = false)
         walk_rings(wide, wide_front_ ? max(-tile.a, p.a) : 0.0);
-    for (bool on = alike && !wide; on; on = false)
-        gather_alike();
-    for (bool on = !alike && (!wide || small_front); on; on = false)
-        gather_dense(!wide, small_front ? min(tile.b, max(-tile.r, p.a)) : 0.0);
-    if (front.a <= 0.0 && own_px <= 0.5)
-        return;
-    vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
-    blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
+}
+#endif
+
+// What reaches p from this tile's surroundings; false if nothing but p itself.
+bool gather() {
+    bool small = own_px > 0.5 && own_px <= SMALL_PX;
+#ifdef ONE_SURFACE
+    for (bool on = small; on; on = false)
+        gather_pixels(true, 0.0);
+#else
+    vec4 tile = texelFetch(reach, pixel / TILE, 0);
+    float nearest = p.a - margin_px(p.a);  // what is less is a front
+    bool small_front = tile.b > 0.0 && tile.r < nearest;
+    back = own_px <= 0.5 ? vec4(p.rgb, 1.0) : vec4(0.0);
+#ifdef WIDE_LAYERS
+    gather_wide(tile, own_px > SMALL_PX, tile.a < nearest);
+#endif
+    for (bool on = small || small_front; on; on = false)
+        gather_pixels(small, small_front ? min(tile.b, max(-tile.r, p.a)) : 0.0);
+#endif
+    return front.a > 0.0 || own_px > 0.5;
 }
 
 void main() {
-    vec4 tile = texelFetch(reach, pixel / TILE, 0);
     blurred = texelFetch(colour, pixel, 0);
-    float nearest = p.a - margin_px(p.a);  // what is less is a front
-    bool small_front = tile.b > 0.0 && tile.r < nearest;
-    bool wide_front_ = tile.a < nearest;
-    for (bool on = own_px > 0.5 || small_front || wide_front_; on; on = false)
-        blur(tile, small_front, wide_front_);
+    if (!gather())
+        return;
+    vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);
+    blurred.rgb = min(mix(back.rgb / back.a, over, min(front.a, 1.0)), 65504.0);
 }

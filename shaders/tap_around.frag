@@ -2,7 +2,7 @@
 // Which kinds of tiles lie around each tile, so near that their programs read it.
 //
 // Input:  reach (tap_reach.frag). REACH: tiles farther away than this read nothing here.
-// Output: the same; a = all kinds around, the tile's own too (include/tap_kinds.glsl).
+// Output: the same; a = all kinds around, the tile's own too (include/kinds.glsl).
 #include "tile_reach.glsl"
 
 uniform sampler2D reach;

@@ -5,8 +5,8 @@
 // Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px) that divide the kinds:
 //         SLIGHT_PX, FEW_PX, WIDE_PX, WIDEST_PX, APART_PX. FINE_READS: whether there are programs for FINE.
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
-//         that may matter in the tile; b = kind (include/tap_kinds.glsl).
-#include "tap_kinds.glsl"
+//         that may matter in the tile; b = kind (include/kinds.glsl).
+#include "kinds.glsl"
 #include "tile_reach.glsl"
 
 uniform sampler2D tiles;
@@ -14,7 +14,7 @@ uniform sampler2D tiles;
 out vec4 reach;
 
 // Part of the widest radius by which those of one tile's surroundings may differ.
-const float ALIKE = 1.0;
+const float MOST_SPREAD = 1.0;
 
 // What is drawn at half resolution is as blurred as a disc of this radius (px), at least.
 const float LEAST_WIDE = 1.75;
@@ -26,7 +26,7 @@ int kind_of(vec2 range) {
         return COPIED;
     if (widest <= SLIGHT_PX)
         return FEW;
-    bool alike = range.g - range.r <= ALIKE * widest && max(range.r, -range.g) > 0.5;
+    bool alike = range.g - range.r <= MOST_SPREAD * widest && max(range.r, -range.g) > 0.5;
     int mixed = widest > APART_PX ? APART : MIXED;
     if (!alike)
         return mixed;

@@ -2,7 +2,7 @@
 // Where surfaces mix: a few taps over a disc, told apart by their radii.
 //
 // Input:  points (colour and signed CoC RADIUS, px of image width, negative in front of the focus),
-//         reach (tap_reach.frag). HALVES: also halves (defocus_halve.frag) where taps are far apart.
+//         reach (tap_reach.frag). READ_HALVES: also halves (defocus_halve.frag) where taps are far apart.
 //         offsets: TAPS points of the unit disc, evenly spread, the same in every pixel and eye.
 // Output: the blurred image, linear HDR.
 //
@@ -12,7 +12,7 @@
 #include "coc.glsl"
 
 uniform sampler2D points;
-#ifdef HALVES
+#ifdef READ_HALVES
 uniform sampler2D halves;
 #endif
 uniform sampler2D reach;
@@ -65,7 +65,7 @@ void main() {
     vec2 discs_px = vec2(apart ? own_px : widest_px, widest_px);
     back = vec4(p.rgb, own_px > 0.5 ? 0.05 : 1.0);
     back.rgb *= back.a;
-#ifdef HALVES
+#ifdef READ_HALVES
     bool far = SPACING * widest_px > FAR_PX;
     walk(points, 1.0, widest_px > 0.5 && !far, discs_px, apart);
     walk(halves, 2.0, far, discs_px, apart);

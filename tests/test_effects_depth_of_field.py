@@ -203,6 +203,44 @@ def test_extremes_stay_finite_and_within_their_range(ctx, rng, size_px, law, tap
                 assert out.min() >= 0
 
 
+@pytest.mark.parametrize("rings", [1, 3])
+@pytest.mark.parametrize("limit_px", [2.4, 9.0, 20.0])
+@pytest.mark.parametrize("aspect", [1.0, 1.5])
+def test_nothing_of_the_frame_before_is_left(ctx, rng, rings, limit_px, aspect):
+    """Tiles of which nothing is needed are not drawn: what they still hold must not be seen."""
+    width, height = 203, 149
+    settings = {"law": "dioptre", "full_blur_dioptre": 1.0, "max_radius_percent": limit_px / 2.03}
+    tangent = np.tan(0.8)
+    horizontal = float(np.arctan(tangent * width / height * aspect))
+    fov = Fov(-horizontal, horizontal, 0.8, -0.8)
+    sharp = np.full((height, width), 1.0)
+    for _ in range(12):
+        x, y, size = rng.integers(0, width), rng.integers(0, height), rng.integers(1, 12)
+        sharp[y : y + size, x : x + size] = 1 / (1 - rng.uniform(-1, 1))
+    rgb = rng.uniform(0, 1, (height, width, 3))
+
+    def blurred(frames):
+        size_px = (width, height)
+        colour, depth = textures(ctx, *frames[0])
+        focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
+        lens = DepthOfField(rings=rings, **settings)
+        effect = DepthOfFieldPass(
+            ctx, colour=colour, depth=depth, focus=focus, settings=lens, size_px=size_px
+        )
+        for frame in frames:
+            for into, new in zip((colour, depth), textures(ctx, *frame), strict=True):
+                into.write(new.read())
+            effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+        return rgb_of(effect.target)
+
+    before = np.full((height, width, 3), 60_000.0), 0.5
+    found, expected = blurred([before, (rgb, sharp)]), blurred([(rgb, sharp)])
+    np.testing.assert_array_equal(found, expected)
+    assert found.max() <= 1
+    changed = np.mean(found != rgb.astype("f2"))
+    assert 0.02 < changed < 0.9
+
+
 @pytest.mark.parametrize("taps", [None, 2, 6])
 def test_the_same_input_gives_the_same_bytes(ctx, rng, taps):
     rgb = rng.uniform(0, 1, (50, 70, 3))

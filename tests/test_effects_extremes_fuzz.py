@@ -32,7 +32,7 @@ from extremes_parts import (
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.optics.motion import SPEED_LIMIT_PX
-from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.render import gl, shaders
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.fullscreen_pass import FullscreenPass
@@ -247,7 +247,8 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
-    for condition in every_choice(rng):
+    wide = Condition(name="wide", depth_of_field=DepthOfField())
+    for condition in (*every_choice(rng), wide):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()

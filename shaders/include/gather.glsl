@@ -10,31 +10,26 @@ uniform float pixel_aspect;                        // image pixels per unit, ver
 // Half resolution, its taps and its interpolation blur by themselves: their variance together.
 const float HALF_VARIANCE_PX2 = 1.67;
 
-// Whether all that may reach p is about as blurred as p: at most so many margins apart. Within one
-// there is no front; within two the rims do not show where discs are wide.
-bool is_alike(float radius, vec4 tile, float margins) {
-    return tile.g - tile.r <= margins * margin_px(radius);
-}
-
 // How far the radius of a disc may be from that of p (px) to count in full as a disc of p's surface;
 // 0 where p is sharp, so that nothing but p itself is at p.
 float slack_of(float own_px) {
     return min(margin_px(own_px), max(own_px - 0.5, 0.0));
 }
 
-// A disc on the pixel grid: the radius at which weights of softness 1 have the variance of a pixel
-// spread over the disc. Twin: grid_radius_px.
+// The rim of a disc on the pixel grid falls from 1 to 0 over so many pixels, as smoothstep does: that
+// has the variance of a pixel, sqrt(20 / 12).
+const float RIM_PX = 1.2909944;
+
+// The radius at which disc_share comes closest to what a lens shows; twin: grid_radius_px, which
+// says why. At half a pixel nothing of the disc is on the next pixel.
 float grid_radius_px(float radius) {
-    const float AT[12] = float[](0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 2.204, 2.521, 2.735,
-                                 2.973, 2.973);
-    float step_ = clamp(4.0 * (radius - 0.5), 0.0, 10.0);
-    int i = int(step_);
-    return mix(AT[i], AT[i + 1], step_ - float(i)) + max(radius - 3.0, 0.0);
+    return min(radius - 0.05, 3.0 * radius - 0.5 - 0.5 * RIM_PX);
 }
 
-// PI times the part of a disc's light that lands on a square pixel of its plane.
-float disc_share(float away, float radius) {
-    return disc_weight(away, radius, 1.0) / (radius * radius + 1.0 / 12.0);
+// PI times the part of the light of a disc of this grid_radius_px that lands on a square pixel.
+float disc_share(float away, float grid_radius) {
+    float inside = clamp((grid_radius - away) / RIM_PX + 0.5, 0.0, 1.0);
+    return inside * inside * (3.0 - 2.0 * inside) / (grid_radius * grid_radius + 1.0 / 12.0);
 }
 
 int ring_count(float disc, float spacing) {

@@ -22,6 +22,9 @@ Law: TypeAlias = Literal["linear", "dioptre"]
 CLOSEST_FOCUS = 1.001
 """In focal lengths: no lens focuses at or inside its focal length."""
 
+RIM_PX = math.sqrt(20 / 12)
+"""A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
+
 LEAST_COSINE = 1e-3
 """Stands for 90° and beyond in peripheral blur, which diverges there."""
 
@@ -238,18 +241,18 @@ def disc_area_px(radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /) -> Array
 
 
 def grid_radius_px(radius_px: ArrayLike, /) -> Array:
-    """Return the (...,) radius at which a disc, summed over pixels, is as wide as it should.
+    """Return the (...,) radius at which :func:`fronts.disc_share` comes closest to a lens.
 
-    On the pixel grid, :func:`disc_weight` of softness 1 does not have the variance of a pixel that
-    is spread over a disc, r²/4 + 1/12 (20 % more at 1 px); at the radius returned it does, within
-    1 % where the table has an entry and 2 % beyond its end. From 0.5 px on (nothing but the pixel
-    itself).
+    Notes
+    -----
+    From 1 px on, 0.02 px less than the radius would give the area that a disc around a pixel's
+    middle shares with each pixel: the best there is if pixels are squares of one colour. A lens
+    sees what pixels are means of, and its image is averaged over pixels once, not twice: discs
+    0.04 to 0.12 px narrower are closer to that. 0.05 px less is close to both. Near 0.5 px, where
+    the image must be left as it is, nothing of the disc may be on the next pixel.
     """
     radius = np.asarray(radius_px, dtype=np.float64)
-    radii = np.arange(0.5, 3.25, 0.25)
-    at = [0.5, 0.703, 0.932, 1.11, 1.558, 1.772, 1.928, 2.204, 2.521, 2.735, 2.973]
-    beyond: Array = np.maximum(radius - radii[-1], 0.0)
-    return np.interp(radius, radii, at) + beyond
+    return np.minimum(radius - 0.05, 1 - RIM_PX / 2 + 3 * (radius - 0.5))
 
 
 def ring_directions(rings: int) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
+from vrcomfort.optics.circle_of_confusion import RIM_PX, disc_area_px, disc_weight
 
 
 def margin_px(radius_px: ArrayLike, /) -> Array:
@@ -33,9 +33,10 @@ def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
 def small_px(rings: int) -> float:
     """Return the radius up to which a disc is summed over every pixel.
 
-    Wider ones come from half resolution, which blurs by itself as a disc of 2.6 px does: the least.
+    Wider ones come from half resolution, which blurs by itself as a disc of 2.6 px does: discs
+    hardly wider than that would be squares.
     """
-    return rings + 1.6
+    return max(rings + 1.7, 3.0)
 
 
 def is_alike(
@@ -48,7 +49,7 @@ def is_alike(
     least_px, greatest_px
         Signed radii within reach.
     margins
-        How far apart these may be. Within one there is no front; within two the rims do not show
+        How far apart these may be. Within one there is no front; within 1.5 the rims do not show
         where discs are wide.
     """
     apart: Array = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
@@ -70,10 +71,17 @@ def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
     return np.asarray(np.clip(rings, 1, most))
 
 
-def disc_share(away_px: ArrayLike, radius_px: ArrayLike, /) -> Array:
-    """Return π times the part of a disc's light that lands on a square pixel of its plane."""
-    radius = np.asarray(radius_px, dtype=np.float64)
-    share: Array = disc_weight(away_px, radius) / (radius**2 + 1 / 12)
+def disc_share(away_px: ArrayLike, grid_radius: ArrayLike, /) -> Array:
+    """Return π times the part of a disc's light that lands on a square pixel of its plane.
+
+    Parameters
+    ----------
+    grid_radius
+        :func:`grid_radius_px` of the disc's radius.
+    """
+    radius = np.asarray(grid_radius, dtype=np.float64)
+    inside = np.clip((radius - np.asarray(away_px)) / RIM_PX + 0.5, 0, 1)
+    share: Array = inside**2 * (3 - 2 * inside) / (radius**2 + 1 / 12)
     return share
 
 

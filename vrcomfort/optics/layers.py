@@ -15,6 +15,9 @@ from vrcomfort.geometry import Array
 from vrcomfort.optics.circle_of_confusion import grid_radius_px
 from vrcomfort.optics.fronts import disc_share, nearer, slack_px
 
+SHARP_PX = 0.5
+"""Discs up to this radius are the pixel itself."""
+
 
 def layered(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
     """Return (h, w, 3) colours: a front that adds up to an opacity of 1 at most, over a back.
@@ -29,7 +32,8 @@ def layered(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
     Notes
     -----
     The back is the mean over a pixel's own disc of its surface and those behind; what is of its
-    surface counts with its own disc, :func:`as_own_px`. Beyond the image its rim goes on.
+    surface counts with its own disc, :func:`as_own_px`. That of a sharp pixel is the pixel. Beyond
+    the image its rim goes on.
     """
     image = np.asarray(points, dtype=np.float64)
     reach_px = float(np.abs(image[..., 3]).max()) + 1
@@ -52,8 +56,7 @@ def as_own_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     Both radii are positive. It is the other one's as far as that may be of the same surface.
     """
     own, slack = np.asarray(own_px, dtype=np.float64), slack_px(own_px)
-    grown = grid_radius_px(np.maximum(own, 0.5)) - own
-    radius: Array = np.clip(np.asarray(other_px), own - slack, own + slack) + grown
+    radius: Array = np.clip(np.asarray(other_px), own - slack, own + slack)
     return radius
 
 
@@ -66,6 +69,7 @@ def _shares(image: Array, x: int, y: int, pixel_aspect: float) -> tuple[Array, A
     is_front = nearer(image[..., 3], q[..., 3])
     own, radius = np.abs(image[..., 3]), np.abs(q[..., 3])
     radius = as_own_px(own, radius) * (1 - is_front) + radius * is_front
-    share = disc_share(math.hypot(x, y / pixel_aspect), radius)[..., None]
-    light = share * np.concatenate([q[..., :3], np.ones((height, width, 1))], axis=-1)
-    return (1 - is_front[..., None]) * light, is_front[..., None] * light
+    share = disc_share(math.hypot(x, y / pixel_aspect), grid_radius_px(radius))
+    light = np.concatenate([q[..., :3], np.ones((height, width, 1))], axis=-1)
+    behind = np.where(own > SHARP_PX, share, x == y == 0) * (1 - is_front)
+    return behind[..., None] * light, (is_front * share)[..., None] * light

@@ -164,17 +164,13 @@ class Defocus:
     def points(self) -> moderngl.Texture:
         """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
         if self._points is None:
-            self._points = self.make_points(size_px=self.size_px)
+            inputs = {"colour": self._colour}
+            self._points = self.radii.make_pass(
+                self._ctx, "defocus.frag", size_px=self.size_px, inputs=inputs
+            )
             if self._is_rendered:
                 self._points.render(self.now)
         return self._points.target
-
-    def make_points(
-        self, *, inputs: dict[str, moderngl.Texture] | None = None, **options: Any
-    ) -> FullscreenPass:
-        """Return the pass that draws points, to be rendered with :attr:`now`."""
-        inputs = {"colour": self._colour, **(inputs or {})}
-        return self.radii.make_pass(self._ctx, "defocus.frag", inputs=inputs, **options)
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""

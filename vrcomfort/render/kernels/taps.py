@@ -12,7 +12,8 @@ from vrcomfort.optics import taps as pattern
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Together
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tap_tiles import Bounds, Level, TapTiles
+from vrcomfort.render.kernels.tap_tiles import AROUND, OWN, Bounds, TapTiles
+from vrcomfort.render.kernels.tile_passes import Level, TilePasses, make_level
 
 LEAST_TAPS = 6
 """Fewer are farther from a small disc than a cross-fade of two reads is."""
@@ -71,15 +72,17 @@ class TapsKernel:
         self._wide_taps = (4 if self._fades else 2) * taps
         self._mixed_taps = max(taps, LEAST_MIXED_TAPS)
         bounds = self._bounds()
-        self._tiles = TapTiles(ctx, defocus, bounds)
-        image, half, blurred = Level(colour, 1), self._tiles.level(2), self._tiles.level(1)
-        points = self._tiles.level(1)
+        self._kinds = TapTiles(ctx, defocus, bounds)
+        self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
+        image, half = Level(colour, 1), self._level(2)
+        blurred, points = self._level(1), self._level(1)
         self.target = blurred.texture
-        self._points = self._tiles.make_defocus_pass(
-            "defocus.frag", "MIXED | APART", {"colour": colour}, points, around=True
+        inputs = {"colour": colour}
+        self._points = self._tiles.make_pass(
+            "defocus.frag", "MIXED | APART", inputs, points, of=AROUND, lens=True
         )
         self._before = [
-            self._tiles.make_pass("taps_copy.frag", "COPIED", {"colour": colour}, blurred),
+            self._tiles.make_pass("taps_copy.frag", "COPIED", inputs, blurred, of=OWN),
             self._shrink(image, half, None if self._fades else "WIDE | WIDEST"),
         ]
         self._alikes = self._small(image, half, blurred)
@@ -117,17 +120,17 @@ class TapsKernel:
         """Read half of the points where taps among several surfaces are far apart."""
         inputs = {"points": points.texture}
         self._before.append(
-            self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, around=True)
+            self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, of=AROUND)
         )
         inputs = {**inputs, "halves": half.texture}
-        self._mixed.append(self._mixed_pass("APART", inputs, blurred, HALVES=1, FAR_PX=FAR_PX))
+        self._mixed.append(self._mixed_pass("APART", inputs, blurred, READ_HALVES=1, FAR_PX=FAR_PX))
 
     def _add_wide(self, half: Level, blurred: Level, *, widest: bool) -> None:
         """Draw wide discs at half resolution and enlarge them; `widest`: some read a quarter."""
-        wide = self._tiles.level(2)
+        wide = self._level(2)
         self._alikes.append(self._alike("WIDE", half, wide, self._wide_taps))
         if widest:
-            quarter = self._tiles.level(4)
+            quarter = self._level(4)
             self._before.append(self._shrink(half, quarter, "WIDEST"))
             self._alikes.append(self._alike("WIDEST", quarter, wide, self._wide_taps))
         self._after.append(
@@ -136,6 +139,7 @@ class TapsKernel:
                 "WIDE | WIDEST",
                 {"wide": wide.texture},
                 blurred,
+                of=OWN,
                 filtered={"wide"},
             )
         )
@@ -143,7 +147,7 @@ class TapsKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
         aspect, eye = Aspect(pixel_aspect), self._defocus.now
-        self._tiles.render()
+        self._kinds.render()
         self._points.render(eye)
         for each in self._before:
             each.render()
@@ -154,6 +158,9 @@ class TapsKernel:
         for each in self._after:
             each.render()
 
+    def _level(self, texel_px: int) -> Level:
+        return make_level(self._ctx, self._defocus, texel_px)
+
     def _shrink(self, source: Level, target: Level, kinds: str | None) -> FullscreenPass:
         """Return the pass that halves what tiles of one surface read, or (None) all."""
         options: dict[str, Any] = {"inputs": {"level": source.texture}, "filtered": {"level"}}
@@ -162,26 +169,25 @@ class TapsKernel:
             return FullscreenPass(
                 self._ctx, "taps_shrink.frag", size_px=size, target=texture, **options
             )
-        return self._tiles.make_pass(
-            "taps_shrink.frag", kinds, target=target, around=True, **options
-        )
+        return self._tiles.make_pass("taps_shrink.frag", kinds, target=target, of=AROUND, **options)
 
     def _fade_pass(self, image: Level, half: Level, target: Level) -> FullscreenPass:
         inputs = {"colour": image.texture, "halves": half.texture}
-        return self._tiles.make_defocus_pass(
-            "taps_fade.frag", "FEW", inputs, target, filtered={"halves"}
+        return self._tiles.make_pass(
+            "taps_fade.frag", "FEW", inputs, target, of=OWN, lens=True, filtered={"halves"}
         )
 
     def _alike(self, kinds: str, level: Level, target: Level, taps: int) -> FullscreenPass:
         """Return the pass over tiles of one surface."""
         texel, shown = level.texel_px, target.texel_px
         spread = pattern.spread(taps, texel, shown)
-        return self._tiles.make_defocus_pass(
+        return self._tiles.make_pass(
             "taps_alike.frag",
             kinds,
             {"level": level.texture},
             target,
-            around=shown > 1,
+            of=AROUND if shown > 1 else OWN,
+            lens=True,
             constants=_Offsets(_offsets(taps)),
             defines={
                 "TAPS": taps,
@@ -199,8 +205,9 @@ class TapsKernel:
         return self._tiles.make_pass(
             "taps_mixed.frag",
             kind,
-            inputs,
+            {"reach": self._kinds.kinds, **inputs},
             target,
+            of=OWN,
             constants=_Walk(_offsets(taps), taps),
             defines={"TAPS": taps, **defines},
         )

@@ -1,59 +1,62 @@
-"""What may reach a pixel: a summary of the discs of each tile of pixels and of its surroundings."""
+"""What is to be drawn on each tile, where discs are summed over every pixel."""
 
 from __future__ import annotations
-
-from math import ceil
 
 import moderngl
 
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.tile_passes import reach_defines
 
-TILE_PX = 16
-"""Side of the tiles that share one summary."""
-
-TALLEST = 1.5
-"""In a headset pixels are at most this much taller than wide."""
+READ_AROUND_PX = 4
+"""Half resolution is read between texels, each made of the points around one (blur_kinds.frag)."""
 
 
-def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
-    """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
-    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
-    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
-
-
-def tile_passes(
-    ctx: moderngl.Context, defocus: Defocus, *, small_px: float
-) -> tuple[FullscreenPass, ...]:
-    """Return the passes, in order; the last one's target has what may reach each tile.
+class TileKinds:
+    """Finds how each tile is blurred, and what the tiles around need of it (``blur_kinds.frag``).
 
     Parameters
     ----------
     small_px
         Discs up to this radius are told apart from wider ones; less than a tile.
     """
-    width, height = defocus.size_px
-    columns = (ceil(width / TILE_PX), height)
-    tiles = (columns[0], ceil(height / TILE_PX))
-    x_pass = FullscreenPass(
-        ctx,
-        "defocus_tiles.frag",
-        size_px=columns,
-        inputs={"source": defocus.points},
-        defines={"TILE": TILE_PX, "SMALL_PX": small_px, "AXIS": 0},
-    )
-    y_pass = FullscreenPass(
-        ctx,
-        "defocus_tiles.frag",
-        size_px=tiles,
-        inputs={"source": x_pass.target},
-        defines={"TILE": TILE_PX, "AXIS": 1},
-    )
-    reach = FullscreenPass(
-        ctx,
-        "defocus_reach.frag",
-        size_px=tiles,
-        inputs={"tiles": y_pass.target},
-        defines=reach_defines(defocus.limit_px, TILE_PX),
-    )
-    return x_pass, y_pass, reach
+
+    def __init__(self, ctx: moderngl.Context, defocus: Defocus, *, small_px: float) -> None:
+        self._defocus = defocus
+        size_px, tile_px, limit_px = defocus.tiles.size, defocus.tile_px, defocus.limit_px
+        self._tiles = defocus.radii.make_pass(
+            ctx,
+            "defocus_tiles.frag",
+            size_px=size_px,
+            inputs={"tiles": defocus.tiles},
+            defines={"TILE": tile_px, "SMALL_PX": small_px},
+        )
+        self._reach = FullscreenPass(
+            ctx,
+            "defocus_reach.frag",
+            size_px=size_px,
+            inputs={"tiles": self._tiles.target},
+            defines=reach_defines(limit_px, tile_px),
+        )
+        self.reach = self._reach.target
+        """What may reach each tile."""
+        self._kinds = FullscreenPass(
+            ctx,
+            "blur_kinds.frag",
+            size_px=size_px,
+            inputs={"reach": self.reach},
+            defines={
+                **reach_defines(limit_px + READ_AROUND_PX, tile_px),
+                "MARGIN_PX": READ_AROUND_PX,
+                "SMALL_PX": small_px,
+            },
+            components=1,
+        )
+        self.kinds = self._kinds.target
+        """Bits of ``include/kinds.glsl``."""
+
+    def render(self) -> None:
+        """Look at the image of the last eye."""
+        self._tiles.render(self._defocus.now)
+        self._reach.render()
+        self._kinds.render()

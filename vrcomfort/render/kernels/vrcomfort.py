@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from math import ceil
-from typing import NamedTuple
+from collections.abc import Collection
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -14,10 +14,8 @@ from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
-
-_LAYERS: tuple[dict[str, int], ...] = ({}, {"FRONT": 1})
-"""Wide blur behind each pixel, and in front of it."""
+from vrcomfort.render.kernels.tile_passes import Level, TilePasses, make_level
+from vrcomfort.render.kernels.tiles import TileKinds
 
 
 class _Directions(NamedTuple):
@@ -29,7 +27,8 @@ class VrcomfortKernel:
 
     Every pixel of a disc is looked at up to a radius that grows with the `rings`
     (:func:`fronts.small_px`). The widest discs come from half resolution, in 32-bit floats, so that
-    a constant image is rounded once.
+    a constant image is rounded once. Each tile is drawn by a program of its kind; where nothing is
+    blurred it is copied, and where nothing is blurred around it there are no points either.
     """
 
     def __init__(
@@ -39,61 +38,91 @@ class VrcomfortKernel:
         defocus: Defocus,
         settings: DepthOfField,
     ) -> None:
-        width, height = defocus.size_px
         small_px = fronts.small_px(settings.rings)
-        self._summaries = tile_passes(ctx, defocus, small_px=small_px)
-        self._half = FullscreenPass(
-            ctx,
-            "defocus_half.frag",
-            size_px=(ceil(width / 2), ceil(height / 2)),
-            inputs={"points": defocus.points},
-            dtype="f4",
+        self._ctx, self._defocus = ctx, defocus
+        self._kinds = TileKinds(ctx, defocus, small_px=small_px)
+        self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
+        self._directions = _Directions(
+            coc.ring_directions(settings.rings).astype(np.float32).tobytes()
         )
-        reach = self._summaries[-1].target
-        directions = _Directions(coc.ring_directions(settings.rings).astype(np.float32).tobytes())
-        defines: dict[str, int | float] = {
-            "RINGS": settings.rings,
-            "TILE": TILE_PX,
-            "SMALL_PX": small_px,
-        }
-        self._wide = tuple(
-            FullscreenPass(
-                ctx,
-                "defocus_wide.frag",
-                size_px=self._half.target.size,
-                inputs={
-                    "points": defocus.points,
-                    "points_half": self._half.target,
-                    "reach": reach,
-                },
-                filtered=() if layer else {"points_half"},
-                constants=directions,
-                defines={**defines, **layer},
-                dtype="f4",
-            )
-            for layer in _LAYERS
-        )
-        wide_back, wide_front = (layer.target for layer in self._wide)
-        self._gather = FullscreenPass(
-            ctx,
-            "depth_of_field.frag",
-            size_px=defocus.size_px,
-            inputs={
-                "colour": colour,
-                "points": defocus.points,
-                "wide_back": wide_back,
-                "wide_front": wide_front,
-                "reach": reach,
-            },
-            constants=directions,
-            defines=defines,
-        )
-        self.target = self._gather.target
+        self._defines: dict[str, Any] = {"RINGS": settings.rings, "SMALL_PX": small_px}
+        blurred, points = self._level(1), self._level(1)
+        self.target = blurred.texture
+        image = {"colour": colour}
+        self._points = self._tiles.make_pass("defocus.frag", "POINTS", image, points, lens=True)
+        self._copy = self._tiles.make_pass("taps_copy.frag", "COPIED", image, blurred)
+        seen = {**image, "points": points.texture}
+        all_around = {**seen, "reach": self._kinds.reach}
+        self._blurs = [
+            self._gather("ALIKE", seen, blurred, {"ONE_SURFACE": 1}),
+            self._gather("SMALL", all_around, blurred, {}),
+        ]
+        self._halves: list[FullscreenPass] = []
+        if defocus.limit_px > small_px:
+            self._add_wide(all_around, blurred)
 
     def render(self, pixel_aspect: float) -> None:
-        """Blur the present points."""
-        for summary in self._summaries:
-            summary.render()
-        self._half.render()
-        for layer in (*self._wide, self._gather):
-            layer.render(Aspect(pixel_aspect))
+        """Blur the image of the last eye."""
+        self._kinds.render()
+        self._points.render(self._defocus.now)
+        for each in (*self._halves, self._copy):
+            each.render()
+        for blur in self._blurs:
+            blur.render(Aspect(pixel_aspect))
+
+    def _level(self, texel_px: int, dtype: str = "f2") -> Level:
+        return make_level(self._ctx, self._defocus, texel_px, dtype)
+
+    def _gather(
+        self,
+        kind: str,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        defines: dict[str, int],
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return the pass over tiles of this kind."""
+        defines = {**self._defines, **defines}
+        return self._tiles.make_pass(
+            "depth_of_field.frag", kind, inputs, target, defines=defines, **options
+        )
+
+    def _add_wide(self, all_around: dict[str, moderngl.Texture], blurred: Level) -> None:
+        """Draw wide discs at half resolution, where there are any, and then what they reach."""
+        half, back, front = (self._level(2, "f4") for _ in range(3))
+        points = {"points": all_around["points"]}
+        self._halves.append(self._tiles.make_pass("defocus_half.frag", "HALVES", points, half))
+        inputs = {**points, "points_half": half.texture, "reach": self._kinds.reach}
+        self._blurs += [
+            self._wide(inputs, back, filtered={"points_half"}),
+            self._wide(inputs, front, FRONT=1),
+        ]
+        layers = {"wide_back": back.texture, "wide_front": front.texture}
+        self._blurs.append(
+            self._gather(
+                "LAYERED",
+                {**all_around, **layers},
+                blurred,
+                {"WIDE_LAYERS": 1},
+                constants=self._directions,
+            )
+        )
+
+    def _wide(
+        self,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        *,
+        filtered: Collection[str] = (),
+        **defines: int,
+    ) -> FullscreenPass:
+        """Return the pass that draws one layer of wide blur."""
+        return self._tiles.make_pass(
+            "defocus_wide.frag",
+            "LAYERS",
+            inputs,
+            target,
+            filtered=filtered,
+            constants=self._directions,
+            defines={**self._defines, **defines},
+        )

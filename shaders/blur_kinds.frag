@@ -1,0 +1,40 @@
+#version 450 core
+// What is to be drawn on each tile: how it is blurred, and what the tiles around need of it.
+//
+// Input:  reach (defocus_reach.frag). TILE: side of a tile (px); REACH: tiles within which others
+//         may need something, MARGIN_PX more than discs reach; SMALL_PX: RADIUS (px of image width) up to which discs are small.
+// Output: the sum of its kinds (include/kinds.glsl).
+#include "kinds.glsl"
+#include "coc.glsl"
+#include "tile_reach.glsl"
+
+uniform sampler2D reach;
+
+out float kinds;
+
+int shown_as(vec4 tile) {
+    float widest = max(-tile.r, tile.g);
+    float least = max(max(tile.r, -tile.g), 0.0);
+    if (widest <= 0.5)
+        return COPIED;
+    if (widest > SMALL_PX)
+        return LAYERED;
+    return is_alike(least, tile, 1.0) ? ALIKE : SMALL;
+}
+
+void main() {
+    ivec2 last = textureSize(reach, 0) - 1;
+    ivec2 middle = ivec2(gl_FragCoord.xy);
+    int found = shown_as(texelFetch(reach, middle, 0));
+    for (int y = -REACH; y <= REACH; ++y)
+        for (int x = -REACH; x <= REACH; ++x) {
+            vec4 there = texelFetch(reach, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
+            int away = max(abs(x), abs(y));
+            int kind = shown_as(there);
+            bool read = float((away - 1) * TILE) <= widest_px(there) + float(MARGIN_PX);
+            found |= kind != COPIED && read ? POINTS : 0;
+            found |= kind == LAYERED && read ? HALVES : 0;
+            found |= kind == LAYERED && away <= 1 ? LAYERS : 0;
+        }
+    kinds = float(found);
+}

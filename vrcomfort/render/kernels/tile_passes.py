@@ -1,0 +1,86 @@
+"""Passes over tiles of some kinds only: each tile by a program that has just what it needs."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any, NamedTuple
+
+import moderngl
+
+from vrcomfort.render import gl
+from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+
+TALLEST = 1.5
+"""In a headset pixels are at most this much taller than wide."""
+
+
+class Level(NamedTuple):
+    """An image, or half or a quarter of it, whose texels are so many pixels wide."""
+
+    texture: moderngl.Texture
+    texel_px: int
+
+
+def make_level(ctx: moderngl.Context, defocus: Defocus, texel_px: int, dtype: str = "f2") -> Level:
+    """Return a new target for all or a part of the resolution of an image."""
+    width, height = defocus.size_px
+    size = ceil(width / texel_px), ceil(height / texel_px)
+    return Level(gl.color_texture(ctx, size, dtype=dtype), texel_px)
+
+
+def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
+    """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
+    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
+    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
+
+
+class TilePasses:
+    """Makes passes over the tiles of `Defocus.tiles` that are of some kinds (``kind_tiles.vert``).
+
+    Parameters
+    ----------
+    kinds
+        A texel for each tile, its kinds as bits (``include/kinds.glsl``) in some channels.
+    """
+
+    def __init__(self, ctx: moderngl.Context, defocus: Defocus, kinds: moderngl.Texture) -> None:
+        self._ctx, self._defocus, self._kinds = ctx, defocus, kinds
+
+    def make_pass(
+        self,
+        fragment: str,
+        kinds: str,
+        inputs: dict[str, moderngl.Texture],
+        target: Level,
+        *,
+        of: str = "r",
+        defines: dict[str, Any] | None = None,
+        lens: bool = False,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return the pass over tiles that have one of `kinds` in channel `of`.
+
+        Parameters
+        ----------
+        lens
+            The shader includes ``defocus.glsl``: the pass is drawn with `Defocus.now`.
+        """
+        tile_px = self._defocus.tile_px
+        on_tiles: dict[str, Any] = {
+            "size_px": target.texture.size,
+            "inputs": {"kinds": self._kinds, **inputs},
+            "vertex": "kind_tiles.vert",
+            "tiles": self._kinds.size,
+            "target": target.texture,
+            "defines": {
+                "KINDS": kinds,
+                "OF": of,
+                "TILE": tile_px,
+                "POINT_PX": tile_px // target.texel_px,
+                **(defines or {}),
+            },
+        }
+        if lens:
+            return self._defocus.radii.make_pass(self._ctx, fragment, **on_tiles, **options)
+        return FullscreenPass(self._ctx, fragment, **on_tiles, **options)
