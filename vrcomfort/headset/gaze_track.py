@@ -61,9 +61,12 @@ class GazeTrack:
 def turn_to(direction: Array) -> Array:
     """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""
     x, y, z = direction
-    if z > 1 - 1e-12:
+    across = np.hypot(x, y)
+    if z > 0 and across < 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])  # straight back: any axis across will do
-    return normalize(np.array([y, -x, 0.0, 1.0 - z]))
+    # 1 − z, without the digits that a subtraction loses where z is nearly 1
+    less_z = across**2 / (1.0 + z) if z > 0 else 1.0 - z
+    return normalize(np.array([y, -x, 0.0, less_z]))
 
 
 def read_gaze(path: str | Path) -> GazeTrack:
