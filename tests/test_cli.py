@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -238,3 +240,21 @@ def test_doctor_finds_what_the_tests_need(run: Run) -> None:
     code, out, _ = run("doctor", "--json")
     assert code == 0
     assert {finding["part"] for finding in json.loads(out)} >= {"OpenGL", "Python", "scenes"}
+
+
+@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
+def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
+    program = f"""
+import os, signal, sys
+class CtrlC:
+    def find_spec(self, name, *_):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, CtrlC())
+from vrcomfort.cli import main
+sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
+main()
+"""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

@@ -11,6 +11,7 @@ import typer
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    EXIT_INTERRUPTED,
     analyse,
     check,
     demonstrate,
@@ -24,7 +25,6 @@ from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
 
 EXIT_BAD_INPUT = 2
-EXIT_INTERRUPTED = 130
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
     errno.EDQUOT: "your disk quota is used up; what was already written stays",

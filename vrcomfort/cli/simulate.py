@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
-    EXIT_ABORTED,
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -62,7 +62,7 @@ def simulate(
     for outcome in outcomes:
         console(quiet).print(sentence(outcome, out))
     if outcomes[-1].status == "aborted":
-        raise typer.Exit(EXIT_ABORTED)
+        raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def simulate_study(

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.desktop import desktop_lab
 from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning
 from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
 from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
-    EXIT_ABORTED,
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -150,7 +150,7 @@ def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
         warn(warning)
     console(quiet).print(sentence(outcome, out))
     if outcome.status == "aborted":
-        raise typer.Exit(EXIT_ABORTED)
+        raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def next_session(study: Path, participant: str) -> int:

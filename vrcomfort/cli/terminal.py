@@ -47,8 +47,6 @@ RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
 ]
 
-EXIT_ABORTED = 130
-
 _errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
 
