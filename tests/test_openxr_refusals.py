@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from resume_parts import go
-from study_parts import AheadHeadset
+from study_parts import AheadHeadset, Scripted
 
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_participants
@@ -56,7 +56,8 @@ def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_pat
         return AheadHeadset(interrupt_at=0)
 
     smoke = load_protocol("smoke")
-    assert go(tmp_path, protocol=smoke, headset_for=interrupted).status == "aborted"
+    begun = go(tmp_path, Scripted(name="panel"), protocol=smoke, headset_for=interrupted)
+    assert begun.status == "aborted"
     assert "continue it with run --resume" in refusal(tmp_path)
     assert "make it the active OpenXR runtime" in refusal(tmp_path, "--resume")
 

@@ -212,6 +212,7 @@ def test_a_continuation_is_of_the_same_session(tmp_path):
         ({"protocol": other}, "another text of this protocol"),
         ({"seed": 3}, "begun with seed 0"),
         ({"exposure_s": 2.0}, "exposures of 5 s"),
+        ({"respondent": simulated(tmp_path)}, "with --respondent scripted, not simulated"),
     ):
         with pytest.raises(InputError, match=says):
             go(tmp_path, resume=True, **changed)

@@ -31,7 +31,7 @@ def study(tmp_path: Path) -> Path:
         load_scene=lambda source: source,
         headset_for=headset_for,
         renderer=LateFocus(),
-        respondent=Scripted(),
+        respondent=Scripted(name="simulated"),
         seed=7,
         exposure_s=0.2,
     )
@@ -57,6 +57,10 @@ def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, mon
     code, said = command(monkeypatch, capsys, "--out", study)
     assert (code, said.count("\n")) == (2, 1)
     assert "--resume" in said
+    for other in (["terminal"], ["panel", "--headset", "openxr"]):
+        refused = command(monkeypatch, capsys, "--out", study, "--resume", "--respondent", *other)
+        assert refused[0] == 2
+        assert f"--respondent simulated, not {other[0]}; resume it with" in refused[1]
     code, said = command(monkeypatch, capsys, "--out", study, "--resume")
     assert code == 0, said
     folder = study / "sub-P01" / "ses-1"
@@ -71,7 +75,7 @@ def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, mon
     assert {row["frames"] for row in trials[2:]} == {"4"}
     manifest = json.loads((folder / "manifest.json").read_text())
     assert (manifest["seed"], manifest["exposure_s"]) == (7, 0.2)
-    assert [each["respondent"] for each in manifest["earlier_runs"]] == ["scripted"]
+    assert [each["respondent"] for each in manifest["earlier_runs"]] == ["simulated"]
     code, said = command(monkeypatch, capsys, "--out", study, "--resume", "--session", 1)
     assert code == 2
     assert "leave --resume out" in said

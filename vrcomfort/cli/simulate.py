@@ -84,7 +84,7 @@ def simulate_study(
     with progress_bar("participants", participants, quiet=quiet) as advance:
         for number in range(1, participants + 1):
             name = f"P{number:0{digits}d}"
-            with lab.reserve(name, None) as place:
+            with lab.reserve(name, None, RespondentKind.SIMULATED) as place:
                 outcomes.append(lab.run(place, RespondentKind.SIMULATED, lambda _: None))
             advance()
             if outcomes[-1].status == "aborted":

@@ -10,7 +10,7 @@ import typer
 
 from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.desktop import desktop_lab
-from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning
+from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning, usual_respondent
 from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
 from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
@@ -109,13 +109,14 @@ def run(
         real_time=respondent is not RespondentKind.SIMULATED,
     )
     lab = StudyLab(study, out, playback, seed, exposure_s)
+    kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
         numbers = [session or next_session(out, participant)]
-        place = owned.enter_context(lab.reserve(participant, numbers, resume=resume))
+        place = owned.enter_context(lab.reserve(participant, numbers, kind, resume=resume))
         live = _connect(owned, headset, study, size_px, options)
         bars = owned.enter_context(SessionBars(quiet))
         try:
-            outcome = lab.run(place, respondent, bars.tell, live)
+            outcome = lab.run(place, kind, bars.tell, live)
         except RuntimeLostError as error:
             complain(str(error))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
