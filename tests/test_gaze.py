@@ -11,7 +11,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
 
-from vrcomfort.cli.wiring import open_trace
+from vrcomfort.cli import main
+from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
 from vrcomfort.headset.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
@@ -91,6 +92,32 @@ def test_playing_a_session_back_gives_its_gaze(tmp_path):
         if wanted.valid:
             assert np.array_equal(gaze.pose.position, wanted.pose.position)
             assert np.allclose(gaze.pose.forward, wanted.pose.forward, atol=1e-15)
+
+
+def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, monkeypatch, capsys):
+    text = (data_folder("protocols") / "mantiuk_2011.toml").read_text()
+    strict = tmp_path / "strict.toml"
+    strict.write_text(text.replace('without_gaze = "nine_ray"', ""))
+    out, walk = tmp_path / "out", data_folder("scenes") / "temple_walk.csv"
+    shown = ("--protocol", strict, "--condition", "gaze_19", "--scene", "temple")
+    for command in (
+        ("run", strict, "--participant", "P01", "--respondent", "simulated"),
+        ("simulate", strict, "-n", "2", "--trace", walk),
+        ("play", walk, *shown),
+    ):
+        arguments = [*map(str, command), "--size", "16x16", "--out", str(out)]
+        monkeypatch.setattr("sys.argv", ["vrcomfort", *arguments])
+        with pytest.raises(SystemExit):
+            main()
+        said = " ".join(capsys.readouterr().err.split())
+        assert "in gaze_19" in said
+        assert "what is played back has no gaze; give a frames.csv" in said
+        assert not out.exists()
+    follows = Condition(name="looks", focus={"method": "gaze"}, depth_of_field={})
+    recorded = read_trace(record(tmp_path, TrackedHeadset()) / "frames.csv")
+    require_recorded_gaze([follows], recorded)
+    with pytest.raises(InputError, match="in looks, and what is played back has no gaze"):
+        require_recorded_gaze([follows], replace(recorded, gaze=None))
 
 
 def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):

@@ -23,7 +23,7 @@ from vrcomfort.cli.terminal import (
     progress_bar,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace
+from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -93,6 +93,7 @@ def simulate_study(
     from vrcomfort.design import build_design
 
     size_px, trace, refresh_hz = playback_options
+    require_recorded_gaze(protocol.conditions, trace)
     sessions = build_design(protocol, seed=seed or 0).sessions
     outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)

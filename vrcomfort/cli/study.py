@@ -26,7 +26,7 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace
+from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -109,6 +109,8 @@ def run(
         real_time=respondent is not RespondentKind.SIMULATED,
     )
     lab = StudyLab(study, out, playback, seed, exposure_s)
+    if headset is HeadsetKind.PLAYBACK:
+        require_recorded_gaze(study.conditions, playback.trace)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
         numbers = [session or next_session(out, participant)]
