@@ -93,7 +93,7 @@ def test_wrong_answers_are_errors_with_their_place(tmp_path, old, new, line, col
 def test_missing_column_is_named(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,item,response\nP1,nausea,1\n")
-    with pytest.raises(InputError, match="column condition is missing"):
+    with pytest.raises(InputError, match="column 'condition' is missing"):
         build_report(file, out=tmp_path / "o")
 
 

@@ -280,3 +280,12 @@ def test_a_session_that_recorded_nothing_is_begun_again(tmp_path):
     (folder(tmp_path) / "manifest.json").unlink()
     with pytest.raises(InputError, match="session 1 of P01 was interrupted"):
         go(tmp_path)
+
+
+def test_a_number_that_is_none_is_left_to_people(tmp_path):
+    go(tmp_path, interrupt=(2, 30))
+    file = folder(tmp_path) / "trials.csv"
+    file.write_text(file.read_text().replace("P01,1,1,1,1,", "P01,1,1,1,one,"))
+    with pytest.raises(InputError, match="'one' is not a number; mend it first") as caught:
+        go(tmp_path, resume=True)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (file, 2, "trial")

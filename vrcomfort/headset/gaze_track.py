@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose, normalize
 from vrcomfort.headset.pose_track import Times
 from vrcomfort.headset.table import Table, read_table
@@ -90,7 +89,7 @@ def read_gaze(path: str | Path) -> GazeTrack:
 def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
     """Return (valid rows, 6) origins and directions; rows that are not valid may be blank."""
     kept = np.flatnonzero(valid).tolist()
-    rows, lines = [table.rows[i] for i in kept], [table.lines[i] for i in kept]
+    rows, lines = tuple(table.rows[i] for i in kept), tuple(table.lines[i] for i in kept)
     part = replace(table, rows=rows, lines=lines)
     rays = part.floats([*ORIGIN, *DIRECTION])
     lengths = np.linalg.norm(rays[:, 3:], axis=1)
@@ -101,8 +100,5 @@ def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
     return rays
 
 
-def _require(file: Path, header: list[str]) -> None:
-    missing = [name for name in (TIME, VALID, *ORIGIN, *DIRECTION) if name not in header]
-    if missing:
-        message = f"a record of gaze needs the column {missing[0]!r}"
-        raise InputError(message, file=file, line=1, column=missing[0])
+def _require(table: Table) -> None:
+    table.require([TIME, VALID, *ORIGIN, *DIRECTION])

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import SSQ
-from vrcomfort.records import read_rows
-from vrcomfort.records.reader import Rows
 from vrcomfort.report.ordering import natural
 
 _KEYS = (
@@ -22,6 +21,7 @@ _NEEDED_ELSEWHERE = {
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
 }
+_NUMBERS = ("start_s", "end_s", "frames", "dropped", "missed")
 
 
 @dataclass
@@ -106,8 +106,8 @@ def _files(source: Path, name: str) -> list[Path]:
     return sorted(source.rglob(name), key=lambda path: natural(path.as_posix()))
 
 
-def _read(file: Path, source: Path, warnings: list[str]) -> Rows:
-    found = read_rows(file)
+def _read(file: Path, source: Path, warnings: list[str]) -> CsvTable:
+    found = CsvTable.read(file, appended=True)
     prefix = f"{source}/" if source.is_dir() else f"{source.parent}/"
     warnings.extend(warning.removeprefix(prefix) for warning in found.warnings)
     return found
@@ -118,12 +118,13 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
     rows: list[dict[str, str]] = []
     for file in _files(source, name):
         found = _read(file, source, warnings)
-        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.columns]
-        if missing and found.columns:
+        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.header]
+        if missing and found.header:
             place = file.relative_to(source)
             warnings.append(f"{place}: not used, because it has no column {missing[0]}")
         else:
-            rows += found.rows
+            found.require_numbers(_NUMBERS)
+            rows += found.dicts()
     return tuple(rows)
 
 
@@ -147,12 +148,11 @@ def _json(file: Path) -> dict[str, Any]:
 
 def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     found = _read(file, source, warnings)
-    missing = [name for name in NEEDED if name not in found.columns]
-    if missing and found.columns:
-        raise InputError(f"the column {missing[0]} is missing", file=file, line=1)
+    if found.header:
+        found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
     sheets = _SheetsOfFile(file, name)
-    for row, line in zip(found.rows, found.lines, strict=True):
+    for row, line in zip(found.dicts(), found.lines, strict=True):
         if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
             sheets.add(row, line)
     return list(sheets.found.values())
