@@ -289,3 +289,12 @@ def test_a_number_that_is_none_is_left_to_people(tmp_path):
     with pytest.raises(InputError, match="'one' is not a number; mend it first") as caught:
         go(tmp_path, resume=True)
     assert (caught.value.file, caught.value.line, caught.value.column) == (file, 2, "trial")
+
+
+def test_a_damaged_manifest_is_left_to_people(tmp_path):
+    go(tmp_path, interrupt=(2, 30))
+    file = folder(tmp_path) / "manifest.json"
+    file.write_text('{"status": "aborted"}')
+    with pytest.raises(InputError, match="this manifest is damaged; restore it") as caught:
+        go(tmp_path, resume=True)
+    assert caught.value.file == file

@@ -149,7 +149,7 @@ def _simulated_ends(study: Path, name: str) -> list[str]:
     folders = [session_folder(study, name, each) for each in recorded_sessions(study, name)]
     manifests = {folder: read_manifest(folder) for folder in folders}
     for folder, manifest in manifests.items():
-        if manifest["respondent"] != RespondentKind.SIMULATED:
-            message = f"this session was begun with --respondent {manifest['respondent']}"
+        if (respondent := manifest.get("respondent")) != RespondentKind.SIMULATED:
+            message = f"this session was begun with --respondent {respondent}"
             raise InputError(f"{message}; choose another --out for simulations", file=folder)
-    return [manifest["status"] for manifest in manifests.values()]
+    return [str(manifest.get("status")) for manifest in manifests.values()]

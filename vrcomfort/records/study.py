@@ -52,7 +52,8 @@ def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> i
     try:
         study.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot make this folder: {error.strerror}", file=study) from error
+        message = f"cannot make this study folder: {error.strerror}; choose another --out"
+        raise InputError(message, file=study) from error
     text = json.dumps(_description(protocol, seed or 0), indent=2, ensure_ascii=False)
     replace_text(file, text + "\n")
     return seed or 0

@@ -87,12 +87,12 @@ def read_study(source: Path) -> StudyData:
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
-        labels=dict(description.get("conditions") or {}),
+        labels=_labels(description.get("conditions")),
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
         ratings=_table(source, "ratings.csv", warnings),
-        manifests=tuple(_json(file) for file in _files(source, "manifest.json")),
+        manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
     )
@@ -141,9 +141,32 @@ def _json(file: Path) -> dict[str, Any]:
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        raise InputError("this is not UTF-8; save it as JSON in UTF-8", file=file) from None
     except ValueError as error:
         raise InputError(f"this is not valid JSON: {error}", file=file) from error
     return content if isinstance(content, dict) else {}
+
+
+def _labels(conditions: Any) -> dict[str, str]:
+    """Return condition → label; a description from elsewhere may say something else there."""
+    if not isinstance(conditions, dict):
+        return {}
+    return {str(name): str(label) for name, label in conditions.items()}
+
+
+def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
+    """Read the sessions' manifests; a file of that name from elsewhere is told and left alone."""
+    ours: list[dict[str, Any]] = []
+    for file in _files(source, "manifest.json"):
+        content = _json(file)
+        protocol, clamps = content.get("protocol"), content.get("clamps", [])
+        if isinstance(protocol, dict) and isinstance(clamps, list):
+            ours.append(content)
+        else:
+            place = file.relative_to(source)
+            warnings.append(f"{place}: not used, because it is no session's manifest")
+    return tuple(ours)
 
 
 def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
