@@ -11,6 +11,7 @@ import pytest
 from resume_parts import go
 from study_parts import AheadHeadset, Scripted
 
+from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_participants
 from vrcomfort.resources import data_folder
@@ -85,6 +86,17 @@ TRACE = str(data_folder("scenes") / "temple_walk.csv")
     ],
 )
 def test_options_that_mean_nothing_are_refused(
-    tmp_path: Path, headset: str, options: list[str], words: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    headset: str,
+    options: list[str],
+    words: str,
 ) -> None:
-    assert words in refusal(tmp_path, *options, headset=headset)
+    shared = ["--out", str(tmp_path / "S"), "--headset", headset]
+    monkeypatch.setattr("sys.argv", ["vrcomfort", "run", *SMOKE, *shared, *options])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert words in said
