@@ -268,6 +268,19 @@ def test_a_folder_that_takes_no_files_is_refused_before_the_work(
         assert_refused(run(*command, "--out", tmp_path), "cannot be written to; choose another")
 
 
+def test_ctrl_c_in_a_session_ends_the_demo(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vrcomfort.headset.playback.PlaybackHeadset.frames", stop)
+    code, out, err = run("demo", "--out", tmp_path, "-n", 2)
+    assert (code, err) == (130, "")
+    assert out.count("\n") == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"study"}
+
+
 @pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
 def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
     program = f"""
