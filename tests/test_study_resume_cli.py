@@ -12,6 +12,7 @@ from study_parts import AheadHeadset, LateFocus, Scripted
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_rows
+from vrcomfort.resources import data_folder
 from vrcomfort.session import run
 
 
@@ -114,6 +115,12 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     code, said = call(monkeypatch, capsys, *simulate, 2)
     assert code == 2
     assert "all sessions of all 2 participants are recorded" in said
+    other = study.with_name("other.toml")
+    text = (data_folder("protocols") / "smoke.toml").read_text()
+    other.write_text(text.replace('name = "smoke"', 'name = "other"', 1))
+    code, said = call(monkeypatch, capsys, "simulate", other, "--out", study, "-n", 2)
+    assert code == 2
+    assert "holds a study with protocol `smoke`, not `other`" in said
     # Killed between the last session's end and the list of participants:
     file = study / "participants.csv"
     file.write_text(file.read_text().replace("P01,s1,completed", "P01,s1,enrolled"))

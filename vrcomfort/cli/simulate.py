@@ -88,13 +88,14 @@ def simulate_study(
     Raises
     ------
     InputError
-        If none is left, or a person was in one.
+        If none is left, a person was in one, or the folder holds another study.
     """
     from vrcomfort.design import build_design
+    from vrcomfort.records import open_study
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
-    sessions = build_design(protocol, seed=seed or 0).sessions
+    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
