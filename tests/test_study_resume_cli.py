@@ -16,7 +16,7 @@ from vrcomfort.resources import data_folder
 from vrcomfort.session import run
 
 
-def begin(folder: Path, respondent: str) -> Path:
+def begin(folder: Path, respondent: str, participant: str = "P01") -> Path:
     """Return a study whose only session stopped in its second exposure."""
     begun: list[int] = []
 
@@ -26,7 +26,7 @@ def begin(folder: Path, respondent: str) -> Path:
 
     outcome = run(
         load_protocol("smoke"),
-        "P01",
+        participant,
         study=folder,
         load_scene=lambda source: source,
         headset_for=headset_for,
@@ -129,6 +129,14 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     assert (code, said) == (0, "")
     assert statuses(study) == dict.fromkeys(("P01", "P02", "P03"), "completed")
     assert {file: file.read_bytes() for file in recorded} == recorded
+
+
+def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypatch, capsys):
+    study = begin(tmp_path / "study", "simulated", "P001")
+    simulate = ("simulate", "smoke", "--out", study, "--exposure-s", 0.2, "-n")
+    code, _ = call(monkeypatch, capsys, *simulate, 1)
+    assert code == 0
+    assert list(statuses(study)) == ["P001"]  # and no P01
 
 
 def test_simulate_leaves_people_alone(tmp_path, monkeypatch, capsys):

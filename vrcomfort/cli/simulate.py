@@ -99,10 +99,8 @@ def simulate_study(
     outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
-    digits = max(2, len(str(participants)))
     with progress_bar("participants", participants, quiet=quiet) as advance:
-        for number in range(1, participants + 1):
-            name = f"P{number:0{digits}d}"
+        for name in _names(out, participants):
             if not _is_over(out, name, sessions):
                 outcomes.append(_simulate_one(lab, out, name))
             advance()
@@ -112,6 +110,15 @@ def simulate_study(
         message = f"all sessions of all {participants} participants are recorded"
         raise InputError(f"{message}; choose another --out, or more --participants", file=out)
     return outcomes
+
+
+def _names(study: Path, participants: int) -> list[str]:
+    """Return P01, P02, …, with as many digits as the study has already."""
+    from vrcomfort.records import read_participants
+
+    there = [row.participant for row in read_participants(study)]
+    digits = len(there[0]) - 1 if there else max(2, len(str(participants)))
+    return [f"P{number:0{digits}d}" for number in range(1, participants + 1)]
 
 
 def _simulate_one(lab: StudyLab, study: Path, name: str) -> Outcome:
