@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from vrcomfort.cli import main
+from vrcomfort.resources import data_folder
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -88,7 +92,6 @@ def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     run: Run, tmp_path: Path
 ) -> None:
     from vrcomfort.protocol.quality import quality_table
-    from vrcomfort.resources import data_folder
 
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
@@ -154,8 +157,6 @@ def test_unknown_protocol_is_refused_with_those_there_are(run: Run) -> None:
 
 
 def test_misspelt_protocol_key_is_refused_with_its_place(run: Run, tmp_path: Path) -> None:
-    from vrcomfort.resources import data_folder
-
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
     file.write_text(text.replace("exposure_s", "exposure_ms", 1), encoding="utf-8")
@@ -238,3 +239,62 @@ def test_doctor_finds_what_the_tests_need(run: Run) -> None:
     code, out, _ = run("doctor", "--json")
     assert code == 0
     assert {finding["part"] for finding in json.loads(out)} >= {"OpenGL", "Python", "scenes"}
+
+
+def test_a_protocol_that_is_no_text_is_refused(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "mine.toml"
+    file.write_bytes('name = "mine"\ntitle = "Café"\n'.encode("latin-1"))
+    assert_refused(run("design", file), "mine.toml, line 2: this line is not UTF-8", "save")
+    assert_refused(run("design", tmp_path), "is a folder", "TOML")
+
+
+def test_answers_that_are_no_text_are_refused(run: Run, tmp_path: Path) -> None:
+    pytest.importorskip("xr", reason="pyopenxr is not installed")
+    script = tmp_path / "answers.txt"
+    script.write_bytes(b"1 2\n\xe9\n")
+    trace = data_folder("scenes") / "temple_walk.csv"
+    rehearsal = ("--headset", "openxr", "--monado-trace", trace, "--monado-answers", script)
+    result = run("run", "smoke", "--participant", "P01", *rehearsal, "--out", tmp_path / "S")
+    assert_refused(result, "answers.txt, line 2: this line is not UTF-8")
+
+
+def test_a_folder_that_takes_no_files_is_refused_before_the_work(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Nothing is forbidden to root, who may be running this.
+    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
+    commands = [("tradeoff", "--quick"), ("demo",), ("render", "--scene", "temple")]
+    for command in commands:
+        assert_refused(run(*command, "--out", tmp_path), "cannot be written to; choose another")
+
+
+def test_ctrl_c_in_a_session_ends_the_demo(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("vrcomfort.headset.playback.PlaybackHeadset.frames", stop)
+    code, out, err = run("demo", "--out", tmp_path, "-n", 2)
+    assert (code, err) == (130, "")
+    assert out.count("\n") == 1
+    assert {path.name for path in tmp_path.iterdir()} == {"study"}
+
+
+@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
+def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
+    program = f"""
+import os, signal, sys
+class CtrlC:
+    def find_spec(self, name, *_):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, CtrlC())
+from vrcomfort.cli import main
+from vrcomfort.resources import data_folder
+sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
+main()
+"""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

@@ -127,11 +127,10 @@ def turn_with_mouse(server: XServer, study: Study) -> None:
 
 def answer_rating(server: XServer, study: Study) -> int:
     """Answer the rating that the exposure asks for, with two digits; wait until it is taken."""
-    until_s = time.monotonic() + PATIENCE_S
-    while time.monotonic() < until_s and not len(study.read("ratings.csv")):
-        server.do("key", "1", "7", "Return")
-        time.sleep(0.5)
-    return int(study.read("ratings.csv")["response"].iloc[0])
+    # After 2 s of exposure it is asked; a first digit that came before that would be lost.
+    study.wait("frames.csv", lambda table: np.ptp(table["session_s"][table["trial"] == 1]) > 2.5)
+    server.do("key", "1", "7", "Return")
+    return int(study.wait_for_rows("ratings.csv", 1)["response"].iloc[0])
 
 
 CLIENT = """

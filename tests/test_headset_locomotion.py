@@ -81,7 +81,7 @@ strides = st.lists(st.tuples(wishes, st.integers(1, 40)), min_size=1, max_size=8
 houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
 
 
-@settings(deadline=None)
+@settings(max_examples=60)
 @given(houses, strides, st.floats(0.001, LONGEST_S))
 def test_nobody_leaves_the_floor_or_is_too_fast(
     pieces: list[Piece], way: list[tuple[Wish, int]], frame_s: float
@@ -97,7 +97,7 @@ def test_nobody_leaves_the_floor_or_is_too_fast(
             before = feet
 
 
-@settings(deadline=None)
+@settings(max_examples=25)
 @given(houses, strides)
 def test_the_same_wishes_lead_to_the_same_place(
     pieces: list[Piece], way: list[tuple[Wish, int]]

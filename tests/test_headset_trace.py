@@ -81,7 +81,7 @@ def test_a_bad_cell_is_refused_with_its_place(write, row, column, says):
 def test_a_missing_column_is_named(write):
     error = refusal(write("xr_time_ns,head_x_m", "1,2"))
     assert (error.line, error.column) == (1, "head_y_m")
-    assert "needs the column 'head_y_m'" in error.message
+    assert "the column 'head_y_m' is missing (and head_z_m" in error.message
 
 
 def test_half_of_an_optional_pose_is_refused(write):
@@ -92,14 +92,14 @@ def test_half_of_an_optional_pose_is_refused(write):
 def test_a_row_of_another_width_is_refused(write):
     error = refusal(write(HEADER, ROWS[0], "2000,0", ROWS[2]))
     assert error.line == 3
-    assert "2 cells and the header 8" in error.message
+    assert "2 cells, the header has 8" in error.message
 
 
 @pytest.mark.parametrize("last", ["3000,0.3,1.6", "3000,0.3,1.6,0,0,0,0,1"])
 def test_a_half_written_last_line_is_reported_and_left_out(write, last):
     trace = read_trace(write(HEADER, *ROWS[:2], last, end=""))
     assert trace.time_ns.tolist() == [1000, 2000]
-    assert "line 4: the last line is half-written" in trace.warnings[0]
+    assert "line 4: the last row is half-written" in trace.warnings[0]
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,9 @@ from pathlib import Path
 
 import pytest
 from resume_parts import go
-from study_parts import AheadHeadset
+from study_parts import AheadHeadset, Scripted
 
+from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_participants
 from vrcomfort.resources import data_folder
@@ -56,7 +57,8 @@ def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_pat
         return AheadHeadset(interrupt_at=0)
 
     smoke = load_protocol("smoke")
-    assert go(tmp_path, protocol=smoke, headset_for=interrupted).status == "aborted"
+    begun = go(tmp_path, Scripted(name="panel"), protocol=smoke, headset_for=interrupted)
+    assert begun.status == "aborted"
     assert "continue it with run --resume" in refusal(tmp_path)
     assert "make it the active OpenXR runtime" in refusal(tmp_path, "--resume")
 
@@ -84,6 +86,17 @@ TRACE = str(data_folder("scenes") / "temple_walk.csv")
     ],
 )
 def test_options_that_mean_nothing_are_refused(
-    tmp_path: Path, headset: str, options: list[str], words: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    headset: str,
+    options: list[str],
+    words: str,
 ) -> None:
-    assert words in refusal(tmp_path, *options, headset=headset)
+    shared = ["--out", str(tmp_path / "S"), "--headset", headset]
+    monkeypatch.setattr("sys.argv", ["vrcomfort", "run", *SMOKE, *shared, *options])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert words in said

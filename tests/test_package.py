@@ -89,7 +89,7 @@ def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Pa
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
     zipfile.ZipFile(wheel).extractall(site)
     result = subprocess.run(
-        [environment / "bin" / "python", "-c", COMPILE_EVERY_SHADER],
+        [environment / "bin" / "python", "-I", "-c", COMPILE_EVERY_SHADER],
         check=False,
         capture_output=True,
         text=True,

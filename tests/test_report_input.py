@@ -93,7 +93,7 @@ def test_wrong_answers_are_errors_with_their_place(tmp_path, old, new, line, col
 def test_missing_column_is_named(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,item,response\nP1,nausea,1\n")
-    with pytest.raises(InputError, match="column condition is missing"):
+    with pytest.raises(InputError, match="column 'condition' is missing"):
         build_report(file, out=tmp_path / "o")
 
 
@@ -201,3 +201,15 @@ def test_shipped_plans_are_valid_and_named_after_their_file(plan):
 
 def test_names_sort_as_people_sort_them():
     assert sorted(["P10", "P2", "p1", "P2b"], key=natural) == ["P2", "P2b", "P10", "p1"]
+
+
+def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
+    foreign(tmp_path / "s" / "questionnaires.csv", SCORES)
+    (tmp_path / "s" / "dataset_description.json").write_text('{"conditions": ["a", "b"]}')
+    (tmp_path / "s" / "manifest.json").write_text('{"name": "an app", "clamps": 3}')
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    assert summary.analysed == 5
+    assert summary.warnings == ("manifest.json: not used, because it is no session's manifest",)
+    (tmp_path / "s" / "manifest.json").write_bytes(b"\xff{}")
+    with pytest.raises(InputError, match="not UTF-8; save it as JSON in UTF-8"):
+        build_report(tmp_path / "s", out=tmp_path / "o")

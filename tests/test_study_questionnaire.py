@@ -127,11 +127,11 @@ def test_a_missing_column_is_named_with_what_may_be_meant(tmp_path):
 
 def test_a_column_that_is_there_twice(tmp_path):
     with pytest.raises(InputError, match="second column for `nausea`"):
-        score_ssq(wide(tmp_path, "0,P1" + ",0" * 15, start="Nausea"))
+        score_ssq(wide(tmp_path, "0,P1" + ",0" * 15, start="nausea"))
 
 
 def test_files_that_cannot_be_read(tmp_path):
-    with pytest.raises(InputError, match="No such file"):
+    with pytest.raises(InputError, match="no such file"):
         score_ssq(tmp_path / "none.csv")
     (tmp_path / "empty.csv").touch()
     with pytest.raises(InputError, match="empty"):

@@ -16,7 +16,7 @@ from study_parts import PROTOCOL, AheadHeadset, Scripted, tiny_protocol
 
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.trace import read_trace
-from vrcomfort.records import read_rows
+from vrcomfort.records import Recorder, read_rows
 from vrcomfort.report import build_report
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
 
@@ -212,6 +212,7 @@ def test_a_continuation_is_of_the_same_session(tmp_path):
         ({"protocol": other}, "another text of this protocol"),
         ({"seed": 3}, "begun with seed 0"),
         ({"exposure_s": 2.0}, "exposures of 5 s"),
+        ({"respondent": simulated(tmp_path)}, "with --respondent scripted, not simulated"),
     ):
         with pytest.raises(InputError, match=says):
             go(tmp_path, resume=True, **changed)
@@ -266,3 +267,34 @@ def test_the_report_takes_the_last_attempt_and_the_baseline_of_its_run(tmp_path)
     assert blur == pytest.approx(2 * plain)
     quality = json.loads((tmp_path / "R" / "results.json").read_text())["quality"]
     assert quality["frames"]["shown"] == 200
+
+
+def test_a_session_that_recorded_nothing_is_begun_again(tmp_path):
+    """As a program leaves it that is killed, or finds the disk full, before the manifest."""
+    Recorder(tmp_path / "S", "P01", 1).close()
+    (folder(tmp_path) / ".manifest.json.new").write_text("{", encoding="utf-8")
+    trials = folder(tmp_path) / "trials.csv"
+    trials.write_text(trials.read_text()[:5])
+    assert go(tmp_path).sessions == (1,)
+    assert len(attempts(tmp_path)) == 2
+    (folder(tmp_path) / "manifest.json").unlink()
+    with pytest.raises(InputError, match="session 1 of P01 was interrupted"):
+        go(tmp_path)
+
+
+def test_a_number_that_is_none_is_left_to_people(tmp_path):
+    go(tmp_path, interrupt=(2, 30))
+    file = folder(tmp_path) / "trials.csv"
+    file.write_text(file.read_text().replace("P01,1,1,1,1,", "P01,1,1,1,one,"))
+    with pytest.raises(InputError, match="'one' is not a number; mend it first") as caught:
+        go(tmp_path, resume=True)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (file, 2, "trial")
+
+
+def test_a_damaged_manifest_is_left_to_people(tmp_path):
+    go(tmp_path, interrupt=(2, 30))
+    file = folder(tmp_path) / "manifest.json"
+    file.write_text('{"status": "aborted"}')
+    with pytest.raises(InputError, match="this manifest is damaged; restore it") as caught:
+        go(tmp_path, resume=True)
+    assert caught.value.file == file

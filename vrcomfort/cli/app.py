@@ -11,6 +11,7 @@ import typer
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    EXIT_INTERRUPTED,
     analyse,
     check,
     demonstrate,
@@ -24,12 +25,11 @@ from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
 
 EXIT_BAD_INPUT = 2
-EXIT_INTERRUPTED = 130
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
     errno.EDQUOT: "your disk quota is used up; what was already written stays",
     errno.EROFS: "the disk is read-only; choose another --out",
-    errno.EACCES: "no permission; choose another --out or ask for access",
+    errno.EACCES: "no permission; ask for access, or choose another place",
     errno.ENOTDIR: "part of this path is a file, not a folder",
     errno.EISDIR: "this is a folder, a file was expected",
     errno.ENAMETOOLONG: "this name is too long for the disk; choose a shorter one",

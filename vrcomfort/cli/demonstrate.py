@@ -57,6 +57,8 @@ def demo(
         exposure_s=EXPOSURE_S,
         quiet=quiet,
     )
+    if outcomes[-1].status == "aborted":
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
     withdrawn = sum(outcome.status == "withdrawn" for outcome in outcomes)
     say(f"{withdrawn} of {participants} withdrew. Rendering pictures ...")
     files = _pictures(pictures)

@@ -29,6 +29,11 @@ MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
 }
 
 
+def usual_respondent(headset: HeadsetKind) -> RespondentKind:
+    """Return who answers where nothing is said: the panel in a headset, else the terminal."""
+    return RespondentKind.TERMINAL if headset is PLAYBACK else RespondentKind.PANEL
+
+
 def require_meaning(
     headset: HeadsetKind, respondent: RespondentKind | None, options: Mapping[str, object]
 ) -> None:

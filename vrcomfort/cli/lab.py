@@ -56,7 +56,12 @@ class StudyLab:
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
     def reserve(
-        self, participant: str, sessions: list[int] | None, *, resume: bool = False
+        self,
+        participant: str,
+        sessions: list[int] | None,
+        kind: RespondentKind,
+        *,
+        resume: bool = False,
     ) -> AbstractContextManager[Reservation]:
         """Return a participant who can be run; see `session.reserve`."""
         from vrcomfort.session import reserve
@@ -65,6 +70,7 @@ class StudyLab:
             self._protocol,
             participant,
             study=self._study,
+            respondent=kind,
             seed=self._seed,
             sessions=sessions,
             exposure_s=self._exposure_s,
@@ -74,20 +80,13 @@ class StudyLab:
     def run(
         self,
         place: Reservation,
-        kind: RespondentKind | None,
+        kind: RespondentKind,
         tell: Any,
         live: LiveLab | None = None,
     ) -> Outcome:
-        """Run a participant's sessions.
-
-        Parameters
-        ----------
-        kind
-            Default: the panel in a live headset, else the terminal.
-        """
+        """Run a participant's sessions."""
         from vrcomfort.session import VirtualClock, WallClock
 
-        kind = kind or (RespondentKind.PANEL if live else RespondentKind.TERMINAL)
         respondent = self._respondent(kind, place, live)
         renderer, machine = (live.renderer, live.machine) if live else self._windowless()
         return place.run(

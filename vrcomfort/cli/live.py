@@ -14,6 +14,7 @@ from vrcomfort.cli.bindings import require_bindings
 from vrcomfort.cli.wiring import describe_machine, open_trace, require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.settings_file import read_text
 
 if TYPE_CHECKING:
     import moderngl
@@ -172,12 +173,8 @@ def _rehearse(owned: ExitStack, trace: Path | None, answers: Path | None) -> Reh
 
 
 def _read_answers(path: Path) -> list[int]:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except OSError as error:
-        raise InputError(f"cannot read the script of answers: {error}", file=path) from error
     numbers = []
-    for line, words in enumerate(text.splitlines(), start=1):
+    for line, words in enumerate(read_text(path, "script of answers").splitlines(), start=1):
         for word in words.partition("#")[0].split():
             if not word.isdecimal():
                 raise InputError(f"an answer is a whole number, not {word!r}", file=path, line=line)

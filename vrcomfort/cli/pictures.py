@@ -19,7 +19,12 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import DEFAULT_IPD_M, open_trace, pick_condition
+from vrcomfort.cli.wiring import (
+    DEFAULT_IPD_M,
+    open_trace,
+    pick_condition,
+    require_recorded_gaze,
+)
 from vrcomfort.errors import InputError
 
 SceneOption = Annotated[
@@ -127,8 +132,10 @@ def play(
     - `vrcomfort play my_study/sub-P01/ses-1/frames.csv --trial 1 --scene temple --out replay`
     """
     study, shown = pick_condition(protocol, condition)
+    played = open_trace(trace, trial=trial, gaze=gaze)
+    require_recorded_gaze([shown], played)
     count = play_trace(
-        open_trace(trace, trial=trial, gaze=gaze),
+        played,
         study.scene_source(scene) if study else scene,
         shown,
         size_px=parse_size(size),

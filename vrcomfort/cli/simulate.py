@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
-    EXIT_ABORTED,
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -21,8 +21,10 @@ from vrcomfort.cli.terminal import (
     console,
     parse_size,
     progress_bar,
+    warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace
+from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
@@ -47,6 +49,9 @@ def simulate(
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
 
+    Where it was stopped, the same command goes on: what is recorded stays, and an interrupted
+    session continues at its next exposure.
+
     - `vrcomfort simulate smoke --participants 4 --out my_study`
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
@@ -62,7 +67,8 @@ def simulate(
     for outcome in outcomes:
         console(quiet).print(sentence(outcome, out))
     if outcomes[-1].status == "aborted":
-        raise typer.Exit(EXIT_ABORTED)
+        warn("the same command goes on where this was stopped")
+        raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def simulate_study(
@@ -75,18 +81,83 @@ def simulate_study(
     exposure_s: float | None,
     quiet: bool,
 ) -> list[Outcome]:
-    """Run all sessions of simulated participants P01, P02, …; stops if one is aborted."""
+    """Run all sessions of simulated participants P01, P02, … that are left.
+
+    Stops where one is aborted. An interrupted session is continued.
+
+    Raises
+    ------
+    InputError
+        If none is left, a person was in one, or the folder holds another study.
+    """
+    from vrcomfort.design import build_design
+    from vrcomfort.records import open_study
+
     size_px, trace, refresh_hz = playback_options
+    require_recorded_gaze(protocol.conditions, trace)
+    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
-    digits = max(2, len(str(participants)))
     with progress_bar("participants", participants, quiet=quiet) as advance:
-        for number in range(1, participants + 1):
-            name = f"P{number:0{digits}d}"
-            with lab.reserve(name, None) as place:
-                outcomes.append(lab.run(place, RespondentKind.SIMULATED, lambda _: None))
+        for name in _names(out, participants):
+            if not _is_over(out, name, sessions):
+                outcomes.append(_simulate_one(lab, out, name))
             advance()
-            if outcomes[-1].status == "aborted":
+            if outcomes and outcomes[-1].status == "aborted":
                 break
+    if not outcomes:
+        message = f"all sessions of all {participants} participants are recorded"
+        raise InputError(f"{message}; choose another --out, or more --participants", file=out)
     return outcomes
+
+
+def _names(study: Path, participants: int) -> list[str]:
+    """Return P01, P02, …, with as many digits as the study has already."""
+    from vrcomfort.records import read_participants
+
+    there = [row.participant for row in read_participants(study)]
+    digits = len(there[0]) - 1 if there else max(2, len(str(participants)))
+    return [f"P{number:0{digits}d}" for number in range(1, participants + 1)]
+
+
+def _simulate_one(lab: StudyLab, study: Path, name: str) -> Outcome:
+    from vrcomfort.records import unfinished_sessions
+
+    kind, resume = RespondentKind.SIMULATED, bool(unfinished_sessions(study, name))
+    with lab.reserve(name, None, kind, resume=resume) as place:
+        return lab.run(place, kind, lambda _: None)
+
+
+def _is_over(study: Path, name: str, sessions: int) -> bool:
+    """Return whether a participant has nothing left to simulate, and see that the study says so.
+
+    Raises
+    ------
+    InputError
+        If a person was in one of the sessions.
+    """
+    from vrcomfort.records import read_participants, set_status
+
+    known = {row.participant: row.status for row in read_participants(study)}.get(name)
+    if known in {"withdrawn", "excluded"}:
+        return True
+    ends = _simulated_ends(study, name)
+    withdrew = "withdrawn" in ends
+    over = withdrew or ends.count("completed") == sessions
+    if over and known == "enrolled":  # the program was killed before it could write this
+        set_status(study, name, "withdrawn" if withdrew else "completed")
+    return over
+
+
+def _simulated_ends(study: Path, name: str) -> list[str]:
+    """Return how each recorded session of a participant ended."""
+    from vrcomfort.records import read_manifest, recorded_sessions, session_folder
+
+    folders = [session_folder(study, name, each) for each in recorded_sessions(study, name)]
+    manifests = {folder: read_manifest(folder) for folder in folders}
+    for folder, manifest in manifests.items():
+        if (respondent := manifest.get("respondent")) != RespondentKind.SIMULATED:
+            message = f"this session was begun with --respondent {respondent}"
+            raise InputError(f"{message}; choose another --out for simulations", file=folder)
+    return [str(manifest.get("status")) for manifest in manifests.values()]

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.desktop import desktop_lab
-from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning
+from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning, usual_respondent
 from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
 from vrcomfort.cli.live import live_lab
 from vrcomfort.cli.terminal import (
-    EXIT_ABORTED,
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -26,7 +26,7 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace
+from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -109,13 +109,16 @@ def run(
         real_time=respondent is not RespondentKind.SIMULATED,
     )
     lab = StudyLab(study, out, playback, seed, exposure_s)
+    if headset is HeadsetKind.PLAYBACK:
+        require_recorded_gaze(study.conditions, playback.trace)
+    kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
         numbers = [session or next_session(out, participant)]
-        place = owned.enter_context(lab.reserve(participant, numbers, resume=resume))
+        place = owned.enter_context(lab.reserve(participant, numbers, kind, resume=resume))
         live = _connect(owned, headset, study, size_px, options)
         bars = owned.enter_context(SessionBars(quiet))
         try:
-            outcome = lab.run(place, respondent, bars.tell, live)
+            outcome = lab.run(place, kind, bars.tell, live)
         except RuntimeLostError as error:
             complain(str(error))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
@@ -150,7 +153,7 @@ def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
         warn(warning)
     console(quiet).print(sentence(outcome, out))
     if outcome.status == "aborted":
-        raise typer.Exit(EXIT_ABORTED)
+        raise typer.Exit(EXIT_INTERRUPTED)
 
 
 def next_session(study: Path, participant: str) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -46,8 +47,6 @@ ExposureOption = Annotated[
 RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
 ]
-
-EXIT_ABORTED = 130
 
 _errors = Console(stderr=True, highlight=False, soft_wrap=True)
 
@@ -116,12 +115,14 @@ def output_folder(path: Path) -> Path:
     Raises
     ------
     InputError
-        If `path` is a file, or holds recordings, which are never overwritten.
+        If `path` is a file, takes no files, or holds recordings, which are never overwritten.
     """
     if path.exists() and not path.is_dir():
         raise InputError("is a file; --out needs a folder", file=path)
     _refuse_recordings(path)
     path.mkdir(parents=True, exist_ok=True)
+    if not os.access(path, os.W_OK):  # now, and not after minutes of work
+        raise InputError("cannot be written to; choose another --out", file=path)
     return path
 
 

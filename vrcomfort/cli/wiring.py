@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -155,17 +155,40 @@ def require_eye_tracker(protocol: Protocol, details: Mapping[str, str]) -> None:
     InputError
         Before anybody is asked anything; says what to do.
     """
+    if details.get("eye_tracker") != "yes":
+        _refuse_gaze(protocol.conditions, "this headset has no eye tracker; use one that has")
+
+
+def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) -> None:
+    """Refuse what is played back, where a condition needs gaze and the trace has none.
+
+    Parameters
+    ----------
+    trace
+        None is a walk that ships with a scene.
+
+    Raises
+    ------
+    InputError
+        Before anything is written; says what to do.
+    """
+    if trace is None or trace.gaze is None:
+        remedy = "give a frames.csv that has its gaze.csv beside it"
+        _refuse_gaze(conditions, f"what is played back has no gaze; {remedy}")
+
+
+def _refuse_gaze(conditions: Iterable[Condition], why: str) -> None:
     needing = [
         condition.name
-        for condition in protocol.conditions
+        for condition in conditions
         if condition.depth_of_field is not None
         and condition.focus.method == "gaze"
         and condition.focus.without_gaze == "stop"
     ]
-    if needing and details.get("eye_tracker") != "yes":
+    if needing:
         raise InputError(
-            f"focus follows the gaze in {', '.join(needing)}, and this headset has no eye tracker; "
-            'use one that has, or write without_gaze = "nine_ray" under [conditions.focus]'
+            f"focus follows the gaze in {', '.join(needing)}, and {why}, "
+            'or write without_gaze = "nine_ray" under [conditions.focus]'
         )
 
 

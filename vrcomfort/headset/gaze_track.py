@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose, normalize
 from vrcomfort.headset.pose_track import Times
 from vrcomfort.headset.table import Table, read_table
@@ -61,9 +60,12 @@ class GazeTrack:
 def turn_to(direction: Array) -> Array:
     """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""
     x, y, z = direction
-    if z > 1 - 1e-12:
+    across = np.hypot(x, y)
+    if z > 0 and across < 1e-12:
         return np.array([0.0, 1.0, 0.0, 0.0])  # straight back: any axis across will do
-    return normalize(np.array([y, -x, 0.0, 1.0 - z]))
+    # 1 − z, without the digits that a subtraction loses where z is nearly 1
+    less_z = across**2 / (1.0 + z) if z > 0 else 1.0 - z
+    return normalize(np.array([y, -x, 0.0, less_z]))
 
 
 def read_gaze(path: str | Path) -> GazeTrack:
@@ -87,7 +89,7 @@ def read_gaze(path: str | Path) -> GazeTrack:
 def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
     """Return (valid rows, 6) origins and directions; rows that are not valid may be blank."""
     kept = np.flatnonzero(valid).tolist()
-    rows, lines = [table.rows[i] for i in kept], [table.lines[i] for i in kept]
+    rows, lines = tuple(table.rows[i] for i in kept), tuple(table.lines[i] for i in kept)
     part = replace(table, rows=rows, lines=lines)
     rays = part.floats([*ORIGIN, *DIRECTION])
     lengths = np.linalg.norm(rays[:, 3:], axis=1)
@@ -98,8 +100,5 @@ def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
     return rays
 
 
-def _require(file: Path, header: list[str]) -> None:
-    missing = [name for name in (TIME, VALID, *ORIGIN, *DIRECTION) if name not in header]
-    if missing:
-        message = f"a record of gaze needs the column {missing[0]!r}"
-        raise InputError(message, file=file, line=1, column=missing[0])
+def _require(table: Table) -> None:
+    table.require([TIME, VALID, *ORIGIN, *DIRECTION])

@@ -1,8 +1,7 @@
-"""Reads tables of numbers from text and says exactly where one is wrong."""
+"""Turns tables of text into numbers, and says exactly where one is wrong."""
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -12,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 
@@ -19,28 +19,8 @@ Number = TypeVar("Number", int, float)
 
 
 @dataclass(frozen=True)
-class Table:
-    """Text cells of a table, with the line of its file that each row stands on.
-
-    Parameters
-    ----------
-    file
-        Where the table was read.
-    header
-        Column names.
-    rows
-        One list of cells per row, all as long as the header.
-    lines
-        The 1-based line of each row.
-    warnings
-        What was left out, and why.
-    """
-
-    file: Path
-    header: list[str]
-    rows: list[list[str]]
-    lines: list[int]
-    warnings: tuple[str, ...] = ()
+class Table(CsvTable):
+    """A table of numbers."""
 
     def has(self, columns: Sequence[str]) -> bool:
         """Return whether all `columns` are there."""
@@ -91,7 +71,7 @@ class Table:
 
     def error(self, row: int, column: str, message: str) -> InputError:
         """Return the error of one cell (`row` counts from 0)."""
-        return InputError(message, file=self.file, line=self.lines[row], column=column)
+        return self.fault(message, self.lines[row], column)
 
     def _numbers(self, column: str, convert: Callable[[str], Number], kind: str) -> list[Number]:
         cells = self.text(column)
@@ -124,68 +104,19 @@ def _converts(cell: str, convert: Callable[[str], Number]) -> bool:
     return True
 
 
-def read_table(
-    path: str | Path,
-    check_header: Callable[[Path, list[str]], None],
-    *,
-    space_separated_header: bool = False,
-) -> Table:
-    """Read a comma-separated table with a header row, which `check_header` may refuse.
-
-    A last line that is not closed by a line end, or that has too few cells, was cut off while it
-    was written: it is left out and reported in `Table.warnings`, never guessed.
+def read_table(path: str | Path, check_header: Callable[[Table], None]) -> Table:
+    """Read a table of which `check_header` may refuse the header; it has at least one row.
 
     Raises
     ------
     InputError
-        If the file is missing, is not text, holds no rows, or a row has the wrong width.
+        As `CsvTable.read`, or if there is no row.
     """
-    file = Path(path)
-    text = _read_text(file)
-    lines = text.splitlines()
-    if not lines or not lines[0].strip():
-        raise InputError("the file is empty; a trace starts with a header row", file=file, line=1)
-    header = lines[0].split() if space_separated_header else next(csv.reader(lines[:1]))
-    check_header(file, header)
-    rows = [(number, row) for number, row in _rows(lines) if row]
-    warnings: tuple[str, ...] = ()
-    if rows and (not text.endswith(("\n", "\r")) or len(rows[-1][1]) < len(header)):
-        number = rows.pop()[0]
-        warnings = (f"{file}, line {number}: the last line is half-written and was left out",)
-    _check_shape(file, header, rows)
-    return Table(file, header, [row for _, row in rows], [n for n, _ in rows], warnings)
-
-
-def _rows(lines: list[str]) -> list[tuple[int, list[str]]]:
-    reader = csv.reader(lines)
-    next(reader)
-    return [(reader.line_num, row) for row in reader]
-
-
-def _check_shape(file: Path, header: list[str], rows: list[tuple[int, list[str]]]) -> None:
-    twice = {name for name in header if header.count(name) > 1}
-    if twice:
-        raise InputError(f"column {min(twice)!r} appears twice", file=file, line=1)
-    if not rows:
-        raise InputError("there is a header but no complete row", file=file, line=1)
-    for number, row in rows:
-        if len(row) != len(header):
-            raise InputError(
-                f"this row has {len(row)} cells and the header {len(header)}",
-                file=file,
-                line=number,
-            )
-
-
-def _read_text(file: Path) -> str:
-    try:
-        text = file.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise InputError("there is no such file", file=file) from None
-    except OSError as error:
-        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
-    except UnicodeDecodeError:
-        raise InputError("this is not a text file; a trace is a CSV table", file=file) from None
-    if "\0" in text:
-        raise InputError("this is not a text file; a trace is a CSV table", file=file)
-    return text
+    table = Table.read(path, appended=True)
+    if not table.header:
+        message = "the file is empty; a trace starts with a header row"
+        raise InputError(message, file=table.file, line=1)
+    check_header(table)
+    if not table.rows:
+        raise table.fault("there is a header but no complete row", 1)
+    return table

@@ -188,7 +188,7 @@ def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # 
 
 
 def _import_unity(path: str | Path) -> Trace:
-    table = read_table(path, require_unity, space_separated_header=True)
+    table = read_table(path, require_unity)
     time_ns = np.array([_nanoseconds(table, row) for row in range(len(table.rows))], np.int64)
     cuts = np.zeros(len(time_ns), dtype=bool)
     cuts[0] = True

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.headset.pose_track import PoseTrack, Times
 from vrcomfort.headset.table import Table
@@ -22,34 +19,22 @@ FOVS = (fov_columns("left"), fov_columns("right"))
 UNITY_HEADER = ["Time", "x", "y", "z", "alpha", "beta", "gamma"]
 
 
-def require_trace(file: Path, header: list[str]) -> None:
+def require_trace(table: Table) -> None:
     """Raise InputError if a required column is missing, or if this is another program's log."""
-    if " ".join(header).split() == UNITY_HEADER:
-        raise InputError(
+    if list(table.header) == UNITY_HEADER:
+        raise table.fault(
             "this looks like a Unity log; convert it first with "
             "`vrcomfort import-trace FILE --format unity-euler --out TRACE.csv`",
-            file=file,
-            line=1,
+            1,
         )
-    missing = [name for name in REQUIRED if name not in header]
-    if missing:
-        others = f" (and {', '.join(missing[1:])})" if missing[1:] else ""
-        raise InputError(
-            f"a trace needs the column {missing[0]!r}{others}",
-            file=file,
-            line=1,
-            column=missing[0],
-        )
+    table.require(REQUIRED)
 
 
-def require_unity(file: Path, header: list[str]) -> None:
+def require_unity(table: Table) -> None:
     """Raise InputError if this is not a Unity log."""
-    if header != UNITY_HEADER:
-        raise InputError(
-            f"this is not a Unity log: its first line must be {' '.join(UNITY_HEADER)!r}",
-            file=file,
-            line=1,
-        )
+    if list(table.header) != UNITY_HEADER:
+        needed = " ".join(UNITY_HEADER)
+        raise table.fault(f"this is not a Unity log: its first line must be {needed!r}", 1)
 
 
 def has_group(table: Table, columns: tuple[str, ...]) -> bool:
@@ -57,12 +42,8 @@ def has_group(table: Table, columns: tuple[str, ...]) -> bool:
     missing = [name for name in columns if name not in table.header]
     if missing and len(missing) < len(columns):
         there = next(name for name in columns if name in table.header)
-        raise InputError(
-            f"the column {missing[0]!r} is missing although {there!r} is there",
-            file=table.file,
-            line=1,
-            column=missing[0],
-        )
+        message = f"the column {missing[0]!r} is missing although {there!r} is there"
+        raise table.fault(message, 1, missing[0])
     return not missing
 
 

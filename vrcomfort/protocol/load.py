@@ -47,5 +47,7 @@ def _find(name_or_path: str | Path) -> Path:
     shipped = {file.stem: file for file in data_folder("protocols").glob("*.toml")}
     if str(name_or_path) in shipped:
         return shipped[str(name_or_path)]
+    if path.is_dir():
+        raise InputError("this is a folder; a protocol is a TOML file", file=path)
     hint = did_you_mean(path.stem, shipped)
     raise InputError(f"there is no protocol file or shipped protocol `{name_or_path}`; {hint}")

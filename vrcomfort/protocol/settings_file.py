@@ -48,12 +48,14 @@ def read_text(file: Path, what: str) -> str:
         If it cannot be read; `what` says what it should have been.
     """
     try:
-        return file.read_text(encoding="utf-8-sig")
+        content = file.read_bytes()
+        return content.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except OSError as error:
         raise InputError(f"cannot read this {what}: {error.strerror}", file=file) from error
     except UnicodeDecodeError as error:
-        message = f"byte {error.start} is not UTF-8; save the {what} as UTF-8"
-        raise InputError(message, file=file) from error
+        line = content[: error.start].count(b"\n") + 1
+        message = f"this line is not UTF-8; save the {what} as UTF-8"
+        raise InputError(message, file=file, line=line) from error
 
 
 def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:

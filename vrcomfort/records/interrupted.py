@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
@@ -82,9 +83,34 @@ def take_up(folder: Path) -> Interrupted:
     )
 
 
+_NUMBERS: Mapping[type[Row], Mapping[str, type[int | float]]] = {
+    FrameRow: {"session_s": float, "xr_time_ns": int, "trial": int, "dropped": int},
+    TrialRow: {"trial": int, "attempt": int, "end_s": float},
+    QuestionnaireRow: {"answered_s": float},
+    RatingRow: {"onset_s": float, "latency_s": float},
+    EventRow: {"onset_s": float, "duration_s": float},
+}
+
+
 def _rows(folder: Path, row_type: type[Row]) -> Iterator[dict[str, str]]:
-    with (folder / row_type.FILE).open(encoding="utf-8-sig", newline="") as stream:
-        yield from csv.DictReader(stream)
+    """Yield the rows of a file whose numbers are numbers; a latency may be blank."""
+    file = folder / row_type.FILE
+    with file.open(encoding="utf-8-sig", newline="") as stream:
+        reader = csv.DictReader(stream)
+        for row in reader:
+            for column, kind in _NUMBERS[row_type].items():
+                if not _reads_as(kind, row[column] or ("0" if column == "latency_s" else "")):
+                    message = f"{row[column]!r} is not a number; mend it first"
+                    raise InputError(message, file=file, line=reader.line_num, column=column)
+            yield row
+
+
+def _reads_as(kind: type[int | float], cell: str) -> bool:
+    try:
+        kind(cell)
+    except ValueError:
+        return False
+    return True
 
 
 @dataclass

@@ -39,6 +39,15 @@ def session_folder(study: Path, participant: str, session: int) -> Path:
     return study / f"sub-{participant}" / f"ses-{session}"
 
 
+def is_begun(folder: Path) -> bool:
+    """Return whether a session's folder holds more than the headers that it begins with."""
+    if not folder.is_dir():
+        return False
+    headers = {each.FILE: len(csv_line(each.columns()).encode()) for each in SESSION_ROWS}
+    files = [file for file in folder.iterdir() if not file.name.startswith(".")]
+    return any(file.stat().st_size > headers.get(file.name, 0) for file in files)
+
+
 @dataclass
 class _Gap:
     """Frames that came faster than they could be written."""
@@ -87,7 +96,7 @@ class Recorder:
         self._resumed = resumed
         self._files: dict[str, io.TextIOWrapper] = {}
         self._gap: _Gap | None = None
-        if not resumed and self.folder.exists() and any(self.folder.iterdir()):
+        if not resumed and is_begun(self.folder):
             raise overwriting(self.folder, participant, session)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -101,7 +110,7 @@ class Recorder:
     def _open(self, row_type: type[Row]) -> None:
         file = self.folder / row_type.FILE
         old = self._resumed and file.exists()
-        stream = file.open("a" if old else "x", encoding="utf-8", newline="")
+        stream = file.open("a" if old else "w", encoding="utf-8", newline="")
         self._files[row_type.FILE] = stream
         if not old:
             stream.write(csv_line(row_type.columns()))

@@ -16,7 +16,7 @@ from vrcomfort.protocol import Protocol
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.reader import read_rows
-from vrcomfort.records.recorder import csv_line, replace_text, session_folder
+from vrcomfort.records.recorder import csv_line, is_begun, replace_text, session_folder
 from vrcomfort.records.rows import ParticipantRow, cell_text
 
 DESCRIPTION = "dataset_description.json"
@@ -52,7 +52,8 @@ def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> i
     try:
         study.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"cannot make this folder: {error.strerror}", file=study) from error
+        message = f"cannot make this study folder: {error.strerror}; choose another --out"
+        raise InputError(message, file=study) from error
     text = json.dumps(_description(protocol, seed or 0), indent=2, ensure_ascii=False)
     replace_text(file, text + "\n")
     return seed or 0
@@ -176,7 +177,7 @@ def set_status(study: Path, participant: str, status: str, note: str = "") -> No
 def recorded_sessions(study: Path, participant: str) -> list[int]:
     """Return the numbers of a participant's sessions that are on disk."""
     folders = session_folder(study, participant, 1).parent.glob("ses-*")
-    numbers = [folder.name.removeprefix("ses-") for folder in folders if any(folder.iterdir())]
+    numbers = [folder.name.removeprefix("ses-") for folder in folders if is_begun(folder)]
     return sorted(int(number) for number in numbers if number.isdigit())
 
 

@@ -212,7 +212,7 @@ def _unit(trials: list[dict[str, str]]) -> tuple[float, str]:
 
 
 def _length_s(trial: dict[str, str]) -> float:
-    return float(trial["end_s"] or 0) - float(trial["start_s"] or 0)
+    return float(trial.get("end_s") or 0) - float(trial.get("start_s") or 0)
 
 
 def _exposures_of(

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import SSQ
-from vrcomfort.records import read_rows
-from vrcomfort.records.reader import Rows
 from vrcomfort.report.ordering import natural
 
 _KEYS = (
@@ -22,6 +21,7 @@ _NEEDED_ELSEWHERE = {
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
 }
+_NUMBERS = ("start_s", "end_s", "frames", "dropped", "missed")
 
 
 @dataclass
@@ -87,12 +87,12 @@ def read_study(source: Path) -> StudyData:
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
-        labels=dict(description.get("conditions") or {}),
+        labels=_labels(description.get("conditions")),
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
         ratings=_table(source, "ratings.csv", warnings),
-        manifests=tuple(_json(file) for file in _files(source, "manifest.json")),
+        manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
     )
@@ -106,8 +106,8 @@ def _files(source: Path, name: str) -> list[Path]:
     return sorted(source.rglob(name), key=lambda path: natural(path.as_posix()))
 
 
-def _read(file: Path, source: Path, warnings: list[str]) -> Rows:
-    found = read_rows(file)
+def _read(file: Path, source: Path, warnings: list[str]) -> CsvTable:
+    found = CsvTable.read(file, appended=True)
     prefix = f"{source}/" if source.is_dir() else f"{source.parent}/"
     warnings.extend(warning.removeprefix(prefix) for warning in found.warnings)
     return found
@@ -118,12 +118,13 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
     rows: list[dict[str, str]] = []
     for file in _files(source, name):
         found = _read(file, source, warnings)
-        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.columns]
-        if missing and found.columns:
+        missing = [column for column in _NEEDED_ELSEWHERE[name] if column not in found.header]
+        if missing and found.header:
             place = file.relative_to(source)
             warnings.append(f"{place}: not used, because it has no column {missing[0]}")
         else:
-            rows += found.rows
+            found.require_numbers(_NUMBERS)
+            rows += found.dicts()
     return tuple(rows)
 
 
@@ -140,19 +141,41 @@ def _json(file: Path) -> dict[str, Any]:
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+    except UnicodeDecodeError:
+        raise InputError("this is not UTF-8; save it as JSON in UTF-8", file=file) from None
     except ValueError as error:
         raise InputError(f"this is not valid JSON: {error}", file=file) from error
     return content if isinstance(content, dict) else {}
 
 
+def _labels(conditions: Any) -> dict[str, str]:
+    """Return condition → label; a description from elsewhere may say something else there."""
+    if not isinstance(conditions, dict):
+        return {}
+    return {str(name): str(label) for name, label in conditions.items()}
+
+
+def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
+    """Read the sessions' manifests; a file of that name from elsewhere is told and left alone."""
+    ours: list[dict[str, Any]] = []
+    for file in _files(source, "manifest.json"):
+        content = _json(file)
+        protocol, clamps = content.get("protocol"), content.get("clamps", [])
+        if isinstance(protocol, dict) and isinstance(clamps, list):
+            ours.append(content)
+        else:
+            place = file.relative_to(source)
+            warnings.append(f"{place}: not used, because it is no session's manifest")
+    return tuple(ours)
+
+
 def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     found = _read(file, source, warnings)
-    missing = [name for name in NEEDED if name not in found.columns]
-    if missing and found.columns:
-        raise InputError(f"the column {missing[0]} is missing", file=file, line=1)
+    if found.header:
+        found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
     sheets = _SheetsOfFile(file, name)
-    for row, line in zip(found.rows, found.lines, strict=True):
+    for row, line in zip(found.dicts(), found.lines, strict=True):
         if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
             sheets.add(row, line)
     return list(sheets.found.values())

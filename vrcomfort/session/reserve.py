@@ -28,6 +28,7 @@ def reserve(
     participant: str,
     *,
     study: Path,
+    respondent: str,
     seed: int | None = None,
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
@@ -39,6 +40,8 @@ def reserve(
 
     Parameters
     ----------
+    respondent
+        Name of the kind that will answer; one session is answered by one kind.
     seed
         Of the study: decides shuffled and random orders. `None` is the study's own (0 in a new
         one). Recorded.
@@ -65,7 +68,8 @@ def reserve(
         row = enrolled(study, participant)
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
         earlier = Earlier(study, participant, chosen.unfinished)
-        earlier.check(protocol, seed=kept_seed, sequence=row.sequence if row else "")
+        sequence = row.sequence if row else ""
+        earlier.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
         shown_s = earlier.exposure_s(exposure_s) or protocol.exposure_s
         yield Reservation(protocol, participant, study, design, shown_s, chosen.numbers, earlier)
 

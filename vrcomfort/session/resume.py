@@ -68,6 +68,9 @@ def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:
     return numbers
 
 
+_NEEDED = {"protocol", "seed", "sequence", "respondent", "exposure_s", "timing_flags"}
+
+
 class Earlier:
     """What was recorded of the interrupted sessions of a participant."""
 
@@ -75,15 +78,21 @@ class Earlier:
         self._folders = {n: session_folder(study, participant, n) for n in numbers}
         self._manifests = {n: read_manifest(folder) for n, folder in self._folders.items()}
 
-    def check(self, protocol: Protocol, *, seed: int, sequence: str) -> None:
+    def check(self, protocol: Protocol, *, seed: int, sequence: str, respondent: str) -> None:
         """Raise `InputError` where a continuation would not be of the same session."""
         for number, manifest in self._manifests.items():
+            if not manifest.keys() >= _NEEDED:
+                file = self._folders[number] / "manifest.json"
+                raise InputError("this manifest is damaged; restore it", file=file)
             if manifest["protocol"]["sha256"] != protocol.sha256:
                 what = "with another text of this protocol; resume it with the same"
             elif manifest["seed"] != seed:
                 what = f"with seed {manifest['seed']}; resume it with --seed {manifest['seed']}"
             elif manifest["sequence"] != sequence:
                 what = f"in sequence {manifest['sequence']}, not {sequence}"
+            elif manifest["respondent"] != respondent:
+                then = f"--respondent {manifest['respondent']}"
+                what = f"with {then}, not {respondent}; resume it with {then}"
             else:
                 continue
             raise InputError(f"session {number} was begun {what}", file=self._folders[number])

@@ -39,8 +39,8 @@ def run(
     For parameters and errors see `reserve` and `Reservation.run`.
     """
     with reserve(
-        protocol, participant, study=study, seed=seed, sessions=sessions, exposure_s=exposure_s,
-        resume=resume,
+        protocol, participant, study=study, respondent=respondent.name, seed=seed,
+        sessions=sessions, exposure_s=exposure_s, resume=resume,
     ) as place:  # fmt: skip
         return place.run(
             load_scene=load_scene, headset_for=headset_for, renderer=renderer,

@@ -1,0 +1,123 @@
+"""Tables that people bring: traces, records and answers are refused in the same words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from report_parts import ITEMS, foreign
+
+from vrcomfort.csv_table import CsvTable
+from vrcomfort.errors import InputError
+from vrcomfort.headset.trace import read_trace
+from vrcomfort.questionnaire import score_ssq
+from vrcomfort.report.study_data import read_study
+
+TRACE = "xr_time_ns,head_x_m,head_y_m,head_z_m,head_qx,head_qy,head_qz,head_qw"
+TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
+    "trace.csv": (read_trace, f"{TRACE}\n1,0.5,1.6,0,0,0,0,1\n2,0.5,1.6,0,0,0,0,1\n"),
+    "questionnaires.csv": (
+        read_study,
+        "participant,condition,item,response\nP1,a,nausea,1\nP1,a,fatigue,0\n",
+    ),
+    "answers.csv": (
+        score_ssq,
+        f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',2' * 16}\n",
+    ),
+}
+
+
+@pytest.fixture(params=TEXTS)
+def table(request: pytest.FixtureRequest, tmp_path: Path) -> Any:
+    """Return (what reads a file, the file's good text, the file)."""
+    read, text = TEXTS[request.param]
+    return read, text, tmp_path / request.param
+
+
+def refusal(table: Any, content: bytes) -> InputError:
+    read, _, file = table
+    file.write_bytes(content)
+    with pytest.raises(InputError) as caught:
+        read(file)
+    assert caught.value.file == file
+    return caught.value
+
+
+def test_what_spreadsheets_write_is_read(table):
+    read, text, file = table
+    file.write_text(text, encoding="utf-8")
+    plain = repr(read(file))
+    windows = text.replace("\n", "\r\n").encode("utf-8")
+    for content in (b"\xef\xbb\xbf" + windows, windows.replace(b"\r\n", b"\r")):
+        file.write_bytes(content)
+        assert repr(read(file)) == plain
+
+
+@pytest.mark.parametrize(
+    ("change", "says", "line"),
+    [
+        (lambda text: text.replace(",", ";").encode(), "separated by `;`; save it with", 1),
+        (lambda text: text.replace(",", "\t").encode(), "separated by tabs; save it with", 1),
+        (lambda text: text.encode("utf-16"), "UTF-16; save it as CSV in UTF-8", 1),
+        (lambda text: text.replace("\n", "é\n", 2).encode("latin-1"), "not UTF-8; save", 1),
+        (lambda text: text.encode() + b"\0", "not a text file; a CSV table", None),
+        (lambda text: _line(text, 2, "1,2").encode(), "2 cells, the header has", 2),
+        (lambda text: _line(text, 2, text.split("\n")[1] + ",5").encode(), "decimals need", 2),
+        (lambda text: _twice(text).encode(), "appears twice; keep one", 1),
+    ],
+)
+def test_the_same_fault_is_told_in_the_same_words(table, change, says, line):
+    error = refusal(table, change(table[1]))
+    assert says in error.message
+    assert error.line == line
+
+
+def _line(text: str, number: int, new: str) -> str:
+    lines = text.split("\n")
+    return "\n".join([*lines[: number - 1], new, *lines[number:]])
+
+
+def _twice(text: str) -> str:
+    first = text.partition(",")[0]
+    return "".join(f"{line},{first}\n" for line in text.splitlines())
+
+
+def test_a_missing_column_and_a_text_among_numbers_have_their_place(table):
+    _, text, _ = table
+    last = text.split("\n")[0].rpartition(",")[2]
+    error = refusal(table, text.replace(last, "other", 1).encode())
+    assert (error.line, last in error.message) == (1, True)
+    words = text.splitlines()
+    words[1] = words[1].rpartition(",")[0] + ",many"
+    error = refusal(table, "\n".join([*words, ""]).encode())
+    assert (error.line, error.column, "many" in error.message) == (2, last, True)
+
+
+def test_no_file_a_folder_and_an_empty_file_are_told_apart(tmp_path):
+    with pytest.raises(InputError, match="there is no such file"):
+        CsvTable.read(tmp_path / "none.csv")
+    with pytest.raises(InputError, match="cannot be read: Is a directory"):
+        CsvTable.read(tmp_path)
+    (tmp_path / "empty.csv").touch()
+    assert CsvTable.read(tmp_path / "empty.csv").header == ()
+
+
+def test_a_table_written_by_hand_needs_no_last_line_end(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_text(' a , b\n1,"2\n3"\n,\n\n4,5', encoding="utf-8")
+    table = CsvTable.read(file)
+    assert table.header == ("a", "b")
+    assert (table.rows, table.lines) == ((["1", "2\n3"], ["4", "5"]), (3, 6))
+    assert CsvTable.read(file, appended=True).lines == (3,)
+
+
+def test_a_damaged_number_beside_the_answers_is_told(tmp_path):
+    foreign(tmp_path / "questionnaires.csv", {"P1": {"on": 3, "off": 5}})
+    trials = tmp_path / "trials.csv"
+    columns = "participant,session,trial,condition,scene,status,start_s,end_s"
+    trials.write_text(f"{columns}\nP1,1,1,on,x,completed,,\nP1,1,2,on,x,completed,0,1:30\n")
+    with pytest.raises(InputError, match="'1:30' is not a number") as caught:
+        read_study(tmp_path)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (trials, 3, "end_s")
