@@ -51,14 +51,14 @@ class VrcomfortKernel:
         self.target = gl.color_texture(ctx, defocus.size_px)
         seen = {"colour": colour, **self._points}
         all_around = {**seen, "reach": self._kinds.reach}
-        self._copy = self._kinds.draw(
-            "taps_copy.frag", "COPIED", {"colour": colour}, target=self.target
-        )
+        self._before = [
+            self._kinds.draw("taps_copy.frag", "COPIED", {"colour": colour}, target=self.target)
+        ]
         self._blurs = [
             self._gather("ALIKE", seen, {"ONE_SURFACE": 1}),
             self._gather("SMALL", all_around, {}),
         ]
-        self._halves: list[FullscreenPass] = []
+        self._after: list[FullscreenPass] = []
         if defocus.limit_px > small_px:
             self._add_wide(all_around)
 
@@ -66,10 +66,12 @@ class VrcomfortKernel:
         """Blur the present points."""
         self._kinds.render()
         self._points_pass.render(self._defocus.eye)
-        for each in (*self._halves, self._copy):
+        for each in self._before:
             each.render()
         for blur in self._blurs:
             blur.render(Aspect(pixel_aspect))
+        for each in self._after:
+            each.render()
 
     def _gather(
         self,
@@ -96,8 +98,17 @@ class VrcomfortKernel:
         wide = [self._wide(half.target, layer) for layer in _LAYERS]
         back, front = (layer.target for layer in wide)
         layers = {"wide_back": back, "wide_front": front}
-        self._halves.append(half)
+        self._before.append(half)
         self._blurs += wide
+        self._after.append(
+            self._kinds.draw(
+                "defocus_enlarge.frag",
+                "WIDE",
+                {"wide_back": back},
+                filtered={"wide_back"},
+                target=self.target,
+            )
+        )
         self._blurs.append(
             self._gather(
                 "LAYERED",
