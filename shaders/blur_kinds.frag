@@ -17,9 +17,10 @@ int shown_as(vec4 tile) {
     float least = max(max(tile.r, -tile.g), 0.0);
     if (widest <= 0.5)
         return COPIED;
+    bool alike = is_alike(least, tile, 1.0);
     if (widest > SMALL_PX)
-        return LAYERED;
-    return is_alike(least, tile, 1.0) ? ALIKE : SMALL;
+        return alike && least > SMALL_PX ? WIDE : LAYERED;
+    return alike ? ALIKE : SMALL;
 }
 
 void main() {
@@ -33,8 +34,9 @@ void main() {
             int kind = shown_as(there);
             bool read = float((away - 1) * TILE) <= widest_px(there) + float(MARGIN_PX);
             found |= kind != COPIED && read ? POINTS : 0;
-            found |= kind == LAYERED && read ? HALVES : 0;
-            found |= kind == LAYERED && away <= 1 ? LAYERS : 0;
+            bool halved = kind == LAYERED || kind == WIDE;
+            found |= halved && read ? HALVES : 0;
+            found |= halved && away <= 1 ? LAYERS : 0;
         }
     kinds = float(found);
 }

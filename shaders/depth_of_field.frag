@@ -1,9 +1,9 @@
 #version 450 core
 // Depth of field by gathering what other pixels would scatter here, with who hides whom.
 //
-// Input:  colour (for exact copies), points (colour and signed CoC radius), wide_back and wide_front
-//         (half resolution), reach (what may reach this tile). Radii in pixels of image width,
-//         negative in front of the focus.
+// Input:  colour (for exact copies), points (colour and signed CoC radius), reach (what may reach
+//         this tile; not with ONE_SURFACE), wide_back and wide_front (half resolution; only with
+//         WIDE_LAYERS). Radii in pixels of image width, negative in front of the focus.
 // Output: the blurred image, linear HDR, full resolution.
 //
 // A pixel p looks for two kinds of neighbours q, told apart by their CoC, which orders depth:
@@ -27,7 +27,9 @@
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
 //
 // Renderers on the CPU run both sides of every branch, but no loop that no pixel wants. So what few
-// pixels want is a loop: of no taps, or `for (bool on = wanted; on; on = false)` around one.
+// pixels want is a loop: of no taps, or `for (bool on = wanted; on; on = false)` around one. And each
+// kind of tile (include/kinds.glsl) has a program: ONE_SURFACE with small discs alone, several
+// surfaces with small discs, and WIDE_LAYERS with everything.
 #include "coc.glsl"
 #include "gather.glsl"
 

@@ -5,7 +5,6 @@ import pytest
 from effects_parts import depth_of_field, textures
 from kernel_parts import blur
 
-from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics import fronts, layers
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
@@ -79,7 +78,7 @@ def test_discs_on_the_grid_are_discs(radius_px, pixel_aspect):
     That disc is up to 0.1 px narrower (wider where it hardly leaves its pixel).
     """
     y, x = np.mgrid[-7:8, -7:8]
-    grid = coc.grid_radius_px(radius_px)
+    grid = fronts.grid_radius_px(radius_px)
     found = fronts.disc_share(np.hypot(x, y / pixel_aspect), grid)
     found /= found.sum()
     widths = radius_px + np.linspace(-0.1, 0.05, 16)
@@ -89,15 +88,15 @@ def test_discs_on_the_grid_are_discs(radius_px, pixel_aspect):
 
 
 def test_a_disc_of_half_a_pixel_is_its_pixel():
-    assert fronts.disc_share(1.0, coc.grid_radius_px(0.5)) == pytest.approx(0, abs=1e-12)
-    assert fronts.disc_share(1.0, coc.grid_radius_px(0.55)) > 0.01
+    assert fronts.disc_share(1.0, fronts.grid_radius_px(0.5)) == pytest.approx(0, abs=1e-12)
+    assert fronts.disc_share(1.0, fronts.grid_radius_px(0.55)) > 0.01
 
 
 @pytest.mark.parametrize("radius_px", [0.75, 1.0, 3.0])
 def test_the_shares_of_a_disc_are_its_light(radius_px):
     """Integrated over the plane, by rings of radius a: π times a disc's share is π."""
     away, step = np.linspace(0, 5, 20_001, retstep=True)
-    share = fronts.disc_share(away, coc.grid_radius_px(radius_px))
+    share = fronts.disc_share(away, fronts.grid_radius_px(radius_px))
     assert np.sum(2 * np.pi * away * share) * step == pytest.approx(np.pi, rel=1e-3)
 
 

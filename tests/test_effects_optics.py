@@ -224,7 +224,7 @@ def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
     np.testing.assert_array_equal(rings, fronts.ring_count(p, 1.25, 3))
     np.testing.assert_allclose(away, q * coc.ring_radius_px(2, 1.0), rtol=1e-5)
     np.testing.assert_allclose(opacity, fronts.front_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5)
-    np.testing.assert_allclose(grid, coc.grid_radius_px(p), rtol=1e-5)
+    np.testing.assert_allclose(grid, fronts.grid_radius_px(p), rtol=1e-5)
     share = evaluate(ctx, include, "vec4(disc_share(abs(x.x), abs(x.y)))", x)[:, 0]
     np.testing.assert_allclose(share, fronts.disc_share(p, q), rtol=1e-4, atol=1e-5)
     assert 0.1 < np.mean((share > 0) & (share < 1 / (q**2 + 1 / 12))) < 0.9

@@ -22,9 +22,6 @@ Law: TypeAlias = Literal["linear", "dioptre"]
 CLOSEST_FOCUS = 1.001
 """In focal lengths: no lens focuses at or inside its focal length."""
 
-RIM_PX = math.sqrt(20 / 12)
-"""A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
-
 LEAST_COSINE = 1e-3
 """Stands for 90° and beyond in peripheral blur, which diverges there."""
 
@@ -238,21 +235,6 @@ def disc_area_px(radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /) -> Array
         np.pi * (radius**2 + softness**2 / 12),
         np.pi * (radius + half) ** 3 / (3 * softness),
     )
-
-
-def grid_radius_px(radius_px: ArrayLike, /) -> Array:
-    """Return the (...,) radius at which :func:`fronts.disc_share` comes closest to a lens.
-
-    Notes
-    -----
-    From 1 px on, 0.02 px less than the radius would give the area that a disc around a pixel's
-    middle shares with each pixel: the best there is if pixels are squares of one colour. A lens
-    sees what pixels are means of, and its image is averaged over pixels once, not twice: discs
-    0.04 to 0.12 px narrower are closer to that. 0.05 px less is close to both. Near 0.5 px, where
-    the image must be left as it is, nothing of the disc may be on the next pixel.
-    """
-    radius = np.asarray(radius_px, dtype=np.float64)
-    return np.minimum(radius - 0.05, 1 - RIM_PX / 2 + 3 * (radius - 0.5))
 
 
 def ring_directions(rings: int) -> Array:

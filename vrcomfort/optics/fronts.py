@@ -6,11 +6,16 @@ negative in front of the focus. All thresholds are ours.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import RIM_PX, disc_area_px, disc_weight
+from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
+
+RIM_PX = math.sqrt(20 / 12)
+"""A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
 
 
 def margin_px(radius_px: ArrayLike, /) -> Array:
@@ -69,6 +74,21 @@ def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
     """Return how many rings, `spacing_px` apart, a disc takes: from 1 to `most`."""
     rings = np.ceil(np.asarray(disc_px, dtype=np.float64) / spacing_px - 0.5)
     return np.asarray(np.clip(rings, 1, most))
+
+
+def grid_radius_px(radius_px: ArrayLike, /) -> Array:
+    """Return the (...,) radius at which :func:`disc_share` comes closest to a lens.
+
+    Notes
+    -----
+    From 1 px on, 0.02 px less than the radius would give the area that a disc around a pixel's
+    middle shares with each pixel: the best there is if pixels are squares of one colour. A lens
+    sees what pixels are means of, and its image is averaged over pixels once, not twice: discs
+    0.04 to 0.12 px narrower are closer to that. 0.05 px less is close to both. Near 0.5 px, where
+    the image must be left as it is, nothing of the disc may be on the next pixel.
+    """
+    radius = np.asarray(radius_px, dtype=np.float64)
+    return np.minimum(radius - 0.05, 1 - RIM_PX / 2 + 3 * (radius - 0.5))
 
 
 def disc_share(away_px: ArrayLike, grid_radius: ArrayLike, /) -> Array:

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import grid_radius_px
-from vrcomfort.optics.fronts import disc_share, nearer, slack_px
+from vrcomfort.optics.fronts import disc_share, grid_radius_px, nearer, slack_px
 
 SHARP_PX = 0.5
 """Discs up to this radius are the pixel itself."""

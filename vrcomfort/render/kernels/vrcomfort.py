@@ -50,14 +50,14 @@ class VrcomfortKernel:
         self.target = blurred.texture
         image = {"colour": colour}
         self._points = self._tiles.make_pass("defocus.frag", "POINTS", image, points, lens=True)
-        self._copy = self._tiles.make_pass("taps_copy.frag", "COPIED", image, blurred)
+        self._before = [self._tiles.make_pass("taps_copy.frag", "COPIED", image, blurred)]
         seen = {**image, "points": points.texture}
         all_around = {**seen, "reach": self._kinds.reach}
         self._blurs = [
             self._gather("ALIKE", seen, blurred, {"ONE_SURFACE": 1}),
             self._gather("SMALL", all_around, blurred, {}),
         ]
-        self._halves: list[FullscreenPass] = []
+        self._after: list[FullscreenPass] = []
         if defocus.limit_px > small_px:
             self._add_wide(all_around, blurred)
 
@@ -65,10 +65,12 @@ class VrcomfortKernel:
         """Blur the image of the last eye."""
         self._kinds.render()
         self._points.render(self._defocus.now)
-        for each in (*self._halves, self._copy):
+        for each in self._before:
             each.render()
         for blur in self._blurs:
             blur.render(Aspect(pixel_aspect))
+        for each in self._after:
+            each.render()
 
     def _level(self, texel_px: int, dtype: str = "f2") -> Level:
         return make_level(self._ctx, self._defocus, texel_px, dtype)
@@ -91,13 +93,22 @@ class VrcomfortKernel:
         """Draw wide discs at half resolution, where there are any, and then what they reach."""
         half, back, front = (self._level(2, "f4") for _ in range(3))
         points = {"points": all_around["points"]}
-        self._halves.append(self._tiles.make_pass("defocus_half.frag", "HALVES", points, half))
+        self._before.append(self._tiles.make_pass("defocus_half.frag", "HALVES", points, half))
         inputs = {**points, "points_half": half.texture, "reach": self._kinds.reach}
         self._blurs += [
             self._wide(inputs, back, filtered={"points_half"}),
             self._wide(inputs, front, FRONT=1),
         ]
         layers = {"wide_back": back.texture, "wide_front": front.texture}
+        self._after.append(
+            self._tiles.make_pass(
+                "defocus_enlarge.frag",
+                "WIDE",
+                {"wide_back": back.texture},
+                blurred,
+                filtered={"wide_back"},
+            )
+        )
         self._blurs.append(
             self._gather(
                 "LAYERED",
