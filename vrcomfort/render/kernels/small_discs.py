@@ -1,0 +1,43 @@
+"""The small blur of each of many views through a lens."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.optics.small_discs import PER_PX, grid_discs
+from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
+from vrcomfort.render.kernels.tiles import TILE_PX, tile_passes
+
+WIDEST_PX = 6.0
+"""Every pixel of a disc is looked at: wider ones cost more than they are worth."""
+
+
+class _Discs(NamedTuple):
+    discs: bytes
+
+
+class SmallDiscsKernel:
+    """Neighbours trade light over the nearer one's disc (``small_discs.frag``)."""
+
+    def __init__(self, ctx: moderngl.Context, defocus: Defocus) -> None:
+        self._summaries = tile_passes(ctx, defocus, small_px=defocus.limit_px)
+        discs = grid_discs(defocus.limit_px)
+        self._trade = FullscreenPass(
+            ctx,
+            "small_discs.frag",
+            size_px=defocus.size_px,
+            inputs={"points": defocus.points, "reach": self._summaries[-1].target},
+            constants=_Discs(discs.tobytes()),
+            defines={"DISCS": len(discs), "PER_PX": float(PER_PX), "TILE": TILE_PX},
+        )
+        self.target = self._trade.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        for summary in self._summaries:
+            summary.render()
+        self._trade.render(Aspect(pixel_aspect))
