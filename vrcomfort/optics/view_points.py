@@ -67,7 +67,8 @@ def view_points(count: int, radius: float) -> Array:
     downhill in energy distance (sums of |p - q|) gains no more than 2 % from 16 points on.
     """
     variance = max(1 - radius**2, 0.0) / 4
-    found = [with_moments(_rings(counts), variance) for counts in _shares(count)]
+    more = (0, 2, 4) if 0 < radius <= WIDEST_OF_MANY else (0,)
+    found = [with_moments(_rings(counts), variance) for counts in _shares(count, more)]
     best = min(found, key=lambda points: edge_error(points, radius))
     best.flags.writeable = False
     return best
@@ -95,15 +96,18 @@ def disc_edge(away: ArrayLike, /) -> Array:
     return part
 
 
-def _shares(count: int) -> Iterator[Counts]:
-    """Yield numbers of points on each ring, from the inside: growing evenly, or more to the rim."""
+def _shares(count: int, more: tuple[int, ...]) -> Iterator[Counts]:
+    """Yield numbers of points on each ring, from the inside, that grow evenly.
+
+    But for so many `more` on the outermost: wide discs would leave the rim of the lens too soft.
+    """
     usual = round(math.sqrt(0.39 * count))
     for rings in range(max(1, usual - 1), usual + 2):
-        for innermost, more in product(range(1, 6), (0, 2, 4) if rings > 1 else (0,)):
+        for innermost, extra in product(range(1, 6), more if rings > 1 else (0,)):
             ring = np.arange(rings + 1)
             growth = 2 * (count / rings - innermost) / max(rings - 1, 1)
             ends = np.round(innermost * ring + growth * ring * (ring - 1) / 2)
-            ends[-2] -= more
+            ends[-2] -= extra
             ends[-1] = count
             counts = np.diff(ends).astype(np.int64)
             if np.all(counts > 0):

@@ -146,7 +146,7 @@ class DepthOfField(Settings):
     the views are blurred a little and averaged; r_max does not limit what lies between them."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
-    and 0.97 of it with up to eleven (`views` from 2 on). Less than 1.5 px is left out."""
+    and 0.97 of it with up to eleven (`views` from 2 on). Less than 1 px per dioptre is left out."""
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:

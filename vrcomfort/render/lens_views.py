@@ -19,14 +19,16 @@ from vrcomfort.render import gl, shaders
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.lens_radius import lens, radius_limit_px
 
-LEAST_BLUR_PX = 1.5
-"""Where no blur of a view is wider, views without one are closer to the reference."""
+LEAST_BLUR_PX = 1.0
+"""Radius of a view's blur at one dioptre of defocus, which most of a room is within, below which
+views without a blur are closer to the reference: 256 of 320 px width by 2 dB in the temple."""
 
 
 def part_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> float:
     """Return the radius over which each view is blurred, in parts of the lens; 0 for not at all."""
     part = view_radius(settings.views, settings.over_blur)
-    small = part * radius_limit_px(settings, size_px) < LEAST_BLUR_PX
+    dioptres = max(settings.full_blur_dioptre, 1.0) if settings.law == "dioptre" else 1.0
+    small = part * radius_limit_px(settings, size_px) < LEAST_BLUR_PX * dioptres
     return 0.0 if small and settings.views > 1 else part
 
 
