@@ -31,7 +31,7 @@ def test_a_disc_on_the_grid_has_all_its_light_and_its_variance(radius_px):
     variance = np.sum(part * x**2)
     assert np.all(part >= 0)
     assert part.sum() < 1
-    # Between two entries of the table, which are an eighth of a pixel apart, it is not quite.
+    # Between two entries of the table, which are a sixteenth of a pixel apart, it is not quite.
     assert variance == pytest.approx(radius_px**2 / 4, rel=0.03, abs=0.004)
 
 

@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike, NDArray
 from vrcomfort.geometry import Array
 from vrcomfort.optics.circle_of_confusion import disc_weight
 
-PER_PX = 8
+PER_PX = 16
 """Entries of the table for each pixel of radius."""
 
 
 def grid_discs(limit_px: float) -> NDArray[np.float32]:
-    """Return (n, 2) discs for radii of 0, 1/8, 2/8 … px up to `limit_px`: a radius and a weight.
+    """Return (n, 2) discs for radii of 0, 1/16, 2/16 … px up to `limit_px`: a radius and a weight.
 
     Weights of :func:`disc_weight` at that radius, times the weight, add up to 1 over the pixel grid
     and have the variance of the disc, r²/4 along each axis. An image of pixels has the width of a
