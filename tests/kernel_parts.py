@@ -21,14 +21,14 @@ class Blurred(NamedTuple):
     limit_px: float
 
 
-def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0):
-    """Blur (h, w, 3) radiance by (h, w) signed radii, as a condition would."""
+def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, views=1):
+    """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
     # 1 dioptre of defocus is the largest radius; behind the focus, infinity is 1 dioptre away.
     distance_m = 1 / np.maximum(1 - np.broadcast_to(radius_px, (height, width)) / limit_px, 1e-9)
     colour, depth = textures(ctx, rgb, distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
-    settings = DepthOfField(kernel=kernel, law="dioptre", full_blur_dioptre=1.0)
+    settings = DepthOfField(kernel=kernel, law="dioptre", full_blur_dioptre=1.0, views=views)
     wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
     size_px = (width, height)
     defocus = Defocus(

@@ -118,6 +118,8 @@ def test_depth_of_field(ctx, cases):
         )
         near_m = float(rng.choice(NEAREST_M))
         rgb = hdr(rng, (height, width, 3))
+        # As one of many views, discs of a few pixels have a kernel of their own.
+        settings = settings.model_copy(update={"views": int(rng.choice([1, 256]))})
         colour, depth = textures(
             ctx, rgb, np.maximum(distances(rng, (height, width)), near_m), near_m
         )
@@ -243,7 +245,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
 
     Those of whole frames are compiled for every value of every choice that settings have.
     """
-    read = {"picture.vert", "picture.frag", "copy.frag"}  # tried above
+    read = {"picture.vert", "picture.frag", "copy.frag", "small_discs.frag"}  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)

@@ -9,9 +9,10 @@ from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.trace import read_trace
-from vrcomfort.optics.view_points import FEW_RADIUS
+from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.lens_views import blur_of_one_view, part_of_one_view
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.resources import data_folder
@@ -119,6 +120,15 @@ def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
     assert many < one
     reasons = {item.name: item.reason for item in plan_passes(scene, condition(4))}
     assert reasons["depth_of_field"] == "the scene is drawn in 4 views through the lens of each eye"
+
+
+def test_views_a_pixel_apart_are_not_blurred():
+    lens = DepthOfField(law="dioptre", max_radius_percent=3.5, full_blur_dioptre=2.0, views=256)
+    assert part_of_one_view(lens, (320, 400)) == 0.0  # 0.7 px at a dioptre
+    assert part_of_one_view(lens, (640, 800)) == view_radius(256)
+    assert blur_of_one_view(lens, (320, 400)) is None
+    one = lens.model_copy(update={"views": 1})
+    assert blur_of_one_view(one, (4, 5)) == one
 
 
 @pytest.mark.slow

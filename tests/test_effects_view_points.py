@@ -10,6 +10,7 @@ from vrcomfort.optics.view_points import (
     FEW,
     FEW_RADIUS,
     OVERLAP,
+    WIDEST_OF_MANY,
     disc_edge,
     edge_error,
     view_points,
@@ -45,7 +46,8 @@ def test_the_blur_of_a_view_falls_with_their_number_and_is_at_most_the_lens():
     radii = [view_radius(count) for count in range(1, 257)]
     assert np.all(np.diff(radii) <= 0)
     assert radii[2] == FEW_RADIUS
-    np.testing.assert_allclose(radii[FEW - 1 :], OVERLAP / np.sqrt(np.arange(FEW, 257)))
+    many = OVERLAP / np.sqrt(np.arange(FEW, 257))
+    np.testing.assert_allclose(radii[FEW - 1 :], np.minimum(many, WIDEST_OF_MANY))
     assert view_radius(16, 0.5) == OVERLAP / 8
     assert view_radius(4, 4.0) == 1.0
 
@@ -69,14 +71,14 @@ def test_more_views_make_less_error_at_an_edge():
     errors = [edge_error(view_points(n, view_radius(n)), view_radius(n)) for n in counts]
     assert np.all(np.diff(errors) < 0), errors
     slope = np.polyfit(np.log(counts), np.log(errors), 1)[0]
-    assert slope < -0.7
+    assert slope < -0.55
 
 
 @pytest.mark.parametrize("count", [16, 64, 256])
-def test_rings_make_half_the_error_of_a_sunflower_of_the_same_moments(count):
+def test_rings_make_two_thirds_of_the_error_of_a_sunflower_of_the_same_moments(count):
     radius = view_radius(count)
     flower = sunflower(count) * np.sqrt(1 - radius**2)
-    assert edge_error(view_points(count, radius), radius) < 0.55 * edge_error(flower, radius)
+    assert edge_error(view_points(count, radius), radius) < 0.67 * edge_error(flower, radius)
 
 
 @pytest.mark.parametrize("count", [2, 4, 5, 6, 7])

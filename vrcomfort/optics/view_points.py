@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from functools import lru_cache
+from itertools import product
 from typing import TypeAlias
 
 import numpy as np
@@ -19,11 +21,14 @@ from vrcomfort.optics.sampling import with_moments
 Counts: TypeAlias = NDArray[np.int64]
 """Points on each ring, from the inside."""
 
-OVERLAP = 1.5
+OVERLAP = 2.0
 """Radius of each of K discs in parts of 1/√K, at which they had the lens's area together. More
-closes the gaps between them; measured against 1.125 to 2.25 in both shipped scenes."""
+hides how pixels sample small lights; measured against 0.7 to 3 in both shipped scenes."""
 
-FEW = 9
+WIDEST_OF_MANY = 0.5
+"""Between this and nearly the whole lens, discs make its rim soft (:func:`edge_error`)."""
+
+FEW = 12
 """Fewer discs than this leave gaps however they lie."""
 
 FEW_RADIUS = 0.97
@@ -36,14 +41,17 @@ _PLACES = 64
 def view_radius(count: int, over_blur: float = 1.0) -> float:
     """Return the radius over which each of `count` views is blurred, in parts of the lens.
 
-    It is at most the lens, and `over_blur` times ``1.5 / √count``; up to eight views, times 0.97.
+    It is at most the lens, and `over_blur` times ``2 / √count`` or, if that is less, half the lens;
+    up to eleven views, times 0.97.
     """
     if count == 1:
         return 1.0
-    whole = FEW_RADIUS if count < FEW else OVERLAP / math.sqrt(count)
+    many = min(WIDEST_OF_MANY, OVERLAP / math.sqrt(count))
+    whole = FEW_RADIUS if count < FEW else many
     return min(over_blur * whole, 1.0)
 
 
+@lru_cache(maxsize=16)
 def view_points(count: int, radius: float) -> Array:
     """Return (count, 2) points of the unit disc from which a lens is seen in `count` views.
 
@@ -55,13 +63,15 @@ def view_points(count: int, radius: float) -> Array:
     -----
     Rings about the middle, each point with the same area. Of a few ways to share the points among
     rings, the one with the least :func:`edge_error` is taken; from eight points on it is a half to
-    a quarter of a sunflower's (Vogel 1979), whose rim is uneven.
+    a quarter of a sunflower's (Vogel 1979), whose rim is uneven. Without a blur, moving each point
+    downhill in energy distance (sums of |p - q|) gains no more than 2 % from 16 points on.
     """
-    if count == 1:
-        return np.zeros((1, 2))
     variance = max(1 - radius**2, 0.0) / 4
-    found = [with_moments(_rings(counts), variance) for counts in _shares(count)]
-    return min(found, key=lambda points: edge_error(points, radius))
+    more = (0, 2, 4) if 0 < radius <= WIDEST_OF_MANY else (0,)
+    found = [with_moments(_rings(counts), variance) for counts in _shares(count, more)]
+    best = min(found, key=lambda points: edge_error(points, radius))
+    best.flags.writeable = False
+    return best
 
 
 def edge_error(points: ArrayLike, radius: float) -> float:
@@ -86,14 +96,18 @@ def disc_edge(away: ArrayLike, /) -> Array:
     return part
 
 
-def _shares(count: int) -> Iterator[Counts]:
-    """Yield numbers of points on each ring, from the inside, that grow evenly."""
+def _shares(count: int, more: tuple[int, ...]) -> Iterator[Counts]:
+    """Yield numbers of points on each ring, from the inside, that grow evenly.
+
+    But for so many `more` on the outermost: wide discs would leave the rim of the lens too soft.
+    """
     usual = round(math.sqrt(0.39 * count))
     for rings in range(max(1, usual - 1), usual + 2):
-        for innermost in range(1, 6):
+        for innermost, extra in product(range(1, 6), more if rings > 1 else (0,)):
             ring = np.arange(rings + 1)
             growth = 2 * (count / rings - innermost) / max(rings - 1, 1)
             ends = np.round(innermost * ring + growth * ring * (ring - 1) / 2)
+            ends[-2] -= extra
             ends[-1] = count
             counts = np.diff(ends).astype(np.int64)
             if np.all(counts > 0):

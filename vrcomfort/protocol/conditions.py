@@ -146,8 +146,8 @@ class DepthOfField(Settings):
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged; r_max does not limit what lies between them."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
-    """Scales the blur of each of K views, whose radius is 1.5/√K of the lens at 1, and 0.97 of it
-    with up to eight (`views` from 2 on)."""
+    """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
+    and 0.97 of it with up to eleven (`views` from 2 on). Less than 1 px per dioptre is left out."""
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:

@@ -26,9 +26,6 @@ from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.speed_blur import SpeedBlurPass
 from vrcomfort.render.tone_map import ToneMapPass
 
-COPIED_PX = 0.5
-"""A disc of this radius is its own pixel."""
-
 
 class PlacedEye(NamedTuple):
     """An eye of this frame, and what motion blur counts as the eye of the frame before."""
@@ -101,8 +98,8 @@ class ConditionPasses:
             return
         focus, near_m = condition.focus, self._near_m
         self.focus = make_focus_pass(self._ctx, self.scene.gpu, focus, near_m=near_m)
-        of_one_view = blur_of_one_view(settings)
-        if settings.views == 1 or radius_limit_px(of_one_view, self._size_px) > COPIED_PX:
+        of_one_view = blur_of_one_view(settings, self._size_px)
+        if of_one_view is not None:
             self._depth_of_field = DepthOfFieldPass(
                 self._ctx,
                 colour=self.colour,

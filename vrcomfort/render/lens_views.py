@@ -1,8 +1,9 @@
 """Depth of field as the mean of views through the lens, each of which is blurred a little.
 
 One setting spans fast to reference: with one view all blur is a filter's; with K, each view is
-blurred over about 1/√K of the lens, so that nothing shows between them, and what a filter cannot
-know (what a near thing hides) is drawn instead of guessed.
+blurred over about 2/√K of the lens, so that nothing shows between them, and what a filter cannot
+know (what a near thing hides) is drawn instead of guessed. Views so many that they lie about a
+pixel apart are not blurred: how a pixel samples the scene hides what is between them.
 """
 
 from __future__ import annotations
@@ -16,22 +17,36 @@ from vrcomfort.optics.view_points import view_points, view_radius
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl, shaders
 from vrcomfort.render.camera import Lens
-from vrcomfort.render.lens_radius import lens
+from vrcomfort.render.lens_radius import lens, radius_limit_px
+
+LEAST_BLUR_PX = 1.0
+"""Radius of a view's blur at one dioptre of defocus, which most of a room is within, below which
+views without a blur are closer to the reference: 256 of 320 px width by 2 dB in the temple."""
 
 
-def blur_of_one_view(settings: DepthOfField) -> DepthOfField:
-    """Return the settings by which one of the views is blurred; for one view, these settings."""
+def part_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> float:
+    """Return the radius over which each view is blurred, in parts of the lens; 0 for not at all."""
+    part = view_radius(settings.views, settings.over_blur)
+    dioptres = max(settings.full_blur_dioptre, 1.0) if settings.law == "dioptre" else 1.0
+    small = part * radius_limit_px(settings, size_px) < LEAST_BLUR_PX * dioptres
+    return 0.0 if small and settings.views > 1 else part
+
+
+def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthOfField | None:
+    """Return the settings by which one of the views is blurred; None where it is not.
+
+    For one view they are these settings.
+    """
     if settings.views == 1:
         return settings
-    part = view_radius(settings.views, settings.over_blur)
+    part = part_of_one_view(settings, size_px)
     diameter = settings.max_diameter_arcmin
-    return settings.model_copy(
-        update={
-            "max_radius_percent": part * settings.max_radius_percent,
-            "max_diameter_arcmin": diameter and part * diameter,
-            "pupil_mm": part * settings.pupil_mm,
-        }
-    )
+    update = {
+        "max_radius_percent": part * settings.max_radius_percent,
+        "max_diameter_arcmin": diameter and part * diameter,
+        "pupil_mm": part * settings.pupil_mm,
+    }
+    return settings.model_copy(update=update) if part else None
 
 
 class LensViews:
@@ -58,8 +73,7 @@ class LensViews:
         self.views = settings.views
         self._settings = settings
         self._infinity_m = infinity_m
-        radius = view_radius(settings.views, settings.over_blur)
-        self._points = view_points(settings.views, radius)
+        self._points = view_points(settings.views, part_of_one_view(settings, view.size))
         self._sum = gl.color_texture(ctx, view.size, dtype="f4")
         self.target = gl.color_texture(ctx, view.size)
         self._view = view

@@ -7,6 +7,7 @@ from functools import partial
 
 import moderngl
 
+from vrcomfort.optics.view_points import FEW
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.kernels.base import BlurKernel
@@ -14,6 +15,7 @@ from vrcomfort.render.kernels.mip import MipKernel
 from vrcomfort.render.kernels.poisson12 import Poisson12Kernel
 from vrcomfort.render.kernels.poisson15_near import Poisson15NearKernel
 from vrcomfort.render.kernels.scatter import ScatterKernel
+from vrcomfort.render.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
 from vrcomfort.render.kernels.taps import TapsKernel
 from vrcomfort.render.kernels.vrcomfort import VrcomfortKernel
 
@@ -33,7 +35,17 @@ _KERNELS: dict[Kernel, _Maker] = {
 def make_kernel(
     ctx: moderngl.Context, colour: moderngl.Texture, defocus: Defocus, settings: DepthOfField
 ) -> BlurKernel:
-    """Return the kernel that `settings` name, reading `colour` and the points of `defocus`."""
+    """Return the kernel that `settings` name, reading `colour` and the points of `defocus`.
+
+    Ours has two: one for an image of its own, one for each of many views whose blur is small.
+    """
     if settings.kernel == "vrcomfort" and settings.taps is not None:
         return TapsKernel(ctx, colour, defocus, settings.taps)
+    if _small(settings, defocus):
+        return SmallDiscsKernel(ctx, defocus)
     return _KERNELS[settings.kernel](ctx, colour, defocus, settings)
+
+
+def _small(settings: DepthOfField, defocus: Defocus) -> bool:
+    many = settings.kernel == "vrcomfort" and settings.views >= FEW
+    return many and defocus.limit_px <= WIDEST_PX

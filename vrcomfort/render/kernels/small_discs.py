@@ -1,0 +1,48 @@
+"""The small blur of each of many views through a lens."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.optics.small_discs import PER_PX, grid_discs
+from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels.base import Aspect
+from vrcomfort.render.kernels.tile_passes import reach_defines
+
+WIDEST_PX = 6.0
+"""Every pixel of a disc is looked at: wider ones cost more than they are worth."""
+
+
+class _Discs(NamedTuple):
+    discs: bytes
+
+
+class SmallDiscsKernel:
+    """Neighbours trade light over the nearer one's disc (``small_discs.frag``)."""
+
+    def __init__(self, ctx: moderngl.Context, defocus: Defocus) -> None:
+        self._reach = FullscreenPass(
+            ctx,
+            "defocus_reach.frag",
+            size_px=defocus.tiles.size,
+            inputs={"tiles": defocus.tiles},
+            defines=reach_defines(defocus.limit_px, defocus.tile_px),
+        )
+        discs = grid_discs(defocus.limit_px)
+        self._trade = FullscreenPass(
+            ctx,
+            "small_discs.frag",
+            size_px=defocus.size_px,
+            inputs={"points": defocus.points, "reach": self._reach.target},
+            constants=_Discs(discs.tobytes()),
+            defines={"DISCS": len(discs), "PER_PX": float(PER_PX), "TILE": defocus.tile_px},
+        )
+        self.target = self._trade.target
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the present points."""
+        self._reach.render()
+        self._trade.render(Aspect(pixel_aspect))
