@@ -47,18 +47,19 @@ for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 for kernel in get_args(Kernel):
-    condition = Condition(name="kernel", depth_of_field=DepthOfField(kernel=kernel))
-    StereoRenderer(context, (16, 16)).begin(scene, condition)
-taps = Condition(name="taps", depth_of_field=DepthOfField(taps=6, max_radius_percent=10))
-StereoRenderer(context, (64, 16)).begin(scene, taps)
+    wide = DepthOfField(kernel=kernel, max_radius_percent=10)
+    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
+for taps in (2, 6):
+    few = DepthOfField(taps=taps, max_radius_percent=10)
+    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))
 zone = Condition(
     name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
 )
 StereoRenderer(context, (16, 16)).begin(scene, zone)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
-views = Condition(name="views", depth_of_field=DepthOfField(law="dioptre", views=4))
-StereoRenderer(context, (16, 16)).begin(scene, views)
+views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
+StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
 print(*read, "picture.vert", "picture.frag")
 """
 
