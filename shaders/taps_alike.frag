@@ -3,12 +3,15 @@
 //
 // Input:  depth, focus (include/defocus.glsl); level: the image (linear HDR), or a half or quarter of
 //         it, whose texels are LEVEL px wide, drawn into a target whose texels are SHOWN px wide.
-//         offsets: TAPS points of the unit disc.
+//         RADII: the level has a RADIUS (px of image width) in a, and texels as wide as the target's;
+//         no lens is needed. offsets: TAPS points of the unit disc.
 // Output: rgb, linear HDR.
 //
 // Reads blur by themselves: the pattern is narrower than the disc (EXTENT_*, twin: tap_extent_px).
+#ifndef RADII
 #include "coc.glsl"
 #include "defocus.glsl"
+#endif
 
 uniform sampler2D level;
 uniform vec2 offsets[TAPS];
@@ -18,9 +21,12 @@ out vec4 blurred;
 
 void main() {
     vec2 centre_px = SHOWN * gl_FragCoord.xy;
-    ivec2 last = textureSize(depth, 0) - 1;
     vec2 size_px = LEVEL * vec2(textureSize(level, 0));
-    float radius = radius_of(min(ivec2(centre_px), last));
+#ifdef RADII
+    float radius = texelFetch(level, ivec2(gl_FragCoord.xy), 0).a;
+#else
+    float radius = radius_of(min(ivec2(centre_px), textureSize(depth, 0) - 1));
+#endif
     vec2 extent = radius * vec2(1.0, pixel_aspect);
     vec2 far = sqrt(max(extent * extent - EXTENT_FAR_PX2, 0.0));
     vec2 near = min(max(extent * extent - EXTENT_NEAR_PX2, 0.0) * EXTENT_PER_PX, EXTENT_NEAR_PX);

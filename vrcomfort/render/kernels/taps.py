@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import ceil, pi, sqrt
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -24,7 +24,7 @@ LEAST_MIXED_TAPS = 8
 READ_AREA = 4.0
 """A bilinear read stands for so many texels."""
 
-SLIGHT_PX = 1.5
+SLIGHT_PX = 2.0
 """In tiles with no wider disc a cross-fade does not tell surfaces apart."""
 
 FADED_PX = 2.8
@@ -33,6 +33,9 @@ FADED_PX = 2.8
 LEAST_WIDE_PX = 2.2
 """What is drawn at half resolution is as blurred as a disc of 2 px."""
 
+
+NEVER_PX = 1e9
+"""No disc is so wide: where two reads must do, half of the points is not worth its passes."""
 
 FAR_PX = 2.0
 """Taps among several surfaces read half of the points where they are farther apart."""
@@ -47,6 +50,14 @@ class _Walk(NamedTuple):
     tap_count: int
 
 
+class Step(NamedTuple):
+    """A pass, and what it is to know: the lens of the eye, how a disc lies in the image."""
+
+    drawn: FullscreenPass
+    lens: bool = False
+    disc: bool = False
+
+
 class TapsKernel:
     """Gathers a few taps from a disc, the same ones everywhere (``taps_*.frag``).
 
@@ -57,7 +68,7 @@ class TapsKernel:
     twice as many at half resolution, which is a quarter of the pixels. Only tiles in which surfaces
     mix look at the depth of each tap, as the rings of `VrcomfortKernel` do. With less than
     `LEAST_TAPS`, a small disc is a cross-fade of the image and half of it, in which surfaces whose
-    discs are at most `SLIGHT_PX` are not told apart.
+    discs are at most `SLIGHT_PX` are not told apart, and a wide one has three times as many taps.
     """
 
     def __init__(
@@ -69,35 +80,35 @@ class TapsKernel:
     ) -> None:
         self._ctx, self._defocus, self._taps = ctx, defocus, taps
         self._fades = taps < LEAST_TAPS
-        self._wide_taps = (4 if self._fades else 2) * taps
+        self._wide_taps = (3 if self._fades else 2) * taps
         self._mixed_taps = max(taps, LEAST_MIXED_TAPS)
         bounds = self._bounds()
+        self._has_wide = defocus.limit_px > bounds.wide_px
         self._kinds = TapTiles(ctx, defocus, bounds)
         self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
         image, half = Level(colour, 1), self._level(2)
         blurred, points = self._level(1), self._level(1)
         self.target = blurred.texture
-        inputs = {"colour": colour}
-        self._points = self._tiles.make_pass(
-            "defocus.frag", "MIXED | APART", inputs, points, of=AROUND, lens=True
-        )
-        self._before = [
-            self._tiles.make_pass("taps_copy.frag", "COPIED", inputs, blurred, of=OWN),
-            self._shrink(image, half, None if self._fades else "WIDE | WIDEST"),
-        ]
-        self._alikes = self._small(image, half, blurred)
-        self._mixed = [self._mixed_pass("MIXED", {"points": points.texture}, blurred)]
+        self._steps = [Step(self._points_pass(image, points), lens=True)]
+        self._steps += (self._fade if self._fades else self._gather)(image, half, blurred)
+        self._steps.append(self._mixed("MIXED", {"points": points.texture}, blurred))
         if defocus.limit_px > bounds.apart_px:
-            self._add_apart(points, half, blurred)
-        self._after: list[FullscreenPass] = []
-        if defocus.limit_px > bounds.wide_px:
-            self._add_wide(half, blurred, widest=defocus.limit_px > bounds.widest_px)
+            self._steps += self._apart(points, half, blurred)
+        if self._has_wide:
+            self._steps += self._wide(half, blurred, widest=defocus.limit_px > bounds.widest_px)
+
+    def render(self, pixel_aspect: float) -> None:
+        """Blur the image of the last eye."""
+        aspect, eye = (Aspect(pixel_aspect),), (self._defocus.now,)
+        self._kinds.render()
+        for drawn, lens, disc in self._steps:
+            drawn.render(Together(*(eye if lens else ()), *(aspect if disc else ())))
 
     def _bounds(self) -> Bounds:
         widest_px = _covered_px(self._wide_taps, 2)
-        apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
         if self._fades:
-            return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, apart_px, fine_reads=False)
+            return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, NEVER_PX, fine_reads=False)
+        apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
         few_px, wide_px = 0.7 * _covered_px(self._few, 1), _covered_px(self._taps, 1)
         return Bounds(
             0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, apart_px, fine_reads=True
@@ -107,89 +118,99 @@ class TapsKernel:
     def _few(self) -> int:
         return max(LEAST_TAPS, ceil(self._taps / 2))
 
-    def _small(self, image: Level, half: Level, blurred: Level) -> list[FullscreenPass]:
-        """Return the passes over tiles of one surface with small discs."""
-        if self._fades:
-            return [self._fade_pass(image, half, blurred)]
+    def _points_pass(self, image: Level, target: Level) -> FullscreenPass:
+        inputs = {"colour": image.texture}
+        return self._tiles.make_pass(
+            "defocus.frag", "MIXED | APART", inputs, target, of=AROUND, lens=True
+        )
+
+    def _fade(self, image: Level, half: Level, target: Level) -> list[Step]:
+        """Return how two reads stand for discs that are small, or no discs at all."""
+        inputs = {"colour": image.texture, "halves": half.texture}
+        fade = self._tiles.make_pass(
+            "taps_fade.frag", "COPIED | FEW", inputs, target, of=OWN, filtered={"halves"}
+        )
+        return [self._shrink_with_radii(image, half), Step(fade, disc=True)]
+
+    def _gather(self, image: Level, half: Level, target: Level) -> list[Step]:
+        """Return how tiles of one surface with small discs are drawn."""
+        inputs = {"colour": image.texture}
+        copy = self._tiles.make_pass("taps_copy.frag", "COPIED", inputs, target, of=OWN)
         return [
-            self._alike("FEW", image, blurred, self._few),
-            self._alike("FINE", image, blurred, self._taps),
+            Step(copy),
+            *([self._shrink(image, half)] if self._has_wide else []),
+            self._alike("FEW", image, target, self._few),
+            self._alike("FINE", image, target, self._taps),
         ]
 
-    def _add_apart(self, points: Level, half: Level, blurred: Level) -> None:
-        """Read half of the points where taps among several surfaces are far apart."""
+    def _apart(self, points: Level, half: Level, target: Level) -> list[Step]:
+        """Return how half of the points is read where taps among several surfaces are far apart."""
         inputs = {"points": points.texture}
-        self._before.append(
-            self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, of=AROUND)
-        )
+        halve = self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, of=AROUND)
         inputs = {**inputs, "halves": half.texture}
-        self._mixed.append(self._mixed_pass("APART", inputs, blurred, READ_HALVES=1, FAR_PX=FAR_PX))
+        return [
+            Step(halve),
+            self._mixed("APART", inputs, target, READ_HALVES=1, FAR_PX=FAR_PX),
+        ]
 
-    def _add_wide(self, half: Level, blurred: Level, *, widest: bool) -> None:
-        """Draw wide discs at half resolution and enlarge them; `widest`: some read a quarter."""
+    def _wide(self, half: Level, target: Level, *, widest: bool) -> list[Step]:
+        """Return how wide discs are drawn at half resolution; `widest`: some read a quarter."""
         wide = self._level(2)
-        self._alikes.append(self._alike("WIDE", half, wide, self._wide_taps))
+        steps = [self._alike("WIDE", half, wide, self._wide_taps)]
         if widest:
             quarter = self._level(4)
-            self._before.append(self._shrink(half, quarter, "WIDEST"))
-            self._alikes.append(self._alike("WIDEST", quarter, wide, self._wide_taps))
-        self._after.append(
-            self._tiles.make_pass(
-                "taps_wide.frag",
-                "WIDE | WIDEST",
-                {"wide": wide.texture},
-                blurred,
-                of=OWN,
-                filtered={"wide"},
-            )
+            steps.append(self._shrink(half, quarter))
+            steps.append(self._alike("WIDEST", quarter, wide, self._wide_taps))
+        inputs, kinds = {"wide": wide.texture}, "WIDE | WIDEST"
+        enlarge = self._tiles.make_pass(
+            "taps_wide.frag", kinds, inputs, target, of=OWN, filtered={"wide"}
         )
-
-    def render(self, pixel_aspect: float) -> None:
-        """Blur the image of the last eye."""
-        aspect, eye = Aspect(pixel_aspect), self._defocus.now
-        self._kinds.render()
-        self._points.render(eye)
-        for each in self._before:
-            each.render()
-        for alike in self._alikes:
-            alike.render(Together(eye, aspect))
-        for mixed in self._mixed:
-            mixed.render(aspect)
-        for each in self._after:
-            each.render()
+        return [*steps, Step(enlarge)]
 
     def _level(self, texel_px: int) -> Level:
         return make_level(self._ctx, self._defocus, texel_px)
 
-    def _shrink(self, source: Level, target: Level, kinds: str | None) -> FullscreenPass:
-        """Return the pass that halves what tiles of one surface read, or (None) all."""
-        options: dict[str, Any] = {"inputs": {"level": source.texture}, "filtered": {"level"}}
-        if kinds is None:
-            size, texture = target.texture.size, target.texture
-            return FullscreenPass(
-                self._ctx, "taps_shrink.frag", size_px=size, target=texture, **options
-            )
-        return self._tiles.make_pass("taps_shrink.frag", kinds, target=target, of=AROUND, **options)
-
-    def _fade_pass(self, image: Level, half: Level, target: Level) -> FullscreenPass:
-        inputs = {"colour": image.texture, "halves": half.texture}
-        return self._tiles.make_pass(
-            "taps_fade.frag", "FEW", inputs, target, of=OWN, lens=True, filtered={"halves"}
+    def _shrink(self, source: Level, target: Level) -> Step:
+        """Return how an image is halved: all of it, as no tile says what is read around it."""
+        size, texture = target.texture.size, target.texture
+        inputs = {"level": source.texture}
+        drawn = FullscreenPass(
+            self._ctx,
+            "taps_shrink.frag",
+            size_px=size,
+            inputs=inputs,
+            target=texture,
+            filtered=inputs,
         )
+        return Step(drawn)
 
-    def _alike(self, kinds: str, level: Level, target: Level, taps: int) -> FullscreenPass:
-        """Return the pass over tiles of one surface."""
+    def _shrink_with_radii(self, source: Level, target: Level) -> Step:
+        drawn = self._defocus.radii.make_pass(
+            self._ctx,
+            "taps_shrink.frag",
+            size_px=target.texture.size,
+            inputs={"level": source.texture},
+            target=target.texture,
+            filtered={"level", "depth"},
+            defines={"RADII": 1},
+        )
+        return Step(drawn, lens=True)
+
+    def _alike(self, kinds: str, level: Level, target: Level, taps: int) -> Step:
+        """Return how tiles of one surface are drawn."""
         texel, shown = level.texel_px, target.texel_px
         spread = pattern.spread(taps, texel, shown)
-        return self._tiles.make_pass(
+        has_radii = self._fades and texel == shown
+        drawn = self._tiles.make_pass(
             "taps_alike.frag",
             kinds,
             {"level": level.texture},
             target,
             of=AROUND if shown > 1 else OWN,
-            lens=True,
+            lens=not has_radii,
             constants=_Offsets(_offsets(taps)),
             defines={
+                **({"RADII": 1} if has_radii else {}),
                 "TAPS": taps,
                 "SHOWN": f"{shown}.0",
                 "LEVEL": f"{texel}.0",
@@ -197,12 +218,14 @@ class TapsKernel:
             },
             filtered={"level"},
         )
+        return Step(drawn, lens=not has_radii, disc=True)
 
-    def _mixed_pass(
+    def _mixed(
         self, kind: str, inputs: dict[str, moderngl.Texture], target: Level, **defines: float
-    ) -> FullscreenPass:
+    ) -> Step:
+        """Return how tiles are drawn in which surfaces mix."""
         taps = self._mixed_taps
-        return self._tiles.make_pass(
+        drawn = self._tiles.make_pass(
             "taps_mixed.frag",
             kind,
             {"reach": self._kinds.kinds, **inputs},
@@ -211,6 +234,7 @@ class TapsKernel:
             constants=_Walk(_offsets(taps), taps),
             defines={"TAPS": taps, **defines},
         )
+        return Step(drawn, disc=True)
 
 
 def _covered_px(taps: int, texel: int) -> float:
