@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -47,6 +48,9 @@ OFFSETS = [
     )
 ]  # fmt: skip
 """Where a label may go, in points from its marker: near places first."""
+
+FAR_PT = 12.0
+"""From here on a line shows whose label it is."""
 
 
 def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
@@ -149,6 +153,14 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
         )
         _put(spot, best)
         taken.append(spot.get_window_extent())
+        if math.hypot(*best[:2]) > FAR_PT:
+            _lead(axes, spot)
+
+
+def _lead(axes: Axes, spot: Any) -> None:
+    """Draw a thin line from a marker to its label."""
+    line = {"arrowstyle": "-", "color": FAINT, "lw": 0.6, "shrinkA": 5, "shrinkB": 3}
+    axes.annotate("", spot.xy, xytext=spot.xyann, textcoords="offset points", arrowprops=line)
 
 
 def _along(axes: Axes, line: Any) -> Any:
