@@ -33,7 +33,6 @@ FADED_PX = 2.8
 LEAST_WIDE_PX = 2.2
 """What is drawn at half resolution is as blurred as a disc of 2 px."""
 
-
 NEVER_PX = 1e9
 """No disc is so wide: where two reads must do, half of the points is not worth its passes."""
 
