@@ -2,7 +2,8 @@
 // What is to be drawn on each tile: how it is blurred, and what the tiles around need of it.
 //
 // Input:  reach (defocus_reach.frag). TILE: side of a tile (px); REACH: tiles within which others
-//         may need something, MARGIN_PX more than discs reach; SMALL_PX: RADIUS (px of image width) up to which discs are small.
+//         may need something, MARGIN_PX more than discs reach; SMALL_PX: RADIUS (px of image width)
+//         up to which discs are small.
 // Output: the sum of its kinds (include/kinds.glsl).
 #include "kinds.glsl"
 #include "coc.glsl"

@@ -15,8 +15,9 @@ void main() {
     ivec2 middle = ivec2(gl_FragCoord.xy);
     vec4 own = texelFetch(tiles, middle, 0);
     reach = vec4(1e4, -1e4, 0.0, 1e4);
-    for (int y = -REACH; y <= REACH; ++y)
-        for (int x = -REACH; x <= REACH; ++x) {
+    int far = reach_now();
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
             vec4 t = texelFetch(tiles, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
             int away = max(abs(x), abs(y));
             if (!matters(away, own, t))

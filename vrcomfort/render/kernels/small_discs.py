@@ -10,7 +10,7 @@ from vrcomfort.optics.small_discs import PER_PX, grid_discs
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tile_passes import reach_defines
+from vrcomfort.render.kernels.tile_passes import make_reach_pass
 
 WIDEST_PX = 6.0
 """Every pixel of a disc is looked at: wider ones cost more than they are worth."""
@@ -24,13 +24,8 @@ class SmallDiscsKernel:
     """Neighbours trade light over the nearer one's disc (``small_discs.frag``)."""
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus) -> None:
-        self._reach = FullscreenPass(
-            ctx,
-            "defocus_reach.frag",
-            size_px=defocus.tiles.size,
-            inputs={"tiles": defocus.tiles},
-            defines=reach_defines(defocus.limit_px, defocus.tile_px),
-        )
+        tiles = {"tiles": defocus.tiles}
+        self._reach = make_reach_pass(ctx, defocus, "defocus_reach.frag", tiles)
         discs = grid_discs(defocus.limit_px)
         self._trade = FullscreenPass(
             ctx,

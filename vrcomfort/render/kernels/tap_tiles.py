@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import moderngl
 
 from vrcomfort.render.defocus import Defocus
-from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.kernels.tile_passes import reach_defines
+from vrcomfort.render.kernels.tile_passes import make_reach_pass
 
 OWN, AROUND = "b", "a"
 """Channels of :attr:`TapTiles.kinds`: a tile's own kind, and those of all that read it."""
@@ -35,9 +34,10 @@ class TapTiles:
     """What may reach each tile (``tap_reach.frag``), and whose programs read it."""
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus, bounds: Bounds) -> None:
-        self._ctx, self._defocus = ctx, defocus
-        self._reach = self._pass("tap_reach.frag", {"tiles": defocus.tiles}, bounds.defines())
-        self._around = self._pass("tap_around.frag", {"reach": self._reach.target}, {})
+        tiles = {"tiles": defocus.tiles}
+        self._reach = make_reach_pass(ctx, defocus, "tap_reach.frag", tiles, bounds.defines())
+        reach = {"reach": self._reach.target}
+        self._around = make_reach_pass(ctx, defocus, "tap_around.frag", reach)
         self.kinds = self._around.target
         """r, g: range of radii that may matter in the tile; kinds in `OWN` and `AROUND`."""
 
@@ -45,14 +45,3 @@ class TapTiles:
         """Sort the tiles of the last eye."""
         self._reach.render()
         self._around.render()
-
-    def _pass(
-        self, fragment: str, inputs: dict[str, moderngl.Texture], defines: dict[str, Any]
-    ) -> FullscreenPass:
-        """Return a pass with a texel for each tile."""
-        defines = {**reach_defines(self._defocus.limit_px, self._defocus.tile_px), **defines}
-        if self._defocus.widest is not None:
-            inputs = {**inputs, "widest_so_far": self._defocus.widest}
-            defines = {**defines, "WIDEST_SO_FAR": 1}
-        size = self._defocus.tiles.size
-        return FullscreenPass(self._ctx, fragment, size_px=size, inputs=inputs, defines=defines)

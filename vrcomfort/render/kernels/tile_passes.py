@@ -35,6 +35,25 @@ def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
     return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
 
 
+def make_reach_pass(
+    ctx: moderngl.Context,
+    defocus: Defocus,
+    fragment: str,
+    inputs: dict[str, moderngl.Texture],
+    defines: dict[str, Any] | None = None,
+) -> FullscreenPass:
+    """Return a pass with a texel for each tile, which looks as far around as discs have reached.
+
+    The shader includes ``tile_reach.glsl`` and asks it for ``reach_now``.
+    """
+    defines = {**reach_defines(defocus.limit_px, defocus.tile_px), **(defines or {})}
+    if defocus.widest is not None:
+        inputs = {**inputs, "widest_so_far": defocus.widest}
+        defines["WIDEST_SO_FAR"] = 1
+    size = defocus.tiles.size
+    return FullscreenPass(ctx, fragment, size_px=size, inputs=inputs, defines=defines)
+
+
 class TilePasses:
     """Makes passes over the tiles of `Defocus.tiles` that are of some kinds (``kind_tiles.vert``).
 

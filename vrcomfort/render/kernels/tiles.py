@@ -6,7 +6,7 @@ import moderngl
 
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.kernels.tile_passes import reach_defines
+from vrcomfort.render.kernels.tile_passes import make_reach_pass, reach_defines
 
 READ_AROUND_PX = 4
 """Half resolution is read between texels, each made of the points around one (blur_kinds.frag)."""
@@ -31,13 +31,8 @@ class TileKinds:
             inputs={"tiles": defocus.tiles},
             defines={"TILE": tile_px, "SMALL_PX": small_px},
         )
-        self._reach = FullscreenPass(
-            ctx,
-            "defocus_reach.frag",
-            size_px=size_px,
-            inputs={"tiles": self._tiles.target},
-            defines=reach_defines(limit_px, tile_px),
-        )
+        tiles = {"tiles": self._tiles.target}
+        self._reach = make_reach_pass(ctx, defocus, "defocus_reach.frag", tiles)
         self.reach = self._reach.target
         """What may reach each tile."""
         self._kinds = FullscreenPass(
