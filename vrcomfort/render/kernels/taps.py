@@ -162,7 +162,13 @@ class TapsKernel:
             steps.append(self._alike("WIDEST", quarter, wide, self._wide_taps))
         inputs, kinds = {"wide": wide.texture}, "WIDE | WIDEST"
         enlarge = self._tiles.make_pass(
-            "taps_wide.frag", kinds, inputs, target, of=OWN, filtered={"wide"}
+            "enlarge.frag",
+            kinds,
+            inputs,
+            target,
+            of=OWN,
+            defines={"SHIFT_PX": 0.0},
+            filtered=inputs,
         )
         return [*steps, Step(enlarge)]
 

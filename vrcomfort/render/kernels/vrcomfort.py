@@ -102,11 +102,12 @@ class VrcomfortKernel:
         layers = {"wide_back": back.texture, "wide_front": front.texture}
         self._after.append(
             self._tiles.make_pass(
-                "defocus_enlarge.frag",
+                "enlarge.frag",
                 "WIDE",
-                {"wide_back": back.texture},
+                {"wide": back.texture},
                 blurred,
-                filtered={"wide_back"},
+                defines={"SHIFT_PX": 0.5},
+                filtered={"wide"},
             )
         )
         self._blurs.append(
