@@ -2,12 +2,13 @@
 BIN := .venv/bin
 OUT ?= out
 
-.PHONY: help setup demo test test-slow test-openxr runtime check bench scenes clean
+.PHONY: help setup demo test test-slow test-openxr explore runtime check bench scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
 	@echo "make test    the tests, but for the slow ones"
 	@echo "make test-slow   those: whole studies, rebuilt scenes, wheels, views through the lens"
+	@echo "make explore     the property tests with other, and more, examples"
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
 	@echo "make check   ruff, mypy --strict, import-linter"
@@ -27,6 +28,10 @@ test:
 test-slow:
 	@scripts/setup.sh --tests
 	@$(BIN)/pytest -q -n 2 --dist load -m "slow and not monado"
+
+explore:
+	@scripts/setup.sh --tests
+	@$(BIN)/pytest -q -n 2 --hypothesis-profile explore $$(grep -rl @given tests)
 
 runtime:
 	@scripts/runtime.sh

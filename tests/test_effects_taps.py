@@ -33,7 +33,7 @@ def test_reads_from_the_middles_of_texels_are_as_wide_as_the_disc(pattern, radiu
     """Each read is two texels: their mean square distance, averaged over the taps."""
     count, texel_px = pattern
     law = taps.spread(count, texel_px, texel_px)
-    # A read left of the middle is as wide as one right of it, which rounding leaves its last digits.
+    # As wide left of the middle as right of it, where rounding leaves the last digits.
     places = np.abs(taps.extent_px(radius_px, law) / texel_px * taps.tap_offsets(count))
     below = np.floor(places)
     part = places - below
