@@ -1,9 +1,8 @@
 #version 450 core
 // What is to be drawn on each tile: how it is blurred, and what the tiles around need of it.
 //
-// Input:  reach (defocus_reach.frag). TILE: side of a tile (px); REACH: tiles within which others
-//         may need something, MARGIN_PX more than discs reach; SMALL_PX: RADIUS (px of image width)
-//         up to which discs are small.
+// Input:  reach (defocus_reach.frag). MARGIN_PX: how much farther than discs reach half resolution
+//         is read; SMALL_PX: RADIUS (px of image width) up to which discs are small.
 // Output: the sum of its kinds (include/kinds.glsl).
 #include "kinds.glsl"
 #include "coc.glsl"
@@ -28,12 +27,13 @@ void main() {
     ivec2 last = textureSize(reach, 0) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
     int found = shown_as(texelFetch(reach, middle, 0));
-    for (int y = -REACH; y <= REACH; ++y)
-        for (int x = -REACH; x <= REACH; ++x) {
+    int far = reach_now();
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
             vec4 there = texelFetch(reach, clamp(middle + ivec2(x, y), ivec2(0), last), 0);
             int away = max(abs(x), abs(y));
             int kind = shown_as(there);
-            bool read = float((away - 1) * TILE) <= widest_px(there) + float(MARGIN_PX);
+            bool read = comes(away, there);
             found |= kind != COPIED && read ? POINTS : 0;
             bool halved = kind == LAYERED || kind == WIDE;
             found |= halved && read ? HALVES : 0;

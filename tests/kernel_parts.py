@@ -24,18 +24,27 @@ class Blurred(NamedTuple):
 def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, views=1):
     """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
+    colour, defocus = defocused(ctx, rgb, radius_px, limit_px=limit_px)
+    settings = DepthOfField(kernel=kernel, law="dioptre", views=views)
+    wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    made = make_kernel(ctx, colour, defocus, wide)
+    made.render(pixel_aspect)
+    points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)
+    return Blurred(points.astype(float), rgb_of(made.target), defocus.limit_px)
+
+
+def defocused(ctx, rgb, radius_px, *, limit_px):
+    """Return the texture of (h, w, 3) radiance, and what has found its (h, w) signed radii."""
+    height, width, _ = rgb.shape
     # 1 dioptre of defocus is the largest radius; behind the focus, infinity is 1 dioptre away.
     distance_m = 1 / np.maximum(1 - np.broadcast_to(radius_px, (height, width)) / limit_px, 1e-9)
     colour, depth = textures(ctx, rgb, distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
-    settings = DepthOfField(kernel=kernel, law="dioptre", full_blur_dioptre=1.0, views=views)
+    settings = DepthOfField(law="dioptre", full_blur_dioptre=1.0)
     wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
     size_px = (width, height)
     defocus = Defocus(
         ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4
     )
     defocus.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
-    made = make_kernel(ctx, colour, defocus, wide)
-    made.render(pixel_aspect)
-    points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)
-    return Blurred(points.astype(float), rgb_of(made.target), defocus.limit_px)
+    return colour, defocus

@@ -1,8 +1,10 @@
 // How far the discs of a tile reach. TILE: side of a tile (px); TALLEST: pixels are at most this much
-// taller than wide. r, g of a tile are its least and greatest signed RADIUS, px of image width.
+// taller than wide; MARGIN_PX: how much farther others may need something; REACH: tiles that this is,
+// at most. r, g of a tile are its least and greatest signed RADIUS, px of image width.
+// Twin: vrcomfort/optics/tile_kinds.py.
 
 float widest_px(vec4 tile) {
-    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0;
+    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0 + float(MARGIN_PX);
 }
 
 // Whether the discs of a tile come so many tiles far.

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
@@ -46,7 +46,7 @@ def small_px(rings: int) -> float:
 
 def is_alike(
     radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, margins: float, /
-) -> Array:
+) -> NDArray[np.bool_]:
     """Return whether all that may reach a point is about as blurred as it.
 
     Parameters
@@ -57,7 +57,7 @@ def is_alike(
         How far apart these may be. Within one there is no front; within 1.5 the rims do not show
         where discs are wide.
     """
-    apart: Array = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
+    apart = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
     return np.asarray(apart <= margins * margin_px(radius_px))
 
 

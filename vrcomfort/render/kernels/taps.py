@@ -9,10 +9,11 @@ import moderngl
 import numpy as np
 
 from vrcomfort.optics import taps as pattern
+from vrcomfort.optics.tile_kinds import Bounds
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass, Together
 from vrcomfort.render.kernels.base import Aspect
-from vrcomfort.render.kernels.tap_tiles import AROUND, OWN, Bounds, TapTiles
+from vrcomfort.render.kernels.tap_tiles import AROUND, OWN, TapTiles
 from vrcomfort.render.kernels.tile_passes import Level, TilePasses, make_level
 
 LEAST_TAPS = 6

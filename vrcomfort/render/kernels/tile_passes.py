@@ -7,12 +7,10 @@ from typing import Any, NamedTuple
 
 import moderngl
 
+from vrcomfort.optics.tile_kinds import TALLEST
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
-
-TALLEST = 1.5
-"""In a headset pixels are at most this much taller than wide."""
 
 
 class Level(NamedTuple):
@@ -29,29 +27,39 @@ def make_level(ctx: moderngl.Context, defocus: Defocus, texel_px: int, dtype: st
     return Level(gl.color_texture(ctx, size, dtype=dtype), texel_px)
 
 
-def reach_defines(limit_px: float, tile_px: int) -> dict[str, int | float]:
-    """Return what ``include/tile_reach.glsl`` and its users need, where no disc is wider."""
-    reach = max(1, ceil((TALLEST * limit_px + 1) / tile_px))
-    return {"TILE": tile_px, "TALLEST": TALLEST, "REACH": reach}
-
-
 def make_reach_pass(
     ctx: moderngl.Context,
     defocus: Defocus,
     fragment: str,
     inputs: dict[str, moderngl.Texture],
+    *,
+    margin_px: int = 0,
     defines: dict[str, Any] | None = None,
+    components: int = 4,
 ) -> FullscreenPass:
     """Return a pass with a texel for each tile, which looks as far around as discs have reached.
 
     The shader includes ``tile_reach.glsl`` and asks it for ``reach_now``.
+
+    Parameters
+    ----------
+    margin_px
+        How much farther than discs reach others may need something.
     """
-    defines = {**reach_defines(defocus.limit_px, defocus.tile_px), **(defines or {})}
+    defines = {
+        "TILE": defocus.tile_px,
+        "TALLEST": TALLEST,
+        "MARGIN_PX": margin_px,
+        "REACH": max(1, ceil((TALLEST * defocus.limit_px + 1 + margin_px) / defocus.tile_px)),
+        **(defines or {}),
+    }
     if defocus.widest is not None:
         inputs = {**inputs, "widest_so_far": defocus.widest}
         defines["WIDEST_SO_FAR"] = 1
     size = defocus.tiles.size
-    return FullscreenPass(ctx, fragment, size_px=size, inputs=inputs, defines=defines)
+    return FullscreenPass(
+        ctx, fragment, size_px=size, inputs=inputs, defines=defines, components=components
+    )
 
 
 class TilePasses:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.render.defocus import Defocus
-from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.kernels.tile_passes import make_reach_pass, reach_defines
+from vrcomfort.render.kernels.tile_passes import make_reach_pass
 
 READ_AROUND_PX = 4
 """Half resolution is read between texels, each made of the points around one (blur_kinds.frag)."""
@@ -23,28 +22,24 @@ class TileKinds:
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus, *, small_px: float) -> None:
         self._defocus = defocus
-        size_px, tile_px, limit_px = defocus.tiles.size, defocus.tile_px, defocus.limit_px
         self._tiles = defocus.radii.make_pass(
             ctx,
             "defocus_tiles.frag",
-            size_px=size_px,
+            size_px=defocus.tiles.size,
             inputs={"tiles": defocus.tiles},
-            defines={"TILE": tile_px, "SMALL_PX": small_px},
+            defines={"TILE": defocus.tile_px, "SMALL_PX": small_px},
         )
         tiles = {"tiles": self._tiles.target}
         self._reach = make_reach_pass(ctx, defocus, "defocus_reach.frag", tiles)
         self.reach = self._reach.target
         """What may reach each tile."""
-        self._kinds = FullscreenPass(
+        self._kinds = make_reach_pass(
             ctx,
+            defocus,
             "blur_kinds.frag",
-            size_px=size_px,
-            inputs={"reach": self.reach},
-            defines={
-                **reach_defines(limit_px + READ_AROUND_PX, tile_px),
-                "MARGIN_PX": READ_AROUND_PX,
-                "SMALL_PX": small_px,
-            },
+            {"reach": self.reach},
+            margin_px=READ_AROUND_PX,
+            defines={"SMALL_PX": small_px},
             components=1,
         )
         self.kinds = self._kinds.target

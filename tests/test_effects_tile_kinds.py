@@ -1,0 +1,87 @@
+"""Which tiles take which work: the shaders against their NumPy twin, on patches out of focus."""
+
+import numpy as np
+import pytest
+from kernel_parts import defocused
+
+from vrcomfort.optics import tile_kinds
+from vrcomfort.optics.tile_kinds import Bounds, RingKind, TapKind
+from vrcomfort.render.kernels.tap_tiles import TapTiles
+from vrcomfort.render.kernels.tiles import READ_AROUND_PX, TileKinds
+
+HALF_FLOAT = 2**-10
+"""OpenGL does not say which way it rounds."""
+
+SMALL_PX = 4.7
+BOUNDS = Bounds(
+    slight_px=0.5, few_px=2.0, wide_px=4.0, widest_px=8.0, apart_px=6.0, fine_reads=True
+)
+FADED = Bounds(
+    slight_px=2.0, few_px=2.8, wide_px=2.2, widest_px=3.9, apart_px=1e9, fine_reads=False
+)
+
+
+SURROUNDINGS_PX = 4 * (0.0, -1.2, 3.0, -6.0, 11.0)
+
+
+def patches(seed, around_px):
+    """Return (152, 203) signed radii: patches, some of them in focus, some of them slanted."""
+    rng = np.random.default_rng(seed)
+    radius_px = np.full((152, 203), around_px)
+    for _ in range(2):
+        top, left = rng.integers(0, 150, size=2)
+        tall, wide = rng.integers(10, 80, size=2)
+        level, slope = rng.choice([0.0, 0.4, -1.5, 2.5, 6.0, -12.0]), rng.choice([0, 0.004])
+        patch = radius_px[top : top + tall, left : left + wide]
+        patch[:] = level * (1 - slope * np.arange(patch.shape[1]))
+    return radius_px
+
+
+def images(ctx, limit_px):
+    """Yield what has found the radii of each image, and their ranges."""
+    for seed, around_px in enumerate(SURROUNDINGS_PX):
+        radius_px = np.clip(patches(seed, around_px), -limit_px, limit_px)
+        light = np.ones((*radius_px.shape, 3))
+        _, defocus = defocused(ctx, light, radius_px, limit_px=limit_px)
+        yield defocus, read(defocus.tiles, "f4")[..., :2]
+
+
+def read(texture, dtype="f2"):
+    width, height = texture.size
+    return np.frombuffer(texture.read(), dtype).reshape(height, width, -1).astype(np.float64)
+
+
+@pytest.mark.parametrize("limit_px", [13.0, 40.0])
+def test_tiles_of_rings_are_their_twin(ctx, limit_px):
+    seen = set()
+    for defocus, ranges in images(ctx, limit_px):
+        tiles = TileKinds(ctx, defocus, small_px=SMALL_PX)
+        tiles.render()
+        reach = read(tiles.reach)[..., :2]
+        twin = tile_kinds.may_reach(ranges, defocus.tile_px)
+        np.testing.assert_allclose(reach, twin, rtol=HALF_FLOAT)
+        kinds = tile_kinds.ring_kinds(
+            reach, tile_px=defocus.tile_px, small_px=SMALL_PX, margin_px=READ_AROUND_PX
+        )
+        np.testing.assert_array_equal(read(tiles.kinds)[..., 0], kinds)
+        seen |= {kind for kind in RingKind if np.any(kinds & kind)}
+    assert seen == set(RingKind)
+
+
+@pytest.mark.parametrize("bounds", [BOUNDS, FADED])
+@pytest.mark.parametrize("limit_px", [13.0, 40.0])
+def test_tiles_of_taps_are_their_twin(ctx, limit_px, bounds):
+    seen = set()
+    for defocus, ranges in images(ctx, limit_px):
+        tiles = TapTiles(ctx, defocus, bounds)
+        tiles.render()
+        found = read(tiles.kinds)
+        reach = tile_kinds.may_reach(ranges, defocus.tile_px)
+        kinds = tile_kinds.tap_kinds(reach, bounds)
+        np.testing.assert_allclose(found[..., :2], reach, rtol=HALF_FLOAT)
+        np.testing.assert_array_equal(found[..., 2], kinds)
+        around = tile_kinds.tap_kinds_around(found[..., :2], kinds, defocus.tile_px)
+        np.testing.assert_array_equal(found[..., 3], around)
+        seen |= {kind for kind in TapKind if np.any(kinds == kind)}
+    unused = {TapKind.FINE, TapKind.APART} if bounds is FADED else set()
+    assert seen == set(TapKind) - unused

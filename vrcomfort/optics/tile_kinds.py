@@ -1,0 +1,178 @@
+"""How the discs of each tile of an image may reach others, and the kinds of work that follow.
+
+NumPy twins of ``shaders/include/tile_reach.glsl``, ``defocus_reach.frag``, ``blur_kinds.frag``,
+``tap_reach.frag`` and ``tap_around.frag``. Ranges are (rows, columns, 2): least and greatest signed
+radius of each tile, in pixels of image width, negative in front of the focus.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from enum import IntFlag
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array
+from vrcomfort.optics import fronts
+
+Kinds: TypeAlias = NDArray[np.int_]
+
+TALLEST = 1.5
+"""In a headset pixels are at most this much taller than wide."""
+
+LEAST_WIDE_PX = 1.75
+"""What is drawn at half resolution is as blurred as a disc of this radius, at least."""
+
+
+class RingKind(IntFlag):
+    """How a tile is drawn with rings, and what the tiles around need of it."""
+
+    COPIED = 1
+    ALIKE = 2
+    SMALL = 4
+    WIDE = 8
+    LAYERED = 16
+    POINTS = 32
+    HALVES = 64
+    LAYERS = 128
+
+
+class TapKind(IntFlag):
+    """How a tile is drawn with taps."""
+
+    COPIED = 1
+    FEW = 2
+    FINE = 4
+    WIDE = 8
+    WIDEST = 16
+    MIXED = 32
+    APART = 64
+
+
+class Bounds(NamedTuple):
+    """Radii that divide the kinds of tiles where discs have a few taps."""
+
+    slight_px: float
+    few_px: float
+    wide_px: float
+    widest_px: float
+    apart_px: float
+    fine_reads: bool
+    """Whether there is a program for what is alike, and neither few nor wide."""
+
+
+def may_reach(ranges: Array, tile_px: int) -> Array:
+    """Return (rows, columns, 2), the range over all tiles that may matter in each.
+
+    Those whose discs come as far, and those that the tile's own discs reach.
+    """
+    found = np.stack([np.full(ranges.shape[:2], np.inf), np.full(ranges.shape[:2], -np.inf)], -1)
+    for away, there in _around(ranges, tile_px, 0.0):
+        matters = _comes(away, ranges, tile_px, 0.0) | _comes(away, there, tile_px, 0.0)
+        least = np.minimum(found[..., 0], there[..., 0])
+        greatest = np.maximum(found[..., 1], there[..., 1])
+        found = np.where(matters[..., None], np.stack([least, greatest], axis=-1), found)
+    return found
+
+
+def ring_kinds(reach: Array, *, tile_px: int, small_px: float, margin_px: float) -> Kinds:
+    """Return (rows, columns) sums of `RingKind`.
+
+    Parameters
+    ----------
+    reach
+        Of :func:`may_reach`.
+    small_px
+        Wider discs are drawn at half resolution.
+    margin_px
+        How much farther than discs reach half resolution is read.
+    """
+
+    def needs(away: int, there: Array) -> Kinds:
+        kind = _drawn_with_rings(there, small_px)
+        halved = np.isin(kind, (RingKind.WIDE, RingKind.LAYERED))
+        points = np.where(kind == RingKind.COPIED, 0, RingKind.POINTS)
+        read = _comes(away, there, tile_px, margin_px)
+        found: Kinds = np.where(read, points | np.where(halved, RingKind.HALVES, 0), 0)
+        return found | np.where(halved, RingKind.LAYERS, 0) if away <= 1 else found
+
+    own = _drawn_with_rings(reach, small_px)
+    return own | _all_around(reach, tile_px, margin_px, needs)
+
+
+def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:
+    """Return (rows, columns), the `TapKind` of each tile, for the ranges of :func:`may_reach`."""
+    least_signed, greatest_signed = reach[..., 0], reach[..., 1]
+    sizes = np.abs(reach)
+    widest, least = sizes.max(axis=-1), sizes.min(axis=-1)
+    apart = greatest_signed - least_signed > widest
+    alike = ~apart & (np.maximum(least_signed, -greatest_signed) > 0.5)
+    mixed = np.where(widest > bounds.apart_px, TapKind.APART, TapKind.MIXED)
+    wide = (least > LEAST_WIDE_PX) & (least + widest > 2 * bounds.wide_px)
+    kinds: Kinds = np.select(
+        [widest <= 0.5, widest <= bounds.slight_px, ~alike, wide, widest <= bounds.few_px],
+        [
+            TapKind.COPIED,
+            TapKind.FEW,
+            mixed,
+            np.where(widest > bounds.widest_px, TapKind.WIDEST, TapKind.WIDE),
+            TapKind.FEW,
+        ],
+        TapKind.FINE if bounds.fine_reads else mixed,
+    )
+    return kinds
+
+
+def tap_kinds_around(reach: Array, kinds: Kinds, tile_px: int) -> Kinds:
+    """Return (rows, columns), the sums of kinds of all tiles that read from each."""
+    ranges_and_kinds = np.concatenate([reach, kinds[..., None]], axis=-1)
+
+    def reads(away: int, there: Array) -> Kinds:
+        comes = _comes(away, there[..., :2], tile_px, 0.0)
+        return np.where(comes, there[..., 2].astype(int), 0)
+
+    return _all_around(ranges_and_kinds, tile_px, 0.0, reads)
+
+
+def _drawn_with_rings(reach: Array, small_px: float) -> Kinds:
+    widest = np.abs(reach).max(axis=-1)
+    least = np.maximum(np.maximum(reach[..., 0], -reach[..., 1]), 0.0)
+    alike = fronts.is_alike(least, reach[..., 0], reach[..., 1], 1.0)
+    wide = np.where(alike & (least > small_px), RingKind.WIDE, RingKind.LAYERED)
+    small = np.where(alike, RingKind.ALIKE, RingKind.SMALL)
+    kinds: Kinds = np.select([widest <= 0.5, widest > small_px], [RingKind.COPIED, wide], small)
+    return kinds
+
+
+def _all_around(
+    tiles: Array, tile_px: int, margin_px: float, found_in: Callable[[int, Array], Kinds]
+) -> Kinds:
+    """Return the bits that are found in any tile around, so many tiles away."""
+    found = np.zeros(tiles.shape[:2], dtype=int)
+    for away, there in _around(tiles, tile_px, margin_px):
+        found |= found_in(away, there)
+    return found
+
+
+def _around(tiles: Array, tile_px: int, margin_px: float) -> Iterator[tuple[int, Array]]:
+    """Yield how many tiles away, and the tiles there; beyond the edge those of the edge."""
+    far = int(_reach_px(tiles[..., :2], margin_px).max() // tile_px) + 1
+    rows, columns = tiles.shape[:2]
+    for y in range(-far, far + 1):
+        for x in range(-far, far + 1):
+            row = np.clip(np.arange(rows) + y, 0, rows - 1)
+            column = np.clip(np.arange(columns) + x, 0, columns - 1)
+            yield max(abs(x), abs(y)), tiles[row[:, None], column]
+
+
+def _comes(away: int, ranges: Array, tile_px: int, margin_px: float) -> NDArray[np.bool_]:
+    comes: NDArray[np.bool_] = (away - 1) * tile_px <= _reach_px(ranges, margin_px)
+    return comes
+
+
+def _reach_px(ranges: Array, margin_px: float) -> Array:
+    """Return the (rows, columns) rows of pixels that discs of these ranges cover, at most."""
+    reach: Array = TALLEST * np.abs(ranges).max(axis=-1) + 1 + margin_px
+    return reach
