@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+from study_parts import (
+    AheadHeadset,
+    LateFocus,
+    Scripted,
+    frame,
+    strict_about_gaze,
+    tiny_protocol,
+)
 
 from vrcomfort.cli import main
 from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
@@ -95,9 +102,7 @@ def test_playing_a_session_back_gives_its_gaze(tmp_path):
 
 
 def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, monkeypatch, capsys):
-    text = (data_folder("protocols") / "mantiuk_2011.toml").read_text()
-    strict = tmp_path / "strict.toml"
-    strict.write_text(text.replace('without_gaze = "nine_ray"', ""))
+    strict = strict_about_gaze(tmp_path)
     out, walk = tmp_path / "out", data_folder("scenes") / "temple_walk.csv"
     shown = ("--protocol", strict, "--condition", "gaze_19", "--scene", "temple")
     for command in (
@@ -118,6 +123,17 @@ def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, mo
     require_recorded_gaze([follows], recorded)
     with pytest.raises(InputError, match="in looks, and what is played back has no gaze"):
         require_recorded_gaze([follows], replace(recorded, gaze=None))
+
+
+def test_a_window_cannot_show_what_follows_the_gaze(tmp_path, monkeypatch, capsys):
+    session = ("run", strict_about_gaze(tmp_path), "--participant", "P01", "--headset", "desktop")
+    out = tmp_path / "out"
+    monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, session), "--out", str(out)])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+    said = capsys.readouterr().err
+    assert "follows the gaze in gaze_19, gaze_7, gaze_2, and this headset has no eye" in said
+    assert not out.exists()
 
 
 def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):

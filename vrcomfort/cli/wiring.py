@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -142,21 +142,21 @@ def pick_condition(
     return study, study.condition(condition)
 
 
-def require_eye_tracker(protocol: Protocol, details: Mapping[str, str]) -> None:
+def require_eye_tracker(conditions: Iterable[Condition], has_one: Callable[[], bool]) -> None:
     """Refuse a headset without an eye tracker where a condition needs one.
 
     Parameters
     ----------
-    details
-        The headset's own; ``eye_tracker`` is "yes" where it has one.
+    has_one
+        Asks the headset; called only where it matters.
 
     Raises
     ------
     InputError
-        Before anybody is asked anything; says what to do.
+        Before anything is written; says what to do.
     """
-    if details.get("eye_tracker") != "yes":
-        _refuse_gaze(protocol.conditions, "this headset has no eye tracker; use one that has")
+    if (needing := _led_by_gaze(conditions)) and not has_one():
+        raise _without_gaze(needing, "this headset has no eye tracker; use one that has")
 
 
 def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) -> None:
@@ -172,24 +172,28 @@ def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) 
     InputError
         Before anything is written; says what to do.
     """
-    if trace is None or trace.gaze is None:
+    needing = _led_by_gaze(conditions)
+    if needing and (trace is None or trace.gaze is None):
         remedy = "give a frames.csv that has its gaze.csv beside it"
-        _refuse_gaze(conditions, f"what is played back has no gaze; {remedy}")
+        raise _without_gaze(needing, f"what is played back has no gaze; {remedy}")
 
 
-def _refuse_gaze(conditions: Iterable[Condition], why: str) -> None:
-    needing = [
+def _led_by_gaze(conditions: Iterable[Condition]) -> list[str]:
+    """Return the names of the conditions that cannot be shown without gaze."""
+    return [
         condition.name
         for condition in conditions
         if condition.depth_of_field is not None
         and condition.focus.method == "gaze"
         and condition.focus.without_gaze == "stop"
     ]
-    if needing:
-        raise InputError(
-            f"focus follows the gaze in {', '.join(needing)}, and {why}, "
-            'or write without_gaze = "nine_ray" under [conditions.focus]'
-        )
+
+
+def _without_gaze(needing: list[str], why: str) -> InputError:
+    return InputError(
+        f"focus follows the gaze in {', '.join(needing)}, and {why}, "
+        'or write without_gaze = "nine_ray" under [conditions.focus]'
+    )
 
 
 def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
