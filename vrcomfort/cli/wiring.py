@@ -14,6 +14,7 @@ from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur, Proto
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
+    from vrcomfort.geometry import Pose
     from vrcomfort.headset.playback import PlaybackHeadset
     from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Machine
@@ -59,21 +60,27 @@ class PlaybackIn:
 
     def __call__(self, scene_name: str, scene: Scene) -> PlaybackHeadset:
         """Return the headset, at the start of its trace in `scene`."""
+        if self._headset is None:
+            self._headset = self.standing_in(scene_name, scene.spawn)
+        else:
+            self._headset.place(self._trace(scene_name), spawn=scene.spawn)
+        return self._headset
+
+    def standing_in(self, scene_name: str, spawn: Pose | None = None) -> PlaybackHeadset:
+        """Return a new headset, as it is at the start of a session that begins in this scene."""
         from vrcomfort.headset.playback import PlaybackHeadset
 
-        trace = self.trace or shipped_walk(scene_name)
-        if self._headset is None:
-            self._headset = PlaybackHeadset(
-                trace,
-                image_size_px=self.size_px,
-                refresh_hz=self.refresh_hz,
-                ipd_m=self.ipd_m,
-                spawn=scene.spawn,
-                real_time=self.real_time,
-            )
-        else:
-            self._headset.place(trace, spawn=scene.spawn)
-        return self._headset
+        return PlaybackHeadset(
+            self._trace(scene_name),
+            image_size_px=self.size_px,
+            refresh_hz=self.refresh_hz,
+            ipd_m=self.ipd_m,
+            spawn=spawn,
+            real_time=self.real_time,
+        )
+
+    def _trace(self, scene_name: str) -> Trace:
+        return self.trace or shipped_walk(scene_name)
 
 
 def shipped_walk(scene_name: str) -> Trace:
