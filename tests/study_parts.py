@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.protocol import Condition, Protocol, load_protocol
@@ -73,6 +74,13 @@ def strict_about_gaze(folder: Path) -> Path:
     file = folder / "strict.toml"
     file.write_text(text.replace('without_gaze = "nine_ray"', ""), encoding="utf-8")
     return file
+
+
+def read_rows(file: Path) -> list[dict[str, str]]:
+    """Return the rows of a recorded file, none of which may be half-written."""
+    table = CsvTable.read(file, appended=True)
+    assert table.warnings == ()
+    return list(table.dicts())
 
 
 def frame(index: int, *, period_ns: int = 100_000_000, time_ns: int | None = None) -> Frame:

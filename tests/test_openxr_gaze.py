@@ -10,13 +10,13 @@ import moderngl
 import numpy as np
 import pytest
 from openxr_support import Participant, needs_monado, validation
-from study_parts import strict_about_gaze
+from study_parts import read_rows, strict_about_gaze
 
 from vrcomfort.cli import main
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
-from vrcomfort.records import FrameRow, Recorder, only_run, read_rows
+from vrcomfort.records import FrameRow, Recorder, only_run
 from vrcomfort.resources import data_folder
 from vrcomfort.session.frame_log import FrameLog
 
@@ -113,8 +113,8 @@ def test_eyes_that_are_not_seen_are_recorded_as_such(
         log.finish()
         heard = [event for event in headset.take_events() if event.name.startswith("openxr_")]
     assert heard == []
-    rows = read_rows(recorder.folder / "gaze.csv").rows
-    frames = read_rows(recorder.folder / FrameRow.FILE).rows
+    rows = read_rows(recorder.folder / "gaze.csv")
+    frames = read_rows(recorder.folder / FrameRow.FILE)
     assert [row["xr_time_ns"] for row in rows] == [row["xr_time_ns"] for row in frames]
     assert {(row["valid"], row["origin_x_m"], row["direction_z"]) for row in rows} == {
         ("0", "", "")

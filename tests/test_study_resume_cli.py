@@ -8,11 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted
+from study_parts import AheadHeadset, LateFocus, Scripted, read_rows
 
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records import only_run, read_rows, set_status
+from vrcomfort.records import only_run, set_status
 from vrcomfort.resources import data_folder
 from vrcomfort.session import run
 
@@ -88,7 +88,7 @@ def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, mon
     code, said = command(monkeypatch, capsys, "--out", study, "--resume")
     assert code == 0, said
     folder = study / "sub-P01" / "ses-1"
-    trials = read_rows(folder / "trials.csv").rows
+    trials = read_rows(folder / "trials.csv")
     assert [(row["trial"], row["attempt"], row["resumed"]) for row in trials] == [
         ("1", "1", "0"),
         ("2", "1", "0"),
@@ -113,7 +113,7 @@ def test_a_participant_who_is_being_run_is_refused(study, monkeypatch, capsys):
 
 
 def statuses(study: Path) -> dict[str, str]:
-    rows = read_rows(study / "participants.csv").rows
+    rows = read_rows(study / "participants.csv")
     return {row["participant"]: row["status"] for row in rows}
 
 

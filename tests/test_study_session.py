@@ -5,11 +5,11 @@ import math
 from pathlib import Path
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+from study_parts import AheadHeadset, LateFocus, Scripted, frame, read_rows, tiny_protocol
 
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.trace import read_trace
-from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
+from vrcomfort.records import Recorder, read_participants, session_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import Outcome, VirtualClock, run
 from vrcomfort.session.frame_log import FrameLog
@@ -30,9 +30,7 @@ def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:
 
 
 def rows(tmp_path: Path, name: str, session: int = 1, study: str = "S") -> list[dict[str, str]]:
-    found = read_rows(session_folder(tmp_path / study, "P01", session) / name)
-    assert found.warnings == ()
-    return list(found.rows)
+    return read_rows(session_folder(tmp_path / study, "P01", session) / name)
 
 
 def manifest(tmp_path: Path, session: int = 1) -> dict:
@@ -335,7 +333,7 @@ def test_dropped_frames_are_counted(tmp_path):
             log.add(shown, None, trial=1, session_s=0.0)
         log.finish()
     assert (log.frames, log.dropped) == (5, 1)
-    found = read_rows(recorder.folder / "frames.csv").rows
+    found = read_rows(recorder.folder / "frames.csv")
     assert [row["dropped"] for row in found] == ["0", "0", "0", "1", "0"]
 
 
