@@ -6,9 +6,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from study_parts import AheadHeadset, LateFocus, Scripted, tiny_protocol
+from study_parts import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 
-from vrcomfort.records import read_rows
 from vrcomfort.session import Outcome, run
 
 
@@ -39,9 +38,7 @@ def folder(tmp_path: Path, study: str = "S") -> Path:
 
 
 def rows(tmp_path: Path, name: str) -> list[dict[str, str]]:
-    found = read_rows(folder(tmp_path) / f"{name}.csv")
-    assert found.warnings == ()
-    return list(found.rows)
+    return read_rows(folder(tmp_path) / f"{name}.csv")
 
 
 def manifest(tmp_path: Path) -> dict[str, Any]:

@@ -9,10 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
+from vrcomfort.resources import data_folder
 from vrcomfort.respondent import Exposure, Form, Heard, Withdrew
 
 PROTOCOL = """\
@@ -64,6 +66,21 @@ def tiny_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:
     file = folder / "tiny.toml"
     file.write_text(text, encoding="utf-8")
     return load_protocol(file)
+
+
+def strict_about_gaze(folder: Path) -> Path:
+    """Write a protocol whose `gaze_19` cannot be shown without an eye tracker."""
+    text = (data_folder("protocols") / "mantiuk_2011.toml").read_text(encoding="utf-8")
+    file = folder / "strict.toml"
+    file.write_text(text.replace('without_gaze = "nine_ray"', ""), encoding="utf-8")
+    return file
+
+
+def read_rows(file: Path) -> list[dict[str, str]]:
+    """Return the rows of a recorded file, none of which may be half-written."""
+    table = CsvTable.read(file, appended=True)
+    assert table.warnings == ()
+    return list(table.dicts())
 
 
 def frame(index: int, *, period_ns: int = 100_000_000, time_ns: int | None = None) -> Frame:

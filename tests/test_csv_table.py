@@ -7,6 +7,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from report_parts import ITEMS, foreign
 
 from vrcomfort.csv_table import CsvTable
@@ -111,6 +113,47 @@ def test_a_table_written_by_hand_needs_no_last_line_end(tmp_path):
     assert table.header == ("a", "b")
     assert (table.rows, table.lines) == ((["1", "2\n3"], ["4", "5"]), (3, 6))
     assert CsvTable.read(file, appended=True).lines == (3,)
+
+
+@pytest.mark.parametrize(
+    ("content", "rows", "warnings"),
+    [
+        (b"a,b\n1,2\n3,4\n", 2, 0),
+        (b"\xef\xbb\xbfa,b\r\n1,2\r\n", 1, 0),
+        (b"a,b\n1,2\n3,4", 1, 1),
+        (b"a,b\n1,2\n3", 1, 1),
+        (b"a,b\n1,2\n3\n", 1, 1),
+        (b"a,b\n1,2\n3,\xc3", 1, 1),
+        (b'a,b\n1,2\n"3', 1, 1),
+        (b"a,b\n", 0, 0),
+        (b"a,", 0, 1),
+        (b"", 0, 0),
+    ],
+)
+def test_a_half_written_last_row_is_reported_and_left_out(tmp_path, content, rows, warnings):
+    file = tmp_path / "t.csv"
+    file.write_bytes(content)
+    found = CsvTable.read(file, appended=True)
+    assert (len(found.rows), len(found.warnings)) == (rows, warnings)
+    assert all("half-written" in warning and "t.csv, line" in warning for warning in found.warnings)
+
+
+@given(st.integers(0, 60))
+def test_every_cut_keeps_exactly_the_whole_rows(tmp_path_factory, cut):
+    content = b"a,b\n1,22\n333,4\n5,66\n7,888\n99,0\n1,1\n22,333\n4,5555\n"
+    file = tmp_path_factory.mktemp("cut") / "t.csv"
+    file.write_bytes(content[:cut])
+    found = CsvTable.read(file, appended=True)
+    assert len(found.rows) == max(content[:cut].count(b"\n") - 1, 0)
+    assert bool(found.warnings) == (bool(content[:cut]) and not content[:cut].endswith(b"\n"))
+
+
+def test_a_broken_row_in_the_middle_is_an_error(tmp_path):
+    file = tmp_path / "t.csv"
+    file.write_bytes(b"a,b\n1\n3,4\n")
+    with pytest.raises(InputError, match="1 cells, the header has 2") as caught:
+        CsvTable.read(file, appended=True)
+    assert caught.value.line == 2
 
 
 def test_a_damaged_number_beside_the_answers_is_told(tmp_path):

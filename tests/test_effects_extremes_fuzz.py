@@ -4,8 +4,6 @@
 the bounds, and the cases of the last long run.
 """
 
-import re
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -257,57 +255,3 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     folder = data_folder("shaders")
     there = {str(file.relative_to(folder)) for file in folder.rglob("*.*")}
     assert there - read == set()
-
-
-def test_every_shader_has_its_bound_in_the_docs():
-    root = Path(__file__).resolve().parent.parent
-    text = (root / "docs" / "extremes.md").read_text(encoding="utf-8")
-    files = data_folder("shaders").glob("*.*")
-    assert [file.name for file in files if f"`{file.name}`" not in text] == []
-
-
-THROUGH = {
-    "clip_now": "the scene's images",
-    "through_lens": "the reference's images (test_render_depth_and_lens.py)",
-    "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
-    "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
-    "widest_px": "defocus_reach.frag and tap_reach.frag (test_effects_depth_of_field.py: edges)",
-    "comes": "the same",
-    "matters": "the same",
-    "reach_now": "tap_reach.frag and tap_around.frag (the same)",
-    "radius_of": "defocus.frag (test_effects_lens_laws.py)",
-    "radius_at": "defocus.frag and defocus_range.frag (test_effects_lens_laws.py)",
-    "velocity_at": "the shaders of motion blur (test_effects_motion_blur.py: extremes)",
-    "half_streak_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",
-    "tolerance_px": "motion_blur_fronts.frag (test_effects_motion_blur.py: sweeps)",
-    "add_peripheral_px": "defocus.frag (test_effects_lens_laws.py)",
-    "pbr_neutral": "tone_map.frag (test_render_tone.py)",
-    "srgb_encoded": "tone_map.frag (test_render_tone.py)",
-}
-"""Shared functions that only whole shaders call, and where these meet their NumPy twin."""
-
-FUNCTION = re.compile(r"^(?:float|vec\d|mat\d|int|bool) (\w+)\(", re.MULTILINE)
-
-
-def test_every_shared_formula_has_a_test():
-    """Each function of shaders/include is called in a test, or by one that is.
-
-    A NumPy twin's name comes after a dot.
-    """
-    texts = [file.read_text(encoding="utf-8") for file in Path(__file__).parent.glob("test_*.py")]
-    bodies = dict(shared_functions())
-    called = {name: re.compile(rf"(?<![\w.]){name}\(") for name in bodies}
-    tried = {name for name in bodies if any(called[name].search(text) for text in texts)}
-    tried |= THROUGH.keys()
-    for _ in bodies:
-        tried |= {
-            name for name in bodies for by in tried & bodies.keys() if f"{name}(" in bodies[by]
-        }
-    assert bodies.keys() - tried == set()
-
-
-def shared_functions():
-    """Yield (name, text) of each function of the include files."""
-    for file in (data_folder("shaders") / "include").glob("*.glsl"):
-        _, *parts = FUNCTION.split(file.read_text(encoding="utf-8"))
-        yield from zip(parts[::2], parts[1::2], strict=True)

@@ -1,8 +1,8 @@
-"""Circles of confusion in physical units: a camera's lens, an eye, the periphery, the limits."""
+"""Circles of confusion in physical units: a camera's lens, an eye, the limits."""
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field, square_pixels, textures
+from effects_parts import square_pixels, textures
 from hypothesis import given
 from hypothesis import strategies as st
 from render_parts import at, eye, glowing, scene, wall
@@ -73,26 +73,6 @@ def test_no_lens_is_focused_inside_its_focal_length(focus_m):
     np.testing.assert_allclose(found, [11, 11, 11], rtol=1e-12)
 
 
-@given(st.floats(-20, 20), st.floats(-20, 20), st.floats(-1, 1))
-def test_peripheral_blur_keeps_signs_and_their_order(one, other, cosine):
-    shape = {"unit_px": 7.0, "exponent": 2.0, "radius_limit_px": 25.0}
-    a, b = coc.with_peripheral_px([one, other], cosine, **shape)
-    assert abs(a) >= min(abs(one), 25.0)
-    assert abs(a) <= 25.0
-    assert (a < 0) == (one < 0)
-    if one < other:
-        assert a <= b
-
-
-def test_peripheral_blur_is_equation_5():
-    shape = {"unit_px": 4.0, "exponent": 2.0, "radius_limit_px": 50.0}
-    cosines = np.cos(np.radians([0.0, 30.0, 60.0, 90.0, 120.0]))
-    found = coc.with_peripheral_px(np.array([0.0, -1.0, 0.0, 1.0, -1.0]), cosines, **shape)
-    at_30 = 4 * (2 / np.sqrt(3) - 1) ** 2
-    np.testing.assert_allclose(found, [0, -1 - at_30, 4, 50, -50], atol=1e-9)
-
-
-WIDE_EDGE = Peripheral(unit_diameter_arcmin=600.0)
 LAWS = {
     "eye": {"law": "eye", "pupil_mm": 7.0},
     "thin_lens": {"law": "thin_lens", "aperture_m": 0.03, "focal_length_m": 0.05},
@@ -142,34 +122,6 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         np.testing.assert_allclose(points, np.clip(twin, -5, 5), rtol=1e-3, atol=2e-3)
 
 
-def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
-    """In an eye that is turned outwards and sees more on one side, too."""
-    size_px = (60, 48)
-    shape = Peripheral(exponent=2.0, unit_diameter_arcmin=300.0)
-    settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=10, peripheral=shape)
-    colour, depth = textures(ctx, np.zeros((48, 60, 3)), 3.0)
-    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
-    effect = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
-        infinity_m=3e4,
-    )  # fmt: skip
-    turned = Pose(np.zeros(3), axis_angle([0.0, 1.0, 0.0], 0.2))
-    effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
-    found = np.frombuffer(effect.points.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
-    left, right, up, down = LEFT_EYE.tangents
-    x = left + (right - left) * (np.arange(60) + 0.5) / 60
-    y = down + (up - down) * (np.arange(48) + 0.5) / 48
-    rays = np.stack([*np.meshgrid(x, y), np.full((48, 60), -1.0)], axis=-1)
-    ahead = turned.inverse().matrix()[:3, :3] @ [0.0, 0.0, -1.0]
-    cosine = rays @ ahead / np.linalg.norm(rays, axis=-1)
-    unit_px = np.tan(np.radians(2.5)) * focal_length_px(LEFT_EYE, size_px)[0]
-    twin = coc.with_peripheral_px(
-        np.zeros_like(cosine), cosine, unit_px=unit_px, exponent=2, radius_limit_px=6
-    )
-    np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
-    assert found.max() > 1.0
-
-
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("peripheral", [None, Peripheral(unit_diameter_arcmin=300.0)])
 def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
@@ -197,27 +149,6 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
         if peripheral is None:  # and no wider than a tile of a canted eye is
             assert greatest - inside.max() <= 0.5
             assert inside.min() - least <= 0.5
-
-
-def test_peripheral_blur_alone_leaves_the_middle_as_it_is(ctx):
-    rgb = np.random.default_rng(3).uniform(0, 1, (96, 128, 3)).astype("f2")
-    settings = {"law": "eye", "pupil_mm": 0.0, "max_radius_percent": 5.0}
-    blurred = depth_of_field(ctx, rgb, 2.0, 1.0, peripheral=WIDE_EDGE, **settings)
-    np.testing.assert_array_equal(blurred[36:60, 48:80], rgb[36:60, 48:80])
-    assert np.std(blurred[:12, :12].astype(float)) < 0.8 * np.std(rgb[:12, :12].astype(float))
-
-
-def test_peripheral_blur_mixes_no_far_light_into_the_sharp_middle(ctx):
-    """In front of or behind the focus by a hair: a sharp thing stays free of the blurred rest."""
-    rgb = np.full((96, 128, 3), 10.0)
-    rgb[:, 58:70] = 0.0
-    for thing_m in (0.999, 1.001):
-        distance = np.full((96, 128), 1e4)
-        distance[:, 58:70] = thing_m
-        settings = {"law": "dioptre", "full_blur_dioptre": 1.0, "max_radius_percent": 5.0}
-        shape = Peripheral(unit_diameter_arcmin=60.0)
-        out = depth_of_field(ctx, rgb, distance, 1.0, peripheral=shape, **settings)
-        assert out[36:60, 58:70].max() == 0.0
 
 
 def test_the_largest_diameter_can_be_an_angle(ctx):

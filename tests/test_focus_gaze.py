@@ -9,7 +9,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.headset.base import Frame
 from vrcomfort.optics.focus import gaze_tangents
-from vrcomfort.protocol import Condition, DepthOfField, load_protocol
+from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus import FocusPass
 from vrcomfort.render.gpu_scene import GpuScene
@@ -134,19 +134,15 @@ def test_without_an_eye_tracker_there_is_a_sentence_or_nine_rays(ctx):
     assert found.used.tolist() == nine.used.tolist()
 
 
-def test_a_session_asks_for_an_eye_tracker_before_it_asks_anybody_anything():
-    smoke = load_protocol("smoke")
+def test_an_eye_tracker_is_asked_for_only_where_focus_needs_one():
     follows = Condition(name="looks", focus=Focus(method="gaze"), depth_of_field=DepthOfField())
     sharp = Condition(name="sharp", focus=Focus(method="gaze"))  # nothing is out of focus
-    study = smoke.model_copy(update={"conditions": (*smoke.conditions, follows, sharp)})
-    require_eye_tracker(smoke, {})
-    require_eye_tracker(study, {"eye_tracker": "yes"})
-    for details in ({}, {"eye_tracker": "no"}):
-        with pytest.raises(InputError, match="in looks, and this headset has no eye tracker"):
-            require_eye_tracker(study, details)
     instead = Focus(method="gaze", without_gaze="nine_ray")
     calm = follows.model_copy(update={"focus": instead})
-    require_eye_tracker(smoke.model_copy(update={"conditions": (calm,)}), {})
+    require_eye_tracker([sharp, calm], lambda: pytest.fail("nobody needs to know"))
+    require_eye_tracker([sharp, follows], lambda: True)
+    with pytest.raises(InputError, match="in looks, and this headset has no eye tracker"):
+        require_eye_tracker([sharp, follows], lambda: False)
 
 
 def frame(index, head, gaze_in_head):

@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+from study_parts import (
+    AheadHeadset,
+    LateFocus,
+    Scripted,
+    frame,
+    read_rows,
+    strict_about_gaze,
+    tiny_protocol,
+)
 
 from vrcomfort.cli import main
 from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
@@ -20,7 +28,7 @@ from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.pose_track import PoseTrack
 from vrcomfort.headset.trace import Trace, read_trace
 from vrcomfort.protocol import Condition
-from vrcomfort.records import FrameRow, GazeRow, Recorder, read_rows, session_folder, take_up
+from vrcomfort.records import FrameRow, GazeRow, Recorder, session_folder, take_up
 from vrcomfort.resources import data_folder
 from vrcomfort.session import VirtualClock, run
 from vrcomfort.session.frame_log import FrameLog
@@ -70,7 +78,7 @@ def test_a_session_writes_one_row_per_frame(tmp_path):
     folder = record(tmp_path, TrackedHeadset())
     lines = (folder / "gaze.csv").read_text().splitlines()
     assert lines[0] == HEADER
-    frames, gazes = (read_rows(folder / name).rows for name in ("frames.csv", "gaze.csv"))
+    frames, gazes = (read_rows(folder / name) for name in ("frames.csv", "gaze.csv"))
     assert [row["xr_time_ns"] for row in gazes] == [row["xr_time_ns"] for row in frames]
     assert [row["session_s"] for row in gazes] == [row["session_s"] for row in frames]
     blink, first = gazes[4], gazes[0]
@@ -95,9 +103,7 @@ def test_playing_a_session_back_gives_its_gaze(tmp_path):
 
 
 def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, monkeypatch, capsys):
-    text = (data_folder("protocols") / "mantiuk_2011.toml").read_text()
-    strict = tmp_path / "strict.toml"
-    strict.write_text(text.replace('without_gaze = "nine_ray"', ""))
+    strict = strict_about_gaze(tmp_path)
     out, walk = tmp_path / "out", data_folder("scenes") / "temple_walk.csv"
     shown = ("--protocol", strict, "--condition", "gaze_19", "--scene", "temple")
     for command in (
@@ -120,6 +126,17 @@ def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, mo
         require_recorded_gaze([follows], replace(recorded, gaze=None))
 
 
+def test_a_window_cannot_show_what_follows_the_gaze(tmp_path, monkeypatch, capsys):
+    session = ("run", strict_about_gaze(tmp_path), "--participant", "P01", "--headset", "desktop")
+    out = tmp_path / "out"
+    monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, session), "--out", str(out)])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+    said = capsys.readouterr().err
+    assert "follows the gaze in gaze_19, gaze_7, gaze_2, and this headset has no eye" in said
+    assert not out.exists()
+
+
 def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):
     with Recorder(tmp_path, "P1", 1) as recorder:
         log, renderer = FrameLog(recorder), LateFocus()
@@ -129,7 +146,7 @@ def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):
             shown = replace(frame(index), gaze=looking(index))
             log.add(shown, renderer.render(shown, 0.0), trial=1, session_s=0.1 * index)
         log.finish(renderer.drain())
-    rows = read_rows(recorder.folder / "gaze.csv").rows
+    rows = read_rows(recorder.folder / "gaze.csv")
     assert [row["hit_m"] for row in rows] == ["3.5"] * 4 + [""] + ["3.5"]  # a blink hits nothing
 
 
@@ -151,7 +168,7 @@ def test_a_resumed_session_goes_on_in_the_same_file(tmp_path):
     ]
     with Recorder(tmp_path, "P1", 1, resumed=True) as recorder:
         recorder.write(replace(row, xr_time_ns=2, gaze=GazeRow(0.1, 2, looking(2))))
-    assert [each["resumed"] for each in read_rows(folder / "gaze.csv").rows] == ["0", "1"]
+    assert [each["resumed"] for each in read_rows(folder / "gaze.csv")] == ["0", "1"]
 
 
 def track(times_ns, valid=None) -> GazeTrack:

@@ -10,11 +10,14 @@ import moderngl
 import numpy as np
 import pytest
 from openxr_support import Participant, needs_monado, validation
+from study_parts import read_rows, strict_about_gaze
 
+from vrcomfort.cli import main
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
-from vrcomfort.records import FrameRow, Recorder, read_rows
+from vrcomfort.records import FrameRow, Recorder, only_run
+from vrcomfort.resources import data_folder
 from vrcomfort.session.frame_log import FrameLog
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -44,6 +47,39 @@ def _still(feed: RemoteFeed) -> Participant:
 def says_it_has_eyes(monkeypatch: pytest.MonkeyPatch) -> None:
     """Monado says of its headset that it has no eye tracker, but takes the bindings of one."""
     monkeypatch.setattr(Runtime, "has_gaze", True)
+
+
+def refusal(monkeypatch: pytest.MonkeyPatch, folder: Path, *options: str) -> None:
+    command = ["run", str(strict_about_gaze(folder)), "--participant", "P01", *options]
+    shared = ["--headset", "openxr", "--out", str(folder / "study")]
+    monkeypatch.setattr("sys.argv", ["vrcomfort", *command, *shared])
+    with pytest.raises(SystemExit, match="2"):
+        main()
+
+
+@pytest.mark.parametrize("rehearsed", [True, False])
+def test_a_study_that_needs_eyes_is_refused_before_a_folder_is_made(
+    monado: Monado,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    rehearsed: bool,
+) -> None:
+    walk = data_folder("scenes") / "temple_walk.csv"
+    refusal(monkeypatch, tmp_path, *(["--monado-trace", str(walk)] if rehearsed else []))
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert "follows the gaze in gaze_19, gaze_7, gaze_2, and this headset has no eye" in said
+    assert not (tmp_path / "study").exists()
+
+
+@pytest.mark.usefixtures("monado", "says_it_has_eyes")
+def test_a_study_that_needs_eyes_goes_on_where_there_are_some(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with only_run(tmp_path / "study", "P01"):
+        refusal(monkeypatch, tmp_path)
+    assert "P01 is being run by process" in capsys.readouterr().err
 
 
 def test_a_headset_without_an_eye_tracker_gives_no_gaze(
@@ -77,8 +113,8 @@ def test_eyes_that_are_not_seen_are_recorded_as_such(
         log.finish()
         heard = [event for event in headset.take_events() if event.name.startswith("openxr_")]
     assert heard == []
-    rows = read_rows(recorder.folder / "gaze.csv").rows
-    frames = read_rows(recorder.folder / FrameRow.FILE).rows
+    rows = read_rows(recorder.folder / "gaze.csv")
+    frames = read_rows(recorder.folder / FrameRow.FILE)
     assert [row["xr_time_ns"] for row in rows] == [row["xr_time_ns"] for row in frames]
     assert {(row["valid"], row["origin_x_m"], row["direction_z"]) for row in rows} == {
         ("0", "", "")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from resume_parts import go
-from study_parts import AheadHeadset, Scripted
+from study_parts import AheadHeadset, Scripted, strict_about_gaze
 
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
@@ -18,15 +18,15 @@ from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
-SMOKE = "smoke", "--participant", "P01"
+PARTICIPANT = "--participant", "P01"
 
 
-def refusal(folder: Path, *options: str, headset: str = "openxr") -> str:
+def refusal(folder: Path, *options: str, protocol: str = "smoke") -> str:
     """Return what a run says where no runtime is active; it must be one sentence, exit code 2."""
     nowhere = str(folder / "nowhere")
-    command = [sys.executable, "-c", "from vrcomfort.cli import main; main()", "run", *SMOKE]
+    command = [sys.executable, "-c", "from vrcomfort.cli import main; main()", "run", protocol]
     done = subprocess.run(
-        [*command, "--out", str(folder / "S"), "--headset", headset, *options],
+        [*command, *PARTICIPANT, "--out", str(folder / "S"), "--headset", "openxr", *options],
         env={**os.environ, "XR_RUNTIME_JSON": nowhere, "HOME": nowhere, "XDG_RUNTIME_DIR": nowhere},
         capture_output=True,
         text=True,
@@ -43,6 +43,12 @@ def test_without_a_runtime_a_run_says_what_to_start_and_enrols_nobody(tmp_path: 
     assert "make it the active OpenXR runtime" in refusal(tmp_path)
     assert read_participants(tmp_path / "S") == []
     assert not (tmp_path / "S" / "sub-P01" / "ses-1").exists()
+
+
+def test_the_runtime_is_asked_for_an_eye_tracker_before_a_folder_is_made(tmp_path: Path) -> None:
+    protocol = str(strict_about_gaze(tmp_path))
+    assert "make it the active OpenXR runtime" in refusal(tmp_path, protocol=protocol)
+    assert not (tmp_path / "S").exists()
 
 
 def test_a_second_run_of_a_participant_is_refused_before_a_headset_is_looked_for(
@@ -94,7 +100,7 @@ def test_options_that_mean_nothing_are_refused(
     words: str,
 ) -> None:
     shared = ["--out", str(tmp_path / "S"), "--headset", headset]
-    monkeypatch.setattr("sys.argv", ["vrcomfort", "run", *SMOKE, *shared, *options])
+    monkeypatch.setattr("sys.argv", ["vrcomfort", "run", "smoke", *PARTICIPANT, *shared, *options])
     with pytest.raises(SystemExit, match="2"):
         main()
     said = capsys.readouterr().err

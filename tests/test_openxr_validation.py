@@ -39,7 +39,7 @@ def complaints(headset: OpenXrHeadset) -> list[str]:
 
 def errors(report: Path) -> list[str]:
     lines = report.read_text().splitlines()
-    return [line for line in lines if "VALID_ERROR" in line or "VALID_WARN" in line]
+    return [line for line in lines if "VALID_DEBUG" not in line]
 
 
 def test_both_layers_complain_about_bad_calls(ctx: moderngl.Context, tmp_path: Path) -> None:

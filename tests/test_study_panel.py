@@ -7,16 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
+from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import HandInput, Inputs
-from vrcomfort.questionnaire import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
-from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
-from vrcomfort.respondent.panel_picture import Page, Painter, Picture
+from vrcomfort.respondent.panel_layout import Act
+from vrcomfort.respondent.panel_picture import Page, Picture
 from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
@@ -243,74 +241,3 @@ def test_a_look_chooses_after_it_has_rested() -> None:
     person.ask(Form(FMS, "post"), lambda _, value, __: heard.append(value))
     assert heard == [1]
     assert 8 <= screen.frames <= 12
-
-
-@pytest.mark.parametrize("instrument", [SSQ, FMS], ids=lambda each: each.name)
-def test_cells_lie_on_the_panel_and_do_not_overlap(instrument: Instrument) -> None:
-    answers = [instrument.low] * len(instrument.items)
-    for cells in (question_cells(instrument, first=False), review_cells(instrument, answers)):
-        covered = np.zeros(SIZE_PX[::-1], dtype=int)
-        for cell in cells:
-            left, top, right, bottom = cell.box
-            assert 0 <= left < right <= SIZE_PX[0]
-            assert 0 <= top < bottom <= SIZE_PX[1]
-            covered[top:bottom, left:right] += 1
-        assert covered.max() == 1
-
-
-def test_the_pointed_cell_and_the_pointer_are_seen() -> None:
-    cells = question_cells(SSQ, first=True)
-    page = Page("1 of 16", "Nausea", cells)
-    painter = Painter()
-    plain = painter.draw(page, None, None)
-    pointed = painter.draw(page, cells[2].center, cells[2])
-    assert plain.shape == (SIZE_PX[1], SIZE_PX[0], 4)
-    changed = np.argwhere((plain != pointed).any(axis=2))
-    left, top, right, bottom = cells[2].box
-    assert changed.min(axis=0).tolist() >= [top, left]
-    assert changed.max(axis=0).tolist() <= [bottom, right]
-
-
-angles = st.floats(-1.2, 1.2)
-
-
-@given(angles, angles, st.floats(0.02, 0.98), st.floats(0.02, 0.98))
-def test_a_ray_aimed_at_a_point_of_a_panel_hits_it(
-    yaw: float, pitch: float, right: float, down: float
-) -> None:
-    quad = Quad(Pose(np.array([1.0, 1.5, -2.0]), yaw_pitch_roll(yaw, pitch, 0.3)), (1.0, 0.75))
-    hit = quad.intersection(aim_at(quad, (right, down)))
-    assert hit == pytest.approx((right, down), abs=1e-9)
-
-
-def test_a_ray_from_behind_or_beside_misses() -> None:
-    quad = Quad(Pose(np.array([0.0, 0.0, -1.0])), (1.0, 1.0))
-    assert quad.intersection(Pose()) == pytest.approx((0.5, 0.5))
-    assert quad.intersection(Pose(np.array([0.0, 0.0, -2.0]))) is None
-    assert quad.intersection(Pose(np.array([0.6, 0.0, 0.0]))) is None
-    assert quad.intersection(Pose(orientation=yaw_pitch_roll(np.pi / 2, 0.0, 0.0))) is None
-
-
-def test_a_cell_knows_its_middle() -> None:
-    cell = Cell((0, 0, SIZE_PX[0], SIZE_PX[1] // 2), "", Act.ANSWER)
-    assert cell.center == (0.5, 0.25)
-
-
-def test_pointing_changes_the_pointed_cell_and_a_dot_and_nothing_else():
-    cells = question_cells(FMS, first=True)
-    page = Page("", FMS.instruction, cells, chosen=2)
-    painter = Painter()
-    plain = painter.draw(page, None, None)
-    cell = cells[5]
-    pointed = painter.draw(page, cell.center, cell)
-    left, top, right, bottom = cell.box
-    changed = np.any(plain != pointed, axis=2)
-    assert changed[top : bottom + 1, left : right + 1].mean() > 0.9
-    changed[top : bottom + 1, left : right + 1] = False
-    assert not changed.any()
-    dot = painter.draw(page, (0.0, 1.0), None)  # half of it lies beside the panel
-    where = np.argwhere(np.any(plain != dot, axis=2))
-    assert len(where)
-    assert where.min(axis=0)[0] >= SIZE_PX[1] - 11
-    assert where.max(axis=0)[1] <= 11
-    assert np.array_equal(painter.draw(page, None, None), plain)

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 from resume_parts import go, rows
-from study_parts import AheadHeadset, LateFocus, Scripted, tiny_protocol
+from study_parts import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 
 from vrcomfort.headset.base import Frame, HeadsetEvent
-from vrcomfort.records import read_rows, session_folder
+from vrcomfort.records import session_folder
 from vrcomfort.respondent import Withdrew
 from vrcomfort.session import run
 
@@ -42,13 +42,13 @@ def test_a_headset_taken_off_stops_the_exposure_clock(tmp_path: Path) -> None:
     )
     assert outcome.sessions == (1,)
     folder = session_folder(tmp_path / "S", "P01", 1)
-    trials = list(read_rows(folder / "trials.csv").rows)
+    trials = read_rows(folder / "trials.csv")
     assert [(row["status"], row["frames"], row["dropped"]) for row in trials] == [
         ("completed", "100", "0"),
         ("completed", "100", "0"),
     ]
     assert respondent.felt_s == [10.0, 10.0]
-    names = [row["name"] for row in read_rows(folder / "events.csv").rows]
+    names = [row["name"] for row in read_rows(folder / "events.csv")]
     assert names.count("headset_off") == names.count("headset_on") == 2
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from study_parts import frame, tiny_protocol
+from study_parts import frame, read_rows, tiny_protocol
 
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
@@ -25,7 +25,6 @@ from vrcomfort.records import (
     enrol,
     open_study,
     read_participants,
-    read_rows,
     recorded_sessions,
     set_status,
 )
@@ -101,8 +100,8 @@ def test_rows_are_in_the_file_before_it_is_closed(tmp_path):
         found = read_rows(recorder.folder / "events.csv")
         recorder.write(frame_row(rays_m=tuple(range(1, 10)), rays_used="011111111"))
         recorder.flush()
-        frames = read_rows(recorder.folder / "frames.csv").rows
-    assert found.rows[0]["detail"] == 'two lines, "quoted"'
+        frames = read_rows(recorder.folder / "frames.csv")
+    assert found[0]["detail"] == 'two lines, "quoted"'
     assert frames[0]["session_s"] == repr(0.1 + 0.2)
     assert frames[0]["rays_used"] == "011111111"
     assert frames[0]["gpu_ms"] == ""
@@ -130,54 +129,13 @@ def test_a_full_disk_is_told_and_earlier_rows_stay(tmp_path):
             TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
         )
     recorder.close()
-    assert len(read_rows(recorder.folder / "events.csv").rows) == 1
+    assert len(read_rows(recorder.folder / "events.csv")) == 1
 
 
 def test_a_folder_that_cannot_be_made(tmp_path):
     (tmp_path / "study").write_text("a file where the study should be")
     with pytest.raises(InputError, match="cannot write"):
         Recorder(tmp_path / "study", "P1", 1)
-
-
-@pytest.mark.parametrize(
-    ("content", "rows", "warnings"),
-    [
-        (b"a,b\n1,2\n3,4\n", 2, 0),
-        (b"\xef\xbb\xbfa,b\r\n1,2\r\n", 1, 0),
-        (b"a,b\n1,2\n3,4", 1, 1),
-        (b"a,b\n1,2\n3", 1, 1),
-        (b"a,b\n1,2\n3\n", 1, 1),
-        (b"a,b\n1,2\n3,\xc3", 1, 1),
-        (b'a,b\n1,2\n"3', 1, 1),
-        (b"a,b\n", 0, 0),
-        (b"a,", 0, 1),
-        (b"", 0, 0),
-    ],
-)
-def test_a_half_written_last_row_is_reported_and_left_out(tmp_path, content, rows, warnings):
-    file = tmp_path / "t.csv"
-    file.write_bytes(content)
-    found = read_rows(file)
-    assert (len(found.rows), len(found.warnings)) == (rows, warnings)
-    assert all("half-written" in warning and "t.csv, line" in warning for warning in found.warnings)
-
-
-@given(st.integers(0, 60))
-def test_every_cut_keeps_exactly_the_whole_rows(tmp_path_factory, cut):
-    content = b"a,b\n1,22\n333,4\n5,66\n7,888\n99,0\n1,1\n22,333\n4,5555\n"
-    file = tmp_path_factory.mktemp("cut") / "t.csv"
-    file.write_bytes(content[:cut])
-    found = read_rows(file)
-    assert len(found.rows) == max(content[:cut].count(b"\n") - 1, 0)
-    assert bool(found.warnings) == (bool(content[:cut]) and not content[:cut].endswith(b"\n"))
-
-
-def test_a_broken_row_in_the_middle_is_an_error(tmp_path):
-    file = tmp_path / "t.csv"
-    file.write_bytes(b"a,b\n1\n3,4\n")
-    with pytest.raises(InputError, match="1 cells, the header has 2") as caught:
-        read_rows(file)
-    assert caught.value.line == 2
 
 
 def test_enrolment_keeps_sequences_and_fills_the_places_of_those_who_left(tmp_path):

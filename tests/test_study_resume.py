@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 from resume_parts import attempts, folder, go, manifest, rows
-from study_parts import PROTOCOL, AheadHeadset, Scripted, tiny_protocol
+from study_parts import PROTOCOL, AheadHeadset, Scripted, read_rows, tiny_protocol
 
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.trace import read_trace
-from vrcomfort.records import Recorder, read_rows
+from vrcomfort.records import Recorder
 from vrcomfort.report import build_report
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
 
@@ -261,7 +261,7 @@ def test_the_report_takes_the_last_attempt_and_the_baseline_of_its_run(tmp_path)
     go(tmp_path, Answers(before=2, after=3), interrupt=(1, 30), resume=True)
     go(tmp_path, Answers(before=1, after=3), resume=True)
     build_report(tmp_path / "S", out=tmp_path / "R")
-    scores = read_rows(tmp_path / "R" / "tables" / "scores.csv").rows
+    scores = read_rows(tmp_path / "R" / "tables" / "scores.csv")
     plain, blur = (float(row["T"]) for row in scores)
     assert plain > 0
     assert blur == pytest.approx(2 * plain)

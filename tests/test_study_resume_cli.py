@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from pathlib import Path
 from typing import Any
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted
+from study_parts import AheadHeadset, LateFocus, Scripted, read_rows
 
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records import only_run, read_rows
+from vrcomfort.records import only_run, set_status
 from vrcomfort.resources import data_folder
 from vrcomfort.session import run
 
+WALK = data_folder("scenes") / "temple_walk.csv"
+MOUNTAIN_WALK = data_folder("scenes") / "mountain_walk.csv"
 
-def begin(folder: Path, respondent: str, participant: str = "P01") -> Path:
-    """Return a study whose only session stopped in its second exposure."""
+
+def begin(
+    folder: Path, respondent: str, participant: str = "P01", *, interrupted: bool = True
+) -> Path:
+    """Return a study whose only session is complete, or stopped in its second exposure."""
     begun: list[int] = []
+    details = {"trace_sha256": hashlib.sha256(WALK.read_bytes()).hexdigest()}
 
     def headset_for(*_: object) -> AheadHeadset:
         begun.append(1)
-        return AheadHeadset(interrupt_at=0 if len(begun) == 2 else None)
+        return AheadHeadset(
+            interrupt_at=0 if interrupted and len(begun) == 2 else None,
+            image_size_px=(16, 16),
+            refresh_hz=20.0,
+            details=details,
+        )
 
     outcome = run(
         load_protocol("smoke"),
@@ -35,7 +47,7 @@ def begin(folder: Path, respondent: str, participant: str = "P01") -> Path:
         seed=7,
         exposure_s=0.2,
     )
-    assert outcome.status == "aborted"
+    assert outcome.status == ("aborted" if interrupted else "completed")
     return folder
 
 
@@ -54,7 +66,8 @@ def command(
 def call(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: Any
 ) -> tuple[int, str]:
-    arguments = [*map(str, words), "--size", "16x16", "--refresh-hz", "20"]
+    name, *more = map(str, words)
+    arguments = [name, "--size", "16x16", "--refresh-hz", "20", *more]
     monkeypatch.setattr("sys.argv", ["vrcomfort", *arguments])
     code = 0
     try:
@@ -75,7 +88,7 @@ def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, mon
     code, said = command(monkeypatch, capsys, "--out", study, "--resume")
     assert code == 0, said
     folder = study / "sub-P01" / "ses-1"
-    trials = read_rows(folder / "trials.csv").rows
+    trials = read_rows(folder / "trials.csv")
     assert [(row["trial"], row["attempt"], row["resumed"]) for row in trials] == [
         ("1", "1", "0"),
         ("2", "1", "0"),
@@ -100,7 +113,7 @@ def test_a_participant_who_is_being_run_is_refused(study, monkeypatch, capsys):
 
 
 def statuses(study: Path) -> dict[str, str]:
-    rows = read_rows(study / "participants.csv").rows
+    rows = read_rows(study / "participants.csv")
     return {row["participant"]: row["status"] for row in rows}
 
 
@@ -129,6 +142,45 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     assert (code, said) == (0, "")
     assert statuses(study) == dict.fromkeys(("P01", "P02", "P03"), "completed")
     assert {file: file.read_bytes() for file in recorded} == recorded
+
+
+@pytest.mark.parametrize(
+    ("others", "words"),
+    [
+        (["--exposure-s", 0.3], "with exposures of 0.2 s, not 0.3 s;"),
+        ([], "with exposures of 0.2 s, not 0.1 s;"),
+        (["--exposure-s", 0.2, "--size", "20x16"], "with --size 16x16;"),
+        (["--exposure-s", 0.2, "--refresh-hz", 10], "with frames at 20 Hz, not 10 Hz;"),
+        (["--exposure-s", 0.2, "--trace", MOUNTAIN_WALK], "with another head trace;"),
+    ],
+)
+@pytest.mark.parametrize("interrupted", [False, True])
+def test_simulate_goes_on_with_the_same_options_alone(
+    tmp_path, monkeypatch, capsys, interrupted, others, words
+):
+    study = begin(tmp_path / "study", "simulated", interrupted=interrupted)
+    set_status(study, "P01", "withdrawn")  # nothing is left to simulate of them
+    before = {file: file.read_bytes() for file in study.rglob("*") if file.is_file()}
+    code, said = call(monkeypatch, capsys, "simulate", "smoke", "--out", study, "-n", 2, *others)
+    assert (code, said.count("\n")) == (2, 1)
+    assert f"ses-1: this session was begun {words} go on with the same, or choose" in said
+    assert {file: file.read_bytes() for file in study.rglob("*") if file.is_file()} == before
+
+
+def test_simulate_goes_on_with_the_same_text_of_a_protocol(tmp_path, monkeypatch, capsys):
+    study = begin(tmp_path / "study", "simulated", interrupted=False)
+    changed = tmp_path / "smoke.toml"
+    text = (data_folder("protocols") / "smoke.toml").read_text()
+    changed.write_text(text + "\n# changed\n")
+    options = ("--exposure-s", 0.2, "-n", 2, "--out", study)
+    code, said = call(monkeypatch, capsys, "simulate", changed, *options)
+    assert code == 2
+    assert "begun with another text of this protocol; go on with the same" in said
+    manifest = study / "sub-P01" / "ses-1" / "manifest.json"
+    manifest.write_text('{"status": "completed", "respondent": "simulated"}')
+    code, said = call(monkeypatch, capsys, "simulate", "smoke", *options)
+    assert code == 2
+    assert "manifest.json: this manifest is damaged; restore it" in said
 
 
 def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypatch, capsys):

@@ -1,48 +1,19 @@
+"""Sessions of the small study: what is shown and asked when, and what of it is on the disk."""
+
 from __future__ import annotations
 
-import json
 import math
-from pathlib import Path
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted, frame, tiny_protocol
+from session_parts import go, manifest, rows, status
+from study_parts import LateFocus, Scripted, frame, read_rows, tiny_protocol
 
-from vrcomfort.errors import InputError, RuntimeLostError
+from vrcomfort.errors import InputError
 from vrcomfort.headset.trace import read_trace
-from vrcomfort.records import Recorder, read_participants, read_rows, session_folder
+from vrcomfort.records import Recorder, session_folder
 from vrcomfort.respondent import SimulatedRespondent
-from vrcomfort.session import Outcome, VirtualClock, run
+from vrcomfort.session import VirtualClock
 from vrcomfort.session.frame_log import FrameLog
-
-
-def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:
-    protocol = tiny_protocol(tmp_path)
-    return run(
-        protocol,
-        more.pop("participant", "P01"),
-        study=tmp_path / more.pop("study", "S"),
-        load_scene=lambda source: f"scene {Path(source).name}",
-        headset_for=lambda *_: headset(),
-        renderer=more.pop("renderer", LateFocus()),
-        respondent=respondent,
-        **more,
-    )
-
-
-def rows(tmp_path: Path, name: str, session: int = 1, study: str = "S") -> list[dict[str, str]]:
-    found = read_rows(session_folder(tmp_path / study, "P01", session) / name)
-    assert found.warnings == ()
-    return list(found.rows)
-
-
-def manifest(tmp_path: Path, session: int = 1) -> dict:
-    folder = session_folder(tmp_path / "S", "P01", session)
-    return json.loads((folder / "manifest.json").read_text())
-
-
-def status(tmp_path: Path) -> tuple[str, str]:
-    (row,) = read_participants(tmp_path / "S")
-    return row.status, row.note
 
 
 def test_a_whole_participant(tmp_path):
@@ -159,45 +130,6 @@ def test_ratings_that_do_not_come_are_missed(tmp_path):
     assert len(found) == 4
 
 
-def test_a_high_rating_stops_the_exposure_and_the_study(tmp_path):
-    outcome = go(tmp_path, Scripted(rates=15))
-    (trial,) = rows(tmp_path, "trials.csv")
-    assert (trial["status"], trial["abort_code"]) == ("stopped", "rating")
-    assert int(trial["frames"]) < 40
-    assert outcome.status == "withdrawn"
-    assert "fms 15 reached the limit 15" in status(tmp_path)[1]
-    assert [row["timepoint"] for row in rows(tmp_path, "questionnaires.csv")[::16]] == [
-        "baseline",
-        "post",
-    ]
-
-
-def test_withdrawing_during_exposure_keeps_everything(tmp_path):
-    outcome = go(tmp_path, Scripted(withdraw_at_s=4.0))
-    (trial,) = rows(tmp_path, "trials.csv")
-    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
-        "withdrawn", "participant", "41",
-    )  # fmt: skip
-    assert len(rows(tmp_path, "frames.csv")) == 10 + 41
-    assert len(rows(tmp_path, "questionnaires.csv")) == 32
-    assert (outcome.status, outcome.sessions) == ("withdrawn", (1,))
-    assert status(tmp_path) == ("withdrawn", "session 1: had enough")
-    assert manifest(tmp_path)["status"] == "withdrawn"
-
-
-def test_withdrawing_in_training_is_an_exposure_of_no_time(tmp_path):
-    outcome = go(tmp_path, Scripted(withdraw_at_s=0.5))
-    assert (outcome.status, outcome.note) == ("withdrawn", "had enough")
-    (trial,) = rows(tmp_path, "trials.csv")
-    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
-        "withdrawn",
-        "participant",
-        "0",
-    )
-    assert trial["start_s"] == trial["end_s"]
-    assert {row["trial"] for row in rows(tmp_path, "frames.csv")} == {"0"}
-
-
 def test_ratings_carry_the_session_clock(tmp_path):
     class SlowClock(VirtualClock):
         """The machine takes three times as long as the display would."""
@@ -210,69 +142,6 @@ def test_ratings_carry_the_session_clock(tmp_path):
     first = ratings[0]
     assert float(first["onset_s"]) == pytest.approx(float(trial["start_s"]) + 3 * 3.0)
     assert float(first["latency_s"]) == pytest.approx(3 * 0.5)
-
-
-def test_somebody_who_withdrew_may_refuse_the_questionnaire(tmp_path):
-    go(tmp_path, Scripted(withdraw_at_s=4.0, refuses=True))
-    assert {row["timepoint"] for row in rows(tmp_path, "questionnaires.csv")} == {"baseline"}
-    assert status(tmp_path) == ("withdrawn", "session 1: had enough")
-    assert "questionnaire_refused" in [row["name"] for row in rows(tmp_path, "events.csv")]
-
-
-def test_withdrawing_at_a_question_keeps_the_answers_before(tmp_path):
-    go(tmp_path, Scripted(withdraw_at_item="sweating"))
-    post = [r for r in rows(tmp_path, "questionnaires.csv") if r["timepoint"] == "post"]
-    assert len(post) == 6
-    assert rows(tmp_path, "trials.csv")[0]["status"] == "completed"
-    assert status(tmp_path)[0] == "withdrawn"
-
-
-@pytest.mark.parametrize(
-    ("headset", "respondent", "trials", "frames"),
-    [
-        (lambda: AheadHeadset(interrupt_at=30), Scripted(), 1, 30),
-        (lambda: AheadHeadset(interrupt_at=5), Scripted(), 1, 5),
-        (AheadHeadset, Scripted(interrupt_at_item="nausea"), 1, 110),
-    ],
-)
-def test_control_c_keeps_everything(tmp_path, headset, respondent, trials, frames):
-    outcome = go(tmp_path, respondent, headset=headset)
-    assert outcome.status == "aborted"
-    assert len(rows(tmp_path, "trials.csv")) == trials
-    assert len(rows(tmp_path, "frames.csv")) == frames
-    assert manifest(tmp_path)["status"] == "aborted"
-    assert status(tmp_path) == ("enrolled", "session 1 aborted")
-    if headset is not AheadHeadset:
-        (trial,) = rows(tmp_path, "trials.csv")
-        assert (trial["status"], trial["abort_code"]) == ("aborted", "operator")
-
-
-def test_an_error_while_drawing_leaves_an_aborted_trial(tmp_path):
-    class Broken(LateFocus):
-        def render(self, frame, scene_time_s):
-            if frame.index == 20:
-                raise InputError("the scene broke")
-            return super().render(frame, scene_time_s)
-
-    with pytest.raises(InputError, match="the scene broke"):
-        go(tmp_path, Scripted(), renderer=Broken())
-    (trial,) = rows(tmp_path, "trials.csv")
-    assert (trial["status"], trial["abort_code"], trial["frames"]) == ("aborted", "error", "10")
-    assert manifest(tmp_path)["status"] == "aborted"
-
-
-def test_a_headset_that_ends_in_an_exposure_leaves_a_session_to_resume(tmp_path):
-    with pytest.raises(RuntimeLostError, match="in the middle of an exposure"):
-        go(tmp_path, Scripted(), headset=lambda: AheadHeadset(frames_left=50), sessions=[1])
-    (trial,) = rows(tmp_path, "trials.csv")
-    assert (trial["status"], trial["abort_code"], trial["frames"]) == (
-        "aborted",
-        "headset_ended",
-        "40",
-    )
-    assert manifest(tmp_path)["status"] == "aborted"
-    assert go(tmp_path, Scripted(), sessions=[1], resume=True).sessions == (1,)
-    assert manifest(tmp_path)["status"] == "completed"
 
 
 def test_a_shortened_exposure_is_recorded_and_felt_in_full(tmp_path):
@@ -335,7 +204,7 @@ def test_dropped_frames_are_counted(tmp_path):
             log.add(shown, None, trial=1, session_s=0.0)
         log.finish()
     assert (log.frames, log.dropped) == (5, 1)
-    found = read_rows(recorder.folder / "frames.csv").rows
+    found = read_rows(recorder.folder / "frames.csv")
     assert [row["dropped"] for row in found] == ["0", "0", "0", "1", "0"]
 
 

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from resume_parts import attempts, go, manifest, rows
-from study_parts import PROTOCOL, AheadHeadset, LateFocus, Picture, frame, tiny_protocol
+from study_parts import PROTOCOL, AheadHeadset, LateFocus, Picture, frame, read_rows, tiny_protocol
 
 from vrcomfort.errors import InputError
-from vrcomfort.records import Recorder, read_participants, read_rows
+from vrcomfort.records import Recorder, read_participants
 from vrcomfort.render.gpu_timer import GpuTime
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.timing import Durations
@@ -100,7 +100,7 @@ def test_each_frame_gets_its_own_gpu_time(tmp_path):
             shown = replace(frame(index), discontinuity=index == 0)
             log.add(shown, renderer.render(shown, 0.0), trial=1, session_s=index / 10)
         log.finish(renderer.drain(), renderer.waiting)
-    found = read_rows(recorder.folder / "frames.csv").rows
+    found = read_rows(recorder.folder / "frames.csv")
     assert [float(row["gpu_ms"]) for row in found] == [1.0 + index for index in range(30)]
     assert {row["focus_m"] for row in found} == {"2.5"}
     assert log.timing.gpu.percentile_ms(50) == 15.0

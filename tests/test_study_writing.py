@@ -7,11 +7,11 @@ import threading
 from pathlib import Path
 
 import pytest
-from study_parts import frame
+from study_parts import frame, read_rows
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze
-from vrcomfort.records import EventRow, FrameRow, GazeRow, RatingRow, Recorder, TrialRow, read_rows
+from vrcomfort.records import EventRow, FrameRow, GazeRow, RatingRow, Recorder, TrialRow
 
 TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
 
@@ -26,7 +26,7 @@ def frame_row(index: int) -> FrameRow:
 
 
 def seconds(folder: Path) -> list[float]:
-    return [float(row["session_s"]) for row in read_rows(folder / "frames.csv").rows]
+    return [float(row["session_s"]) for row in read_rows(folder / "frames.csv")]
 
 
 class StuckDisk:
@@ -70,15 +70,15 @@ def test_a_stuck_disk_stops_no_frame_and_what_is_left_out_is_told(tmp_path):
     kept = seconds(recorder.folder)
     assert len(kept) == 401 - lost
     assert kept == sorted(kept)
-    seen = read_rows(recorder.folder / "gaze.csv").rows  # a frame and its gaze go together
+    seen = read_rows(recorder.folder / "gaze.csv")  # a frame and its gaze go together
     assert [float(row["session_s"]) for row in seen] == kept
-    gaps = read_rows(recorder.folder / "events.csv").rows
+    gaps = read_rows(recorder.folder / "events.csv")
     assert {gap["name"] for gap in gaps} == {"frames_not_recorded"}
     assert sum(int(gap["detail"].split()[0]) for gap in gaps) == lost
     last_s = float(gaps[-1]["onset_s"]) + float(gaps[-1]["duration_s"])
     assert last_s == pytest.approx(max({index / 10 for index in range(401)} - set(kept)))
     for name in ("ratings", "trials"):
-        assert len(read_rows(recorder.folder / f"{name}.csv").rows) == 1
+        assert len(read_rows(recorder.folder / f"{name}.csv")) == 1
 
 
 def full(recorder: Recorder, name: str) -> None:
@@ -94,7 +94,7 @@ def test_a_disk_that_refused_a_frame_is_told_by_the_next_call_and_takes_other_ro
         recorder.write(TRIAL, EventRow(0.0, 0.0, "end"))
     recorder.close()
     for name in ("trials", "events"):
-        assert len(read_rows(recorder.folder / f"{name}.csv").rows) == 1
+        assert len(read_rows(recorder.folder / f"{name}.csv")) == 1
 
 
 def test_the_last_row_is_not_refused_in_silence(tmp_path):

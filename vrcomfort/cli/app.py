@@ -5,9 +5,10 @@ from __future__ import annotations
 import errno
 import os
 import sys
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
@@ -36,7 +37,23 @@ FAULTS_OF_THE_MACHINE = {
     errno.ENOENT: "this file or folder does not exist",
 }
 
+
+class OneSentence(TyperGroup):
+    """Tells a value that an option or argument cannot take like all other bad input."""
+
+    def invoke(self, ctx: Any) -> Any:  # typer keeps its type of context to itself
+        """Run the command whose values `ctx` holds."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            words = " ".join(error.format_message().split()).rstrip(".")
+            command = ctx.command_path if error.ctx is None else error.ctx.command_path
+            sentence = f"{words[0].lower()}{words[1:]}; see {command} --help"
+            raise InputError(sentence) from error
+
+
 app = typer.Typer(
+    cls=OneSentence,
     name="vrcomfort",
     help="Comfort experiments for stereo head-mounted displays: run, play back, report.",
     no_args_is_help=True,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from vrcomfort.cli.live import LiveLab, open_window
-from vrcomfort.cli.wiring import describe_machine, require_eye_tracker
+from vrcomfort.cli.wiring import describe_machine
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -42,7 +42,6 @@ def desktop_lab(
         from vrcomfort.session.panel_screen import PanelScreen
 
         headset = DesktopHeadset(ctx, window, settings)
-        require_eye_tracker(protocol, headset.details)
         renderer = StereoRenderer(ctx, settings.image_size_px, eyes=settings.columns)
         owned.callback(renderer.release)
         machine = replace(

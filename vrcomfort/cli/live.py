@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from typing import Protocol as Shape
 
 from vrcomfort.cli.bindings import require_bindings
-from vrcomfort.cli.wiring import describe_machine, open_trace, require_eye_tracker
+from vrcomfort.cli.wiring import describe_machine, open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.settings_file import read_text
@@ -64,23 +64,65 @@ class LiveLab:
 
 
 @contextmanager
+def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | None]:
+    """Start a Monado runtime of our own where there is a trace; it is the active one meanwhile.
+
+    Parameters
+    ----------
+    trace
+        What its head follows: one sample per frame.
+    answers
+        What its controllers answer: whole numbers, in the order of the questions.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be used, or there is no Monado.
+    """
+    if trace is None:
+        if answers is not None:
+            raise InputError("--monado-answers needs --monado-trace, the trace of the head")
+        yield None
+        return
+    from vrcomfort.headset.monado import Monado
+    from vrcomfort.session.rehearsal import Rehearsal
+
+    head_trace = open_trace(trace)
+    script = _read_answers(answers) if answers else []
+    with Monado() as monado, monado.feed() as feed:
+        heads = map(head_trace.head.pose, cycle(range(len(head_trace))))
+        yield Rehearsal(feed, heads, iter(script))
+
+
+def tracks_eyes() -> bool:
+    """Ask the active OpenXR runtime whether its headset has an eye tracker.
+
+    Raises
+    ------
+    InputError
+        If there is no runtime, or no headset; says what to do.
+    """
+    require_bindings()
+    from vrcomfort.headset.openxr.survey import find_headset
+
+    return find_headset().gaze
+
+
+@contextmanager
 def live_lab(
     protocol: Protocol,
     *,
     size_px: tuple[int, int] | None = None,
     refresh_hz: float | None = None,
-    monado_trace: Path | None = None,
-    answers: Path | None = None,
+    rehearsal: Rehearsal | None = None,
     mirror: bool = False,
 ) -> Iterator[LiveLab]:
     """Connect to the active OpenXR runtime; everything is released at the end.
 
     Parameters
     ----------
-    monado_trace
-        Start a Monado runtime, and let its head follow this trace: one sample per frame.
-    answers
-        What its controllers answer: whole numbers, in the order of the questions.
+    rehearsal
+        Who moves the head and answers, where no person does.
     mirror
         Show the operator what the participant sees.
 
@@ -96,7 +138,6 @@ def live_lab(
     from vrcomfort.session.panel_screen import PanelScreen
 
     with ExitStack() as owned:
-        rehearsal = _rehearse(owned, monado_trace, answers)
         if mirror:
             window, ctx = open_mirror(owned)
         else:
@@ -111,7 +152,6 @@ def live_lab(
         headset = owned.enter_context(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
-        require_eye_tracker(protocol, headset.details)
         screen = PanelScreen(headset)
         renderer = StereoRenderer(
             ctx,
@@ -154,22 +194,6 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     from vrcomfort.headset.mirror import Mirror
 
     return Mirror(ctx, window), ctx
-
-
-def _rehearse(owned: ExitStack, trace: Path | None, answers: Path | None) -> Rehearsal | None:
-    if trace is None:
-        if answers is not None:
-            raise InputError("--monado-answers needs --monado-trace, the trace of the head")
-        return None
-    from vrcomfort.headset.monado import Monado
-    from vrcomfort.session.rehearsal import Rehearsal
-
-    head_trace = open_trace(trace)
-    script = _read_answers(answers) if answers else []
-    monado = owned.enter_context(Monado())
-    feed = owned.enter_context(monado.feed())
-    heads = map(head_trace.head.pose, cycle(range(len(head_trace))))
-    return Rehearsal(feed, heads, iter(script))
 
 
 def _read_answers(path: Path) -> list[int]:

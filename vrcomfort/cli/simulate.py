@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from vrcomfort.cli import EXIT_INTERRUPTED
+from vrcomfort.cli.begun_with import BegunWith
 from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
     ExposureOption,
@@ -50,7 +51,7 @@ def simulate(
     """Take simulated participants through all their sessions, every frame rendered.
 
     Where it was stopped, the same command goes on: what is recorded stays, and an interrupted
-    session continues at its next exposure.
+    session continues at its next exposure. One with other options is refused.
 
     - `vrcomfort simulate smoke --participants 4 --out my_study`
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
@@ -88,7 +89,8 @@ def simulate_study(
     Raises
     ------
     InputError
-        If none is left, a person was in one, or the folder holds another study.
+        If none is left, a person was in one, one was begun with other options, or the folder
+        holds another study.
     """
     from vrcomfort.design import build_design
     from vrcomfort.records import open_study
@@ -99,9 +101,11 @@ def simulate_study(
     outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
+    now = BegunWith(protocol, playback, exposure_s)
+    ends = {name: now.ends(out, name) for name in _names(out, participants)}
     with progress_bar("participants", participants, quiet=quiet) as advance:
-        for name in _names(out, participants):
-            if not _is_over(out, name, sessions):
+        for name, ended in ends.items():
+            if not _is_over(out, name, ended, sessions):
                 outcomes.append(_simulate_one(lab, out, name))
             advance()
             if outcomes and outcomes[-1].status == "aborted":
@@ -129,35 +133,15 @@ def _simulate_one(lab: StudyLab, study: Path, name: str) -> Outcome:
         return lab.run(place, kind, lambda _: None)
 
 
-def _is_over(study: Path, name: str, sessions: int) -> bool:
-    """Return whether a participant has nothing left to simulate, and see that the study says so.
-
-    Raises
-    ------
-    InputError
-        If a person was in one of the sessions.
-    """
+def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:
+    """Return whether a participant has nothing left to simulate, and see that the study says so."""
     from vrcomfort.records import read_participants, set_status
 
     known = {row.participant: row.status for row in read_participants(study)}.get(name)
     if known in {"withdrawn", "excluded"}:
         return True
-    ends = _simulated_ends(study, name)
-    withdrew = "withdrawn" in ends
-    over = withdrew or ends.count("completed") == sessions
+    withdrew = "withdrawn" in ended
+    over = withdrew or ended.count("completed") == sessions
     if over and known == "enrolled":  # the program was killed before it could write this
         set_status(study, name, "withdrawn" if withdrew else "completed")
     return over
-
-
-def _simulated_ends(study: Path, name: str) -> list[str]:
-    """Return how each recorded session of a participant ended."""
-    from vrcomfort.records import read_manifest, recorded_sessions, session_folder
-
-    folders = [session_folder(study, name, each) for each in recorded_sessions(study, name)]
-    manifests = {folder: read_manifest(folder) for folder in folders}
-    for folder, manifest in manifests.items():
-        if (respondent := manifest.get("respondent")) != RespondentKind.SIMULATED:
-            message = f"this session was begun with --respondent {respondent}"
-            raise InputError(f"{message}; choose another --out for simulations", file=folder)
-    return [str(manifest.get("status")) for manifest in manifests.values()]

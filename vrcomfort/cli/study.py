@@ -12,7 +12,7 @@ from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.desktop import desktop_lab
 from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning, usual_respondent
 from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
-from vrcomfort.cli.live import live_lab
+from vrcomfort.cli.live import live_lab, rehearse, tracks_eyes
 from vrcomfort.cli.terminal import (
     ExposureOption,
     ProtocolArgument,
@@ -26,13 +26,19 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
+from vrcomfort.cli.wiring import (
+    PlaybackIn,
+    open_trace,
+    require_eye_tracker,
+    require_recorded_gaze,
+)
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.live import LiveLab
     from vrcomfort.session import Outcome
+    from vrcomfort.session.rehearsal import Rehearsal
 
 EXIT_RUNTIME_LOST = 3
 
@@ -109,13 +115,13 @@ def run(
         real_time=respondent is not RespondentKind.SIMULATED,
     )
     lab = StudyLab(study, out, playback, seed, exposure_s)
-    if headset is HeadsetKind.PLAYBACK:
-        require_recorded_gaze(study.conditions, playback.trace)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
+        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers))
+        _require_gaze(headset, study, playback)
         numbers = [session or next_session(out, participant)]
         place = owned.enter_context(lab.reserve(participant, numbers, kind, resume=resume))
-        live = _connect(owned, headset, study, size_px, options)
+        live = _connect(owned, headset, study, size_px, options, rehearsal)
         bars = owned.enter_context(SessionBars(quiet))
         try:
             outcome = lab.run(place, kind, bars.tell, live)
@@ -125,20 +131,29 @@ def run(
     _tell(outcome, out, quiet)
 
 
+def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackIn) -> None:
+    """Refuse a protocol whose focus needs to know where the eyes look, and cannot."""
+    if headset is HeadsetKind.PLAYBACK:
+        require_recorded_gaze(protocol.conditions, playback.trace)
+    else:
+        openxr = headset is HeadsetKind.OPENXR
+        require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+
 def _connect(
     owned: ExitStack,
     headset: HeadsetKind,
     protocol: Protocol,
     size_px: tuple[int, int] | None,
     options: dict[str, Any],
+    rehearsal: Rehearsal | None,
 ) -> LiveLab | None:
     if headset is HeadsetKind.OPENXR:
         lab = live_lab(
             protocol,
             size_px=size_px,
             refresh_hz=options["--refresh-hz"],
-            monado_trace=options["--monado-trace"],
-            answers=options["--monado-answers"],
+            rehearsal=rehearsal,
             mirror=options["--mirror"],
         )
         return owned.enter_context(lab)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur, Proto
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
+    from vrcomfort.geometry import Pose
     from vrcomfort.headset.playback import PlaybackHeadset
     from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Machine
@@ -59,21 +60,27 @@ class PlaybackIn:
 
     def __call__(self, scene_name: str, scene: Scene) -> PlaybackHeadset:
         """Return the headset, at the start of its trace in `scene`."""
+        if self._headset is None:
+            self._headset = self.standing_in(scene_name, scene.spawn)
+        else:
+            self._headset.place(self._trace(scene_name), spawn=scene.spawn)
+        return self._headset
+
+    def standing_in(self, scene_name: str, spawn: Pose | None = None) -> PlaybackHeadset:
+        """Return a new headset, as it is at the start of a session that begins in this scene."""
         from vrcomfort.headset.playback import PlaybackHeadset
 
-        trace = self.trace or shipped_walk(scene_name)
-        if self._headset is None:
-            self._headset = PlaybackHeadset(
-                trace,
-                image_size_px=self.size_px,
-                refresh_hz=self.refresh_hz,
-                ipd_m=self.ipd_m,
-                spawn=scene.spawn,
-                real_time=self.real_time,
-            )
-        else:
-            self._headset.place(trace, spawn=scene.spawn)
-        return self._headset
+        return PlaybackHeadset(
+            self._trace(scene_name),
+            image_size_px=self.size_px,
+            refresh_hz=self.refresh_hz,
+            ipd_m=self.ipd_m,
+            spawn=spawn,
+            real_time=self.real_time,
+        )
+
+    def _trace(self, scene_name: str) -> Trace:
+        return self.trace or shipped_walk(scene_name)
 
 
 def shipped_walk(scene_name: str) -> Trace:
@@ -142,21 +149,21 @@ def pick_condition(
     return study, study.condition(condition)
 
 
-def require_eye_tracker(protocol: Protocol, details: Mapping[str, str]) -> None:
+def require_eye_tracker(conditions: Iterable[Condition], has_one: Callable[[], bool]) -> None:
     """Refuse a headset without an eye tracker where a condition needs one.
 
     Parameters
     ----------
-    details
-        The headset's own; ``eye_tracker`` is "yes" where it has one.
+    has_one
+        Asks the headset; called only where it matters.
 
     Raises
     ------
     InputError
-        Before anybody is asked anything; says what to do.
+        Before anything is written; says what to do.
     """
-    if details.get("eye_tracker") != "yes":
-        _refuse_gaze(protocol.conditions, "this headset has no eye tracker; use one that has")
+    if (needing := _led_by_gaze(conditions)) and not has_one():
+        raise _without_gaze(needing, "this headset has no eye tracker; use one that has")
 
 
 def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) -> None:
@@ -172,24 +179,28 @@ def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) 
     InputError
         Before anything is written; says what to do.
     """
-    if trace is None or trace.gaze is None:
+    needing = _led_by_gaze(conditions)
+    if needing and (trace is None or trace.gaze is None):
         remedy = "give a frames.csv that has its gaze.csv beside it"
-        _refuse_gaze(conditions, f"what is played back has no gaze; {remedy}")
+        raise _without_gaze(needing, f"what is played back has no gaze; {remedy}")
 
 
-def _refuse_gaze(conditions: Iterable[Condition], why: str) -> None:
-    needing = [
+def _led_by_gaze(conditions: Iterable[Condition]) -> list[str]:
+    """Return the names of the conditions that cannot be shown without gaze."""
+    return [
         condition.name
         for condition in conditions
         if condition.depth_of_field is not None
         and condition.focus.method == "gaze"
         and condition.focus.without_gaze == "stop"
     ]
-    if needing:
-        raise InputError(
-            f"focus follows the gaze in {', '.join(needing)}, and {why}, "
-            'or write without_gaze = "nine_ray" under [conditions.focus]'
-        )
+
+
+def _without_gaze(needing: list[str], why: str) -> InputError:
+    return InputError(
+        f"focus follows the gaze in {', '.join(needing)}, and {why}, "
+        'or write without_gaze = "nine_ray" under [conditions.focus]'
+    )
 
 
 def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:

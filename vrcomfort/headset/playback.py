@@ -116,8 +116,9 @@ class PlaybackHeadset:
 
     @property
     def details(self) -> dict[str, str]:
-        """Return nothing more: the trace and the settings say it all."""
-        return {}
+        """Return which trace it plays, where that was read from a file."""
+        sha256 = self._trace.sha256
+        return {} if sha256 is None else {"trace_sha256": sha256}
 
     @property
     def ipd_m(self) -> float:

@@ -7,8 +7,9 @@ head are required, the rest is optional and further columns are ignored.
 from __future__ import annotations
 
 import csv
+import hashlib
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import Literal
@@ -71,6 +72,8 @@ class Trace:
         What an eye tracker saw, or None.
     warnings
         What was left out while reading.
+    sha256
+        Of the file that it, or more than it, was read from; None where it is of no file.
     """
 
     time_ns: Times
@@ -83,6 +86,7 @@ class Trace:
     trial: tuple[str, ...] | None = None
     gaze: GazeTrack | None = None
     warnings: tuple[str, ...] = ()
+    sha256: str | None = field(default=None, repr=False)
 
     def __len__(self) -> int:
         return len(self.time_ns)
@@ -154,6 +158,7 @@ def read_trace(path: str | Path) -> Trace:
         trial=trial,
         gaze=_gaze_beside(table.file),
         warnings=table.warnings,
+        sha256=hashlib.sha256(table.file.read_bytes()).hexdigest(),
     )
 
 

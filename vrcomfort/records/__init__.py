@@ -1,9 +1,8 @@
-"""What a study leaves on disk: row types (their fields are the CSV columns), recorder, reader."""
+"""What a study leaves on disk: row types (their fields are the CSV columns), recorder."""
 
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
-from vrcomfort.records.reader import Rows, read_rows
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.rows import (
     EventRow,
@@ -38,7 +37,6 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
-    "Rows",
     "TimingRow",
     "TrialRow",
     "completed_sessions",
@@ -50,7 +48,6 @@ __all__ = [
     "overwriting",
     "read_manifest",
     "read_participants",
-    "read_rows",
     "recorded_sessions",
     "session_folder",
     "set_status",

@@ -10,12 +10,12 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.reader import read_rows
 from vrcomfort.records.recorder import csv_line, is_begun, replace_text, session_folder
 from vrcomfort.records.rows import ParticipantRow, cell_text
 
@@ -103,15 +103,15 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     file = study / ParticipantRow.FILE
     if not file.exists():
         return []
-    found = read_rows(file)
+    found = CsvTable.read(file, appended=True)
     if found.warnings:  # going on would enrol somebody twice
         last = len(found.rows) + 2
         message = "this row is half-written; complete it, with a line end, or remove it"
         raise InputError(message, file=file, line=last)
-    if found.rows and set(found.columns) != set(ParticipantRow.columns()):
+    if found.rows and set(found.header) != set(ParticipantRow.columns()):
         columns = ", ".join(ParticipantRow.columns())
         raise InputError(f"the columns must be {columns}", file=file, line=1)
-    return [ParticipantRow(**row) for row in found.rows]
+    return [ParticipantRow(**row) for row in found.dicts()]
 
 
 def enrolled(study: Path, participant: str) -> ParticipantRow | None:

@@ -1,6 +1,7 @@
 """Sessions: one participant, one headset, one order, and everything written as it happens."""
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
+from vrcomfort.session.ledger import headset_facts
 from vrcomfort.session.parts import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
 from vrcomfort.session.reserve import Reservation, reserve
 from vrcomfort.session.run import run
@@ -17,6 +18,7 @@ __all__ = [
     "Reservation",
     "VirtualClock",
     "WallClock",
+    "headset_facts",
     "reserve",
     "run",
 ]

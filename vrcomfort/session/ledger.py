@@ -75,13 +75,7 @@ class Ledger:
         def note(name: str, scene: Any) -> Headset:
             headset = headset_for(name, scene)
             if not self._manifest.headset:
-                self._manifest.headset = {
-                    "name": headset.name,
-                    "refresh_hz": headset.refresh_hz,
-                    "image_size_px": list(headset.image_size_px),
-                    **headset.details,
-                    "ipd_m": ipd_m,
-                }
+                self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
                 self._write()
             return headset
 
@@ -89,6 +83,16 @@ class Ledger:
 
     def _write(self) -> None:
         self._manifest.write(self._recorder.folder)
+
+
+def headset_facts(headset: Headset) -> dict[str, Any]:
+    """Return what a headset says of itself."""
+    return {
+        "name": headset.name,
+        "refresh_hz": headset.refresh_hz,
+        "image_size_px": list(headset.image_size_px),
+        **headset.details,
+    }
 
 
 def limits(protocol: StudyProtocol) -> list[str]:
