@@ -91,7 +91,6 @@ void main() {
 #ifdef ALPHA_MASK
     // Steepen alpha to one pixel's width around the cut-off, so that an edge covers by its area.
     coverage = clamp((albedo.a - reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
-    if (coverage <= 0.0) discard;
 #endif
 #ifdef ALPHA_BLEND
     coverage = albedo.a;
@@ -154,10 +153,15 @@ void main() {
     sum = mix(sum, vec3(0.0), isnan(sum));
     radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
 #ifdef VELOCITY
-    // At sample 0, the one that is kept: there the triangle is, at the pixel's centre it may not be.
+    // At a sample, where a triangle is: at the pixel's centre it need not be. One that misses sample 0
+    // and covers others is continued there by less than a pixel.
     vec4 now = interpolateAtSample(present_clip, 0);
     vec4 before = interpolateAtSample(previous_clip, 0);
     // Mesa 22 divides both by the 1/w of the centre, which may lie beyond the horizon: w < 0.
     velocity = velocity_px(now * sign(now.w), before * sign(now.w), image_size_px.xy);
+#endif
+#ifdef ALPHA_MASK
+    if (coverage <= 0.0)
+        discard;  // at last: derivatives and filtered reads need all four pixels of a block
 #endif
 }

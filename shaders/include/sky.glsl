@@ -43,7 +43,8 @@ float cloud_density(vec3 direction, float cover) {
 
 // Gradient only: what reflects in rough surfaces.
 vec3 sky_gradient(vec3 direction) {
-    float thickness = pow(1.0 - max(direction.y, 0.0), 4.0);
+    // A unit vector may be rounded to be longer: the power of a negative number is undefined.
+    float thickness = pow(clamp(1.0 - direction.y, 0.0, 1.0), 4.0);
     vec3 above = mix(sky_zenith.rgb, sky_horizon.rgb, thickness);
     return mix(above, ground.rgb, smoothstep(0.0, 0.12, -direction.y));
 }

@@ -29,7 +29,7 @@ class ScenePass:
     velocity
         Also make `velocity`: pixels per frame, now minus before, +x right and +y up.
     samples
-        Per pixel; colour is their mean, depth and velocity are those of the first.
+        Per pixel; colour is their mean, depth and velocity are those of the nearest.
     lens_law
         Compile the shaders for cameras with a `Lens` of this law of defocus.
     velocity_dtype
