@@ -1,9 +1,10 @@
 #version 450 core
-// Lets every tile know what may reach it: the same summary over those of the tiles around (within
-// REACH) whose discs come as far, or that its own discs reach.
+// Lets every tile know what may reach it: the same summary over those of the tiles around whose discs
+// come as far, or that its own discs reach.
 //
-// Input:  tiles of defocus_tiles.frag. Output: the same four numbers over the neighbourhood;
-//         b over the next tiles only. TILE: side of a tile (px); RADIUS in px of image width.
+// Input:  tiles (defocus_tiles.frag; where only r and g are read, also defocus_range.frag).
+// Output: the same four numbers over the neighbourhood; b over tiles from which small discs come.
+//         RADIUS in px of image width.
 #include "tile_reach.glsl"
 
 uniform sampler2D tiles;
@@ -22,8 +23,8 @@ void main() {
             int away = max(abs(x), abs(y));
             if (!matters(away, own, t))
                 continue;
-            if (away > 1)
-                t.b = 0.0;  // small discs reach no further
+            if (!comes(away, vec4(t.b)))
+                t.b = 0.0;
             reach = vec4(min(reach.r, t.r), max(reach.gb, t.gb), min(reach.a, t.a));
         }
 }

@@ -1,7 +1,7 @@
 #version 450 core
 // Which kinds of tiles lie around each tile, so near that their programs read it.
 //
-// Input:  reach (tap_reach.frag). REACH: tiles farther away than this read nothing here.
+// Input:  reach (tap_reach.frag).
 // Output: the same; a = all kinds around, the tile's own too (include/kinds.glsl).
 #include "tile_reach.glsl"
 

@@ -1,9 +1,9 @@
 #version 450 core
 // What may reach each tile, and the kind of work that it takes: the range of radii over the tiles
-// around (within REACH) whose discs come as far, or that its own discs reach.
+// around whose discs come as far, or that its own discs reach.
 //
-// Input:  tiles (defocus_range.frag). TILE: side of a tile (px). Radii (px) that divide the kinds:
-//         SLIGHT_PX, FEW_PX, WIDE_PX, WIDEST_PX, APART_PX. FINE_READS: whether there are programs for FINE.
+// Input:  tiles (defocus_range.frag). Radii (px) that divide the kinds: SLIGHT_PX, FEW_PX, WIDE_PX,
+//         WIDEST_PX, APART_PX. FINE_READS: whether there are programs for FINE.
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
 //         that may matter in the tile; b = kind (include/kinds.glsl).
 #include "kinds.glsl"

@@ -21,12 +21,12 @@ class Blurred(NamedTuple):
     limit_px: float
 
 
-def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, views=1):
+def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, **settings):
     """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
     colour, defocus = defocused(ctx, rgb, radius_px, limit_px=limit_px)
-    settings = DepthOfField(kernel=kernel, law="dioptre", views=views)
-    wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
+    wide = lens.model_copy(update={"max_radius_percent": 100 * limit_px / width})
     made = make_kernel(ctx, colour, defocus, wide)
     made.render(pixel_aspect)
     points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from effects_parts import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
+from kernel_parts import blur
 
 from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.protocol.conditions import DepthOfField
@@ -97,6 +98,19 @@ def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
     assert np.sqrt(np.mean((profile[:, 0] - covered)[50:78] ** 2)) <= rms
     np.testing.assert_allclose(profile.sum(axis=-1), 1, atol=2e-3)
     assert np.all(profile[:, 0][offset > 1.3 + 0.5 / radius_px] == 0)
+
+
+@pytest.mark.parametrize(("rings", "radius_px"), [(3, 4.5), (5, 6.5), (8, 9.5), (8, 16.0)])
+@pytest.mark.parametrize("aspect", [1.25, 2.5])
+def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(ctx, rings, radius_px, aspect):
+    """Its edge lies between two tiles; radii are widths, so that more rows than columns blur."""
+    near = np.arange(96)[:, None].repeat(64, axis=1) < 24
+    rgb = np.where(near[..., None], 1.0, [0.0, 0.0, 0.0])
+    settings = {"rings": rings, "pixel_aspect": aspect, "limit_px": radius_px}
+    found = blur(ctx, "vrcomfort", rgb, np.where(near, -radius_px, 0.0), **settings)
+    x = np.clip((np.arange(96) - 23.5) / (radius_px * aspect), -1, 1)
+    covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
+    np.testing.assert_allclose(found.rgb[24:, 32, 0], covered[24:], atol=0.03)
 
 
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])

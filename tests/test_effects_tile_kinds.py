@@ -5,7 +5,7 @@ import pytest
 from kernel_parts import defocused
 
 from vrcomfort.optics import tile_kinds
-from vrcomfort.optics.tile_kinds import Bounds, RingKind, TapKind
+from vrcomfort.optics.tile_kinds import Bounds, Grid, RingKind, TapKind
 from vrcomfort.render.kernels.tap_tiles import TapTiles
 from vrcomfort.render.kernels.tiles import READ_AROUND_PX, TileKinds
 
@@ -51,36 +51,37 @@ def read(texture, dtype="f2"):
     return np.frombuffer(texture.read(), dtype).reshape(height, width, -1).astype(np.float64)
 
 
-@pytest.mark.parametrize("limit_px", [13.0, 40.0])
-def test_tiles_of_rings_are_their_twin(ctx, limit_px):
+@pytest.mark.parametrize(("limit_px", "pixel_aspect"), [(13.0, 1.0), (13.0, 2.5), (40.0, 0.7)])
+def test_tiles_of_rings_are_their_twin(ctx, limit_px, pixel_aspect):
     seen = set()
     for defocus, ranges in images(ctx, limit_px):
         tiles = TileKinds(ctx, defocus, small_px=SMALL_PX)
-        tiles.render()
+        tiles.render(pixel_aspect)
         reach = read(tiles.reach)[..., :2]
-        twin = tile_kinds.may_reach(ranges, defocus.tile_px)
+        grid = Grid(defocus.tile_px, pixel_aspect)
+        twin = tile_kinds.may_reach(ranges, grid)
         np.testing.assert_allclose(reach, twin, rtol=HALF_FLOAT)
-        kinds = tile_kinds.ring_kinds(
-            reach, tile_px=defocus.tile_px, small_px=SMALL_PX, margin_px=READ_AROUND_PX
-        )
+        around = grid._replace(margin_px=READ_AROUND_PX)
+        kinds = tile_kinds.ring_kinds(reach, around, small_px=SMALL_PX)
         np.testing.assert_array_equal(read(tiles.kinds)[..., 0], kinds)
         seen |= {kind for kind in RingKind if np.any(kinds & kind)}
     assert seen == set(RingKind)
 
 
 @pytest.mark.parametrize("bounds", [BOUNDS, FADED])
-@pytest.mark.parametrize("limit_px", [13.0, 40.0])
-def test_tiles_of_taps_are_their_twin(ctx, limit_px, bounds):
+@pytest.mark.parametrize(("limit_px", "pixel_aspect"), [(13.0, 1.0), (13.0, 2.5), (40.0, 0.7)])
+def test_tiles_of_taps_are_their_twin(ctx, limit_px, pixel_aspect, bounds):
     seen = set()
     for defocus, ranges in images(ctx, limit_px):
         tiles = TapTiles(ctx, defocus, bounds)
-        tiles.render()
+        tiles.render(pixel_aspect)
         found = read(tiles.kinds)
-        reach = tile_kinds.may_reach(ranges, defocus.tile_px)
+        grid = Grid(defocus.tile_px, pixel_aspect)
+        reach = tile_kinds.may_reach(ranges, grid)
         kinds = tile_kinds.tap_kinds(reach, bounds)
         np.testing.assert_allclose(found[..., :2], reach, rtol=HALF_FLOAT)
         np.testing.assert_array_equal(found[..., 2], kinds)
-        around = tile_kinds.tap_kinds_around(found[..., :2], kinds, defocus.tile_px)
+        around = tile_kinds.tap_kinds_around(found[..., :2], kinds, grid)
         np.testing.assert_array_equal(found[..., 3], around)
         seen |= {kind for kind in TapKind if np.any(kinds == kind)}
     unused = {TapKind.FINE, TapKind.APART} if bounds is FADED else set()

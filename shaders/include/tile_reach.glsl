@@ -1,10 +1,11 @@
-// How far the discs of a tile reach. TILE: side of a tile (px); TALLEST: pixels are at most this much
-// taller than wide; MARGIN_PX: how much farther others may need something; REACH: tiles that this is,
-// at most. r, g of a tile are its least and greatest signed RADIUS, px of image width.
-// Twin: vrcomfort/optics/tile_kinds.py.
+// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger;
+// MARGIN_PX: how much farther others may need something. r, g of a tile are its least and greatest
+// signed RADIUS, px of image width. Twin: vrcomfort/optics/tile_kinds.py.
+
+uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
 float widest_px(vec4 tile) {
-    return TALLEST * max(abs(tile.r), abs(tile.g)) + 1.0 + float(MARGIN_PX);
+    return max(pixel_aspect, 1.0) * max(abs(tile.r), abs(tile.g)) + 1.0 + float(MARGIN_PX);
 }
 
 // Whether the discs of a tile come so many tiles far.
@@ -19,14 +20,13 @@ bool matters(int away, vec4 here, vec4 there) {
 
 // How many tiles away anything may matter.
 #ifdef WIDEST_SO_FAR
-uniform sampler2D widest_so_far;  // radius (px) without limit: no disc has been wider
+uniform sampler2D widest_so_far;  // radius (px) before its limit: no disc has been wider
+#endif
 
 int reach_now() {
-    float widest = widest_px(vec4(texelFetch(widest_so_far, ivec2(0), 0).r));
-    return int(min(floor(widest / float(TILE)) + 1.0, float(REACH)));
-}
-#else
-int reach_now() {
-    return REACH;
-}
+    float widest = LIMIT_PX;
+#ifdef WIDEST_SO_FAR
+    widest = min(widest, texelFetch(widest_so_far, ivec2(0), 0).r);
 #endif
+    return int(widest_px(vec4(widest)) / float(TILE)) + 1;
+}

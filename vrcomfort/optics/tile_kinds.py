@@ -19,9 +19,6 @@ from vrcomfort.optics import fronts
 
 Kinds: TypeAlias = NDArray[np.int_]
 
-TALLEST = 1.5
-"""In a headset pixels are at most this much taller than wide."""
-
 LEAST_WIDE_PX = 1.75
 """What is drawn at half resolution is as blurred as a disc of this radius, at least."""
 
@@ -63,21 +60,42 @@ class Bounds(NamedTuple):
     """Whether there is a program for what is alike, and neither few nor wide."""
 
 
-def may_reach(ranges: Array, tile_px: int) -> Array:
+class Grid(NamedTuple):
+    """How tiles lie in an image."""
+
+    tile_px: int
+    pixel_aspect: float = 1.0
+    """Image pixels per unit, vertical / horizontal."""
+    margin_px: float = 0.0
+    """How much farther than discs reach others may need something."""
+
+    def reach_px(self, ranges: Array) -> Array:
+        """Return the (rows, columns) pixels that discs of these ranges go, at most."""
+        tall = max(self.pixel_aspect, 1.0)
+        reach: Array = tall * np.abs(ranges).max(axis=-1) + 1 + self.margin_px
+        return reach
+
+    def comes(self, away: int, ranges: Array) -> NDArray[np.bool_]:
+        """Return, as (rows, columns), whether the discs of tiles come so many tiles far."""
+        comes: NDArray[np.bool_] = (away - 1) * self.tile_px <= self.reach_px(ranges)
+        return comes
+
+
+def may_reach(ranges: Array, grid: Grid) -> Array:
     """Return (rows, columns, 2), the range over all tiles that may matter in each.
 
     Those whose discs come as far, and those that the tile's own discs reach.
     """
     found = np.stack([np.full(ranges.shape[:2], np.inf), np.full(ranges.shape[:2], -np.inf)], -1)
-    for away, there in _around(ranges, tile_px, 0.0):
-        matters = _comes(away, ranges, tile_px, 0.0) | _comes(away, there, tile_px, 0.0)
+    for away, there in _around(ranges, grid):
+        matters = grid.comes(away, ranges) | grid.comes(away, there)
         least = np.minimum(found[..., 0], there[..., 0])
         greatest = np.maximum(found[..., 1], there[..., 1])
         found = np.where(matters[..., None], np.stack([least, greatest], axis=-1), found)
     return found
 
 
-def ring_kinds(reach: Array, *, tile_px: int, small_px: float, margin_px: float) -> Kinds:
+def ring_kinds(reach: Array, grid: Grid, *, small_px: float) -> Kinds:
     """Return (rows, columns) sums of `RingKind`.
 
     Parameters
@@ -85,21 +103,19 @@ def ring_kinds(reach: Array, *, tile_px: int, small_px: float, margin_px: float)
     reach
         Of :func:`may_reach`.
     small_px
-        Wider discs are drawn at half resolution.
-    margin_px
-        How much farther than discs reach half resolution is read.
+        Wider discs are drawn at half resolution, which is read beyond discs by the grid's margin.
     """
 
     def needs(away: int, there: Array) -> Kinds:
         kind = _drawn_with_rings(there, small_px)
         halved = np.isin(kind, (RingKind.WIDE, RingKind.LAYERED))
         points = np.where(kind == RingKind.COPIED, 0, RingKind.POINTS)
-        read = _comes(away, there, tile_px, margin_px)
+        read = grid.comes(away, there)
         found: Kinds = np.where(read, points | np.where(halved, RingKind.HALVES, 0), 0)
         return found | np.where(halved, RingKind.LAYERS, 0) if away <= 1 else found
 
     own = _drawn_with_rings(reach, small_px)
-    return own | _all_around(reach, tile_px, margin_px, needs)
+    return own | _all_around(reach, grid, needs)
 
 
 def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:
@@ -125,15 +141,15 @@ def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:
     return kinds
 
 
-def tap_kinds_around(reach: Array, kinds: Kinds, tile_px: int) -> Kinds:
+def tap_kinds_around(reach: Array, kinds: Kinds, grid: Grid) -> Kinds:
     """Return (rows, columns), the sums of kinds of all tiles that read from each."""
     ranges_and_kinds = np.concatenate([reach, kinds[..., None]], axis=-1)
 
     def reads(away: int, there: Array) -> Kinds:
-        comes = _comes(away, there[..., :2], tile_px, 0.0)
+        comes = grid.comes(away, there[..., :2])
         return np.where(comes, there[..., 2].astype(int), 0)
 
-    return _all_around(ranges_and_kinds, tile_px, 0.0, reads)
+    return _all_around(ranges_and_kinds, grid, reads)
 
 
 def _drawn_with_rings(reach: Array, small_px: float) -> Kinds:
@@ -146,33 +162,20 @@ def _drawn_with_rings(reach: Array, small_px: float) -> Kinds:
     return kinds
 
 
-def _all_around(
-    tiles: Array, tile_px: int, margin_px: float, found_in: Callable[[int, Array], Kinds]
-) -> Kinds:
+def _all_around(tiles: Array, grid: Grid, found_in: Callable[[int, Array], Kinds]) -> Kinds:
     """Return the bits that are found in any tile around, so many tiles away."""
     found = np.zeros(tiles.shape[:2], dtype=int)
-    for away, there in _around(tiles, tile_px, margin_px):
+    for away, there in _around(tiles, grid):
         found |= found_in(away, there)
     return found
 
 
-def _around(tiles: Array, tile_px: int, margin_px: float) -> Iterator[tuple[int, Array]]:
+def _around(tiles: Array, grid: Grid) -> Iterator[tuple[int, Array]]:
     """Yield how many tiles away, and the tiles there; beyond the edge those of the edge."""
-    far = int(_reach_px(tiles[..., :2], margin_px).max() // tile_px) + 1
+    far = int(grid.reach_px(tiles[..., :2]).max() // grid.tile_px) + 1
     rows, columns = tiles.shape[:2]
     for y in range(-far, far + 1):
         for x in range(-far, far + 1):
             row = np.clip(np.arange(rows) + y, 0, rows - 1)
             column = np.clip(np.arange(columns) + x, 0, columns - 1)
             yield max(abs(x), abs(y)), tiles[row[:, None], column]
-
-
-def _comes(away: int, ranges: Array, tile_px: int, margin_px: float) -> NDArray[np.bool_]:
-    comes: NDArray[np.bool_] = (away - 1) * tile_px <= _reach_px(ranges, margin_px)
-    return comes
-
-
-def _reach_px(ranges: Array, margin_px: float) -> Array:
-    """Return the (rows, columns) rows of pixels that discs of these ranges cover, at most."""
-    reach: Array = TALLEST * np.abs(ranges).max(axis=-1) + 1 + margin_px
-    return reach

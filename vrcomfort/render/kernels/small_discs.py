@@ -39,5 +39,5 @@ class SmallDiscsKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
-        self._reach.render()
+        self._reach.render(Aspect(pixel_aspect))
         self._trade.render(Aspect(pixel_aspect))

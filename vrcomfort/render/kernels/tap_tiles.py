@@ -6,6 +6,7 @@ import moderngl
 
 from vrcomfort.optics.tile_kinds import Bounds
 from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tile_passes import make_reach_pass
 
 OWN, AROUND = "b", "a"
@@ -25,10 +26,10 @@ class TapTiles:
         self.kinds = self._around.target
         """r, g: range of radii that may matter in the tile; kinds in `OWN` and `AROUND`."""
 
-    def render(self) -> None:
+    def render(self, pixel_aspect: float) -> None:
         """Sort the tiles of the last eye."""
-        self._reach.render()
-        self._around.render()
+        self._reach.render(Aspect(pixel_aspect))
+        self._around.render(Aspect(pixel_aspect))
 
 
 def _defines(bounds: Bounds) -> dict[str, float | str]:

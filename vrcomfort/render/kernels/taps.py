@@ -100,7 +100,7 @@ class TapsKernel:
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
         aspect, eye = (Aspect(pixel_aspect),), (self._defocus.now,)
-        self._kinds.render()
+        self._kinds.render(pixel_aspect)
         for drawn, lens, disc in self._steps:
             drawn.render(Together(*(eye if lens else ()), *(aspect if disc else ())))
 

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import moderngl
 
-from vrcomfort.optics.tile_kinds import TALLEST
 from vrcomfort.render import gl
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
@@ -39,7 +38,7 @@ def make_reach_pass(
 ) -> FullscreenPass:
     """Return a pass with a texel for each tile, which looks as far around as discs have reached.
 
-    The shader includes ``tile_reach.glsl`` and asks it for ``reach_now``.
+    The shader includes ``tile_reach.glsl``, asks it for ``reach_now``, and is drawn with `Aspect`.
 
     Parameters
     ----------
@@ -48,9 +47,8 @@ def make_reach_pass(
     """
     defines = {
         "TILE": defocus.tile_px,
-        "TALLEST": TALLEST,
+        "LIMIT_PX": float(defocus.limit_px),
         "MARGIN_PX": margin_px,
-        "REACH": max(1, ceil((TALLEST * defocus.limit_px + 1 + margin_px) / defocus.tile_px)),
         **(defines or {}),
     }
     if defocus.widest is not None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.render.defocus import Defocus
+from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tile_passes import make_reach_pass
 
 READ_AROUND_PX = 4
@@ -17,7 +18,7 @@ class TileKinds:
     Parameters
     ----------
     small_px
-        Discs up to this radius are told apart from wider ones; less than a tile.
+        Discs up to this radius are told apart from wider ones.
     """
 
     def __init__(self, ctx: moderngl.Context, defocus: Defocus, *, small_px: float) -> None:
@@ -45,8 +46,8 @@ class TileKinds:
         self.kinds = self._kinds.target
         """Bits of ``include/kinds.glsl``."""
 
-    def render(self) -> None:
+    def render(self, pixel_aspect: float) -> None:
         """Look at the image of the last eye."""
         self._tiles.render(self._defocus.now)
-        self._reach.render()
-        self._kinds.render()
+        self._reach.render(Aspect(pixel_aspect))
+        self._kinds.render(Aspect(pixel_aspect))

@@ -63,7 +63,7 @@ class VrcomfortKernel:
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
-        self._kinds.render()
+        self._kinds.render(pixel_aspect)
         self._points.render(self._defocus.now)
         for each in self._before:
             each.render()
