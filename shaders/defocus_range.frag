@@ -4,14 +4,16 @@
 // Input:  depth, focus (include/defocus.glsl). TILE: side of a tile in pixels, even.
 // Output: one texel per tile; signed RADIUS in pixels of image width, negative in front of the focus:
 //         r, g = least and greatest within the limit, with peripheral blur;
-//         b = largest |RADIUS| before the limit, peripheral blur left out, for the record.
+//         b = largest |RADIUS| before the limit, for the record.
 //         It grows away from the focus, so that the nearest or the farthest point has the largest;
-//         for b, a tile of a canted eye counts as being where its middle is.
+//         for b, a tile counts as being where its middle is.
 // Source: defocus.frag.
 #include "coc.glsl"
 #include "defocus.glsl"
 
 out vec4 range;
+
+const float NO_LIMIT_PX = 1e9;
 
 // Least and greatest reverse-Z depth of the pixels from `first` to `last`.
 vec2 depth_range(ivec2 first, ivec2 last, vec2 size) {
@@ -37,5 +39,6 @@ void main() {
         range.g = max(range.g, radius_at(z.x, corner / size));
     }
     vec2 middle = 0.5 * vec2(first + last + 1) / size;
-    range.b = max(abs(unlimited_radius_at(z.x, middle)), abs(unlimited_radius_at(z.y, middle)));
+    range.b = max(abs(radius_within(NO_LIMIT_PX, z.x, middle)),
+                  abs(radius_within(NO_LIMIT_PX, z.y, middle)));
 }

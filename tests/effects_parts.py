@@ -5,6 +5,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
 from vrcomfort.render import gl
+from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.motion_blur import MotionBlurPass
 
@@ -22,6 +23,17 @@ def textures(ctx, rgb, distance_m, near_m=NEAR_M):
     with np.errstate(divide="ignore"):
         depth.write((near_m / distance).astype("f4").tobytes())
     return colour, depth
+
+
+def defocus_of(ctx, settings, distance_m, focus_m, size_px):
+    """Return what finds the radii of (h, w) distances, before its first frame."""
+    width, height = size_px
+    colour, depth = textures(ctx, np.zeros((height, width, 3)), distance_m)
+    focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
+    return Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
+        infinity_m=3e4,
+    )  # fmt: skip
 
 
 def rgb_of(texture):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from effects_parts import square_pixels, textures
+from effects_parts import defocus_of, square_pixels, textures
 from hypothesis import given
 from hypothesis import strategies as st
 from render_parts import at, eye, glowing, scene, wall
@@ -130,12 +130,8 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
     distance = np.exp(np.random.default_rng(5).uniform(-1, 5, size_px[::-1]))
     distance[:16] = np.inf
     distance[16:32] = 2.0
-    colour, depth = textures(ctx, np.zeros((45, 61, 3)), distance)
-    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
-    effect = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, size_px=size_px, infinity_m=3e4,
-        settings=DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name]),
-    )  # fmt: skip
+    settings = DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name])
+    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
     turned = Pose(np.array([0.03, 0.0, -0.01]), axis_angle([0.0, 1.0, 0.0], 0.2))
     effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
     radii = np.frombuffer(effect.points.read(), "f2").reshape(45, 61, 4)[..., 3].astype(float)
@@ -158,12 +154,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     assert lens_radius.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
         np.tan(np.radians(1.0)) * focal_px
     )
-    colour, depth = textures(ctx, np.zeros((48, 64, 3)), np.inf)
-    focus = ctx.texture((1, 1), 4, np.full(4, 1.0, "f4").tobytes(), dtype="f4")
-    effect = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
-        infinity_m=3e4,
-    )  # fmt: skip
+    effect = defocus_of(ctx, settings, np.inf, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
@@ -181,6 +172,24 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     effect.render(fov=Fov(-0.2, 0.2, 0.15, -0.15), near_m=NEAR_M, head_from_eye=Pose())
     narrow_px = np.tan(np.radians(1.0)) * 32 / np.tan(0.2)
     assert effect.clamps()[0].endswith(f"limited to {narrow_px:.1f} px")
+
+
+@pytest.mark.parametrize("law", ["linear", "dioptre"])
+def test_the_smaller_of_both_limits_is_what_full_blur_reaches(ctx, law):
+    """At half of the defocus that is full blur, half of r_max, however r_max is given."""
+    size_px = (64, 48)
+    focal_px = focal_length_px(square_pixels(size_px), size_px)[0]
+    settings = DepthOfField(
+        law=law,
+        full_blur_m=2.0,
+        full_blur_dioptre=1.0,
+        max_radius_percent=10,
+        max_diameter_arcmin=120.0,
+    )
+    effect = defocus_of(ctx, settings, 2.0, 1.0, size_px)
+    effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
+    np.testing.assert_allclose(points, 0.5 * np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
 
 
 def test_a_lens_without_an_opening_needs_no_pass():
@@ -228,13 +237,8 @@ def test_the_largest_radius_is_found_wherever_it_is(ctx, size_px, corner):
     width, height = size_px
     distance = np.full((height, width), 2.0)
     distance[corner] = 0.5
-    colour, depth = textures(ctx, np.zeros((height, width, 3)), distance)
-    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
     settings = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=1.0)
-    effect = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
-        infinity_m=3e4,
-    )  # fmt: skip
+    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
     fov = Fov(-0.5, 0.5, 0.4, -0.4)
     effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
     px = coc.eye_px_per_dioptre(20.0, focal_length_px(fov, size_px)[0])

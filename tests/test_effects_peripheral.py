@@ -1,7 +1,8 @@
 """Blur that grows from the head's axis outwards, after Hillaire et al. 2008."""
 
 import numpy as np
-from effects_parts import depth_of_field, textures
+import pytest
+from effects_parts import defocus_of, depth_of_field, square_pixels
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -9,7 +10,6 @@ from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import DepthOfField
 from vrcomfort.protocol.conditions import Peripheral
-from vrcomfort.render.defocus import Defocus
 
 NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
@@ -40,12 +40,7 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     size_px = (60, 48)
     shape = Peripheral(exponent=2.0, unit_diameter_arcmin=300.0)
     settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=10, peripheral=shape)
-    colour, depth = textures(ctx, np.zeros((48, 60, 3)), 3.0)
-    focus = ctx.texture((1, 1), 4, np.full(4, 2.0, "f4").tobytes(), dtype="f4")
-    effect = Defocus(
-        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
-        infinity_m=3e4,
-    )  # fmt: skip
+    effect = defocus_of(ctx, settings, 3.0, 2.0, size_px)
     turned = Pose(np.zeros(3), axis_angle([0.0, 1.0, 0.0], 0.2))
     effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
     found = np.frombuffer(effect.points.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
@@ -61,6 +56,22 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     )
     np.testing.assert_allclose(found, twin, rtol=2e-3, atol=2e-3)
     assert found.max() > 1.0
+
+
+def test_a_limit_on_peripheral_blur_is_told(ctx):
+    """With how wide it would have been in the middle of the outermost tiles."""
+    size_px = (64, 64)
+    fov = square_pixels(size_px)
+    shape = Peripheral(exponent=2.0, unit_diameter_arcmin=600.0)
+    settings = DepthOfField(law="eye", pupil_mm=0.0, max_radius_percent=1, peripheral=shape)
+    effect = defocus_of(ctx, settings, 3.0, 2.0, size_px)
+    effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+    corner = 7 / 8 * np.array(fov.tangents)[[1, 2]]
+    over = np.sqrt(1 + corner @ corner) - 1
+    widest_px = np.tan(np.radians(5.0)) * focal_length_px(fov, size_px)[0] * over**2
+    assert widest_px > 0.64
+    assert effect.largest_radius_px() == pytest.approx(widest_px, rel=1e-3)
+    assert effect.clamps()[0].endswith("limited to 0.6 px")
 
 
 def test_peripheral_blur_alone_leaves_the_middle_as_it_is(ctx):

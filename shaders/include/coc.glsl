@@ -54,7 +54,8 @@ float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
 float add_peripheral_px(float radius_px, float cos_angle, float unit_px, float exponent,
                         float radius_limit_px) {
     const float LEAST = 1e-3;  // 90 degrees and beyond: the radius is at its limit long before
-    float more = unit_px * pow(1.0 / clamp(cos_angle, LEAST, 1.0) - 1.0, exponent);
+    // A division may be rounded to less than 1, and the power of a negative number is undefined.
+    float more = unit_px * pow(max(1.0 / clamp(cos_angle, LEAST, 1.0) - 1.0, 0.0), exponent);
     float sum = min(abs(radius_px) + more, radius_limit_px);
     return radius_px < 0.0 ? -sum : sum;
 }

@@ -39,17 +39,20 @@ float unlimited_radius_at(float z, vec2 uv) {
 #endif
 }
 
-// The same within the limit, and with peripheral blur.
-float radius_at(float z, vec2 uv) {
-    float radius = clamp(unlimited_radius_at(z, uv), -radius_limit_px, radius_limit_px);
+// The same within a limit (px), and with peripheral blur.
+float radius_within(float limit_px, float z, vec2 uv) {
+    float radius = clamp(unlimited_radius_at(z, uv), -limit_px, limit_px);
 #ifdef PERIPHERAL
     vec2 tangent = mix(tangents.xw, tangents.yz, uv);
     float cos_angle = head_depth_slope(tangents, head_forward_in_view, uv)
                     * inversesqrt(1.0 + dot(tangent, tangent));
-    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent,
-                               radius_limit_px);
+    radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent, limit_px);
 #endif
     return radius;
+}
+
+float radius_at(float z, vec2 uv) {
+    return radius_within(radius_limit_px, z, uv);
 }
 
 // That of a pixel.

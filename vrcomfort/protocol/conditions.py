@@ -131,7 +131,8 @@ class DepthOfField(Settings):
     pupil_mm: Annotated[float, Field(ge=0, le=20)] = 4.0
     """Diameter of the pupil of `eye`."""
     max_diameter_arcmin: Positive | None = None
-    """Largest diameter as an angle in the middle of the image, besides `max_radius_percent`."""
+    """Largest diameter as an angle in the middle of the image; r_max is the smaller of this and
+    `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3

@@ -157,7 +157,7 @@ class Defocus:
         self.tiles = self._range.tiles
         """What :class:`RadiusRange` has found of the last eye."""
         self.widest = None if settings.peripheral else self._range.widest
-        """1×1, px: no radius so far was wider; None where peripheral blur adds to radii."""
+        """1×1, px: no radius so far was wider. None with peripheral blur: tiles only sample it."""
         self._points: FullscreenPass | None = None
 
     @property
@@ -225,7 +225,7 @@ class RadiusRange:
         )
         self.tiles = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
-        eye; largest radius before the limit, peripheral blur left out."""
+        eye; largest radius before the limit."""
         self._peak = PeakPass(ctx, self.tiles, components="z")
         self.widest = self._peak.target
         """1×1: what :meth:`read` returns."""

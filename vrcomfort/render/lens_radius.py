@@ -58,7 +58,7 @@ def px_per_dioptre(
             focal_px,
             focus_m + settings.distance_offset_m,
         )
-    return radius_limit_px(settings, size_px) / settings.full_blur_dioptre
+    return radius_limit_in_px(settings, focal_px, size_px) / settings.full_blur_dioptre
 
 
 def lens(
