@@ -225,7 +225,7 @@ def test_picture(ctx, cases):
         assert found.max() <= texels[..., :3].max() / 255 * ULP
 
 
-def test_one_frame_at_a_headsets_size(ctx):
+def test_two_frames_at_a_headsets_size(ctx):
     rng = np.random.default_rng(3)
     condition = next(conditions(rng))
     condition = condition.model_copy(
@@ -233,7 +233,7 @@ def test_one_frame_at_a_headsets_size(ctx):
     )
     renderer = StereoRenderer(ctx, (1832, 1920), samples=2)
     renderer.build(scene(rng), condition)
-    for frame in frames(rng, tracked=True, length=1):
+    for frame in frames(rng, tracked=True, length=2):
         renderer.render(frame, 0.0, lambda _, images: check_images(images, condition))
     renderer.drain()
 
