@@ -28,7 +28,11 @@ class FrameAt:
 
     @property
     def predicted_display_time_ns(self) -> int:
-        return self.index * 11_111_111
+        return self.index * self.period_ns
+
+    @property
+    def period_ns(self) -> int:
+        return 11_111_111
 
     @property
     def views(self) -> tuple[View, View]:

@@ -25,6 +25,10 @@ class FrameToRender(Protocol):
         """When it is seen."""
 
     @property
+    def period_ns(self) -> int:
+        """Time between frames of which none is dropped."""
+
+    @property
     def head_pose(self) -> Pose:
         """stage-from-head."""
 

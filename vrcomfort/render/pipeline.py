@@ -223,10 +223,7 @@ class StereoRenderer:
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
         if before is None:
             return PlacedEye(head_from_eye, camera, None)
-        seconds = (frame.predicted_display_time_ns - before.display_time_ns) / 1e9
-        step = HeadStep(
-            before.head_pose, frame.head_pose, before.avatar_pose, frame.avatar_pose, seconds
-        )
+        step = _step(before, frame)
         blur = self._condition.motion_blur
         if blur is None:
             return PlacedEye(head_from_eye, camera, None, step)
@@ -239,3 +236,16 @@ class StereoRenderer:
             previous_stage_from_head=before.head_pose,
         )
         return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s), step)
+
+
+def _step(before: _Before, frame: FrameToRender) -> HeadStep:
+    elapsed_ns = frame.predicted_display_time_ns - before.display_time_ns
+    return HeadStep(
+        before.head_pose,
+        frame.head_pose,
+        before.avatar_pose,
+        frame.avatar_pose,
+        seconds=elapsed_ns / 1e9,
+        # A runtime's predictions waver about whole periods.
+        periods=max(round(elapsed_ns / frame.period_ns), 1),
+    )
