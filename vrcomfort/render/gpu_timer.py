@@ -37,11 +37,7 @@ class GpuTimer:
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = (ctypes.c_uint * (LATENCY + 1))()
-        count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
-        gl.function(ctx, "glGenQueries", *count_and_names)(len(names), names)
-        delete = gl.function(ctx, "glDeleteQueries", *count_and_names)
-        weakref.finalize(self, delete, len(names), names).atexit = False
+        names = _queries(ctx, self, LATENCY + 1)
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
@@ -86,12 +82,7 @@ class Stopwatch:
         self._ctx = ctx
         self.on_gpu = not is_software(ctx)
         if self.on_gpu:
-            names = (ctypes.c_uint * 2)()
-            count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
-            gl.function(ctx, "glGenQueries", *count_and_names)(2, names)
-            delete = gl.function(ctx, "glDeleteQueries", *count_and_names)
-            weakref.finalize(self, delete, 2, names).atexit = False
-            self._names = tuple(names)
+            self._names = _queries(ctx, self, 2)
             self._stamp = gl.function(ctx, "glQueryCounter", ctypes.c_uint, ctypes.c_uint)
             result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
             self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
@@ -117,6 +108,26 @@ class Stopwatch:
         time_ns = ctypes.c_uint64()
         self._result(name, _QUERY_RESULT, ctypes.byref(time_ns))
         return time_ns.value
+
+
+class _Queries(NamedTuple):
+    """Names of queries, which :func:`gl.collect` releases."""
+
+    delete: Callable[..., object]
+    names: ctypes.Array[ctypes.c_uint]
+
+    def release(self) -> None:
+        self.delete(len(self.names), self.names)
+
+
+def _queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
+    """Return the names of new queries, which die with their owner."""
+    names = (ctypes.c_uint * count)()
+    count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
+    gl.function(ctx, "glGenQueries", *count_and_names)(count, names)
+    dead = _Queries(gl.function(ctx, "glDeleteQueries", *count_and_names), names)
+    weakref.finalize(owner, ctx.objects.append, dead).atexit = False
+    return tuple(names)
 
 
 def is_software(ctx: moderngl.Context) -> bool:

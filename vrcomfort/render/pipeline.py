@@ -20,7 +20,7 @@ import moderngl
 
 from vrcomfort.geometry import Pose, View
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import gpu_memory
+from vrcomfort.render import gl, gpu_memory
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
@@ -164,6 +164,7 @@ class StereoRenderer:
         on_eye: Callable[[int, EyeImages], None] | None,
     ) -> RenderedFrame:
         start_s = time.perf_counter()
+        gl.collect(self.ctx)
         passes = self._built()
         passes.scene.gpu.draws = 0
         before = None if frame.discontinuity else self._before
@@ -209,6 +210,7 @@ class StereoRenderer:
         self._passes = None
         self._before = None
         self._timer = None
+        gl.collect(self.ctx)
 
     def _built(self) -> ConditionPasses:
         if self._passes is None:
