@@ -133,6 +133,28 @@ def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Monk
     assert "nothing is out of focus without depth of field" in words
 
 
+def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: Path) -> None:
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    text = text.replace('name = "dof"\n', 'name = "dof"\nquality = "accurate"\n', 1)
+    fixed = '[conditions.focus]\nmethod = "fixed"\nfixed_m = 0.4'
+    text = text.replace('[conditions.focus]\nlaw = "linear_dioptre"\nmean = "dioptres"', fixed, 1)
+    file.write_text(text, encoding="utf-8")
+    _, out, _ = run("plan", file, "--size", "64x48", "--json")
+    (told,) = json.loads(out)["no_limit"]
+    assert (told["condition"], told["views"], told["limit_dioptre"]) == ("dof", 16, 2.0)
+    (only,) = told["ranges"]
+    assert only == {
+        "focus_m": 0.4,
+        "nearer_than_m": pytest.approx(1 / 4.5),
+        "farther_than_m": pytest.approx(2.0),
+    }
+    _, words, _ = run("plan", file, "--size", "64x48")
+    assert "focused at 0.4 m, nearer than 0.22 m or farther than 2 m" in " ".join(words.split())
+    _, out, _ = run("plan", "smoke", "--size", "64x48", "--json")
+    assert json.loads(out)["no_limit"] == []
+
+
 def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "answers.csv"
     file.write_text(f"who,{SSQ_ITEMS}\nA,{','.join('3' * 16)}\n", encoding="utf-8")

@@ -13,6 +13,7 @@ from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.protocol.quality import Figure, Measured, figure_for, level_of, quality_table
 
 if TYPE_CHECKING:
+    from vrcomfort.render.blur_limit import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.plan import PlannedPass
     from vrcomfort.render.scene_data import Scene
@@ -43,11 +44,20 @@ class Planned:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """All conditions in all scenes; `no_opengl` says why memory is not known."""
+    """All conditions in all scenes.
+
+    Parameters
+    ----------
+    no_opengl
+        Why memory is not known.
+    beyond
+        By condition, where views show more blur than the limit on the radius.
+    """
 
     size_px: tuple[int, int]
     rows: list[Planned]
     no_opengl: str | None
+    beyond: dict[str, Unlimited]
 
     def as_data(self) -> dict[str, Any]:
         """Return what JSON gets: passes, costs, and where the figures come from."""
@@ -56,6 +66,7 @@ class StudyPlan:
         return {
             "passes": [name | asdict(step) for row, name in names for step in row.passes],
             "costs": [name | self._cost(row) for row, name in names],
+            "no_limit": [_beyond_as_data(name, beyond) for name, beyond in self.beyond.items()],
             "measured": measured.model_dump() if measured else None,
         }
 
@@ -71,8 +82,14 @@ class StudyPlan:
         }
 
 
+def _beyond_as_data(condition: str, beyond: Unlimited) -> dict[str, Any]:
+    ranges = [each._asdict() for each in beyond.ranges]
+    return {"condition": condition, **beyond._asdict(), "ranges": ranges}
+
+
 def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
     """Plan every condition of a study in every scene, for eyes of this size."""
+    from vrcomfort.render.blur_limit import unlimited
     from vrcomfort.render.gltf import load_scene
 
     renderer, no_opengl = _renderer(size_px)
@@ -82,7 +99,8 @@ def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions
     ]
-    return StudyPlan(size_px, rows, no_opengl)
+    beyond = {each.name: found for each in study.conditions if (found := unlimited(each))}
+    return StudyPlan(size_px, rows, no_opengl, beyond)
 
 
 def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | None]:
@@ -135,6 +153,8 @@ def show(found: StudyPlan, study: Protocol) -> None:
     for condition in study.conditions:
         rows = [row for row in found.rows if row.condition == condition.name]
         console(wrap=True).print(_passes_table(condition, rows))
+        if beyond := found.beyond.get(condition.name):
+            console(wrap=True).print(f"No limit: {beyond.text}", style="yellow")
     console(wrap=True).print(_cost_table(found))
     for note in _notes(found):
         console(wrap=True).print(note, style="dim")

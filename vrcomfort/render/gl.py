@@ -24,6 +24,10 @@ MINIMUM_VERSION = 450
 DEPTH_FUNC = ">"
 """Nearer is greater, everywhere in `render` (shadow maps too)."""
 
+LATENCY = 4
+"""Frames between drawing and reading something back: more than drivers queue, so that the CPU does
+not wait. Nothing that is read back is shown."""
+
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406

@@ -21,7 +21,7 @@ import moderngl
 from vrcomfort.geometry import Pose, View
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import gl, gpu_memory
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
 from vrcomfort.render.focus import FocusSample
@@ -41,8 +41,6 @@ __all__ = [
     "StereoRenderer",
     "plan_passes",
 ]
-
-NEAR_M = 0.02
 
 
 class _Before(NamedTuple):

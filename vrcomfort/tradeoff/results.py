@@ -30,6 +30,7 @@ MEANS = (
     "coc_mismatch_px",
 )
 QUADRATIC = ("rms", "reference_rms", "filter_rms")
+PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
 
 
@@ -67,7 +68,7 @@ def compared(table: Sequence[Row]) -> dict[str, list[Row]]:
 def _rows(measured: Sequence[Measured], times: Sequence[CaseTime]) -> list[Row]:
     """Return one row for each case and method, errors and costs side by side."""
     costs = {(each.case, one.method): one._asdict() for each in times for one in each.methods}
-    blank = dict.fromkeys((*COSTS, "passes_ms", "effect_to_copy_interval", "rounds"))
+    blank = dict.fromkeys((*COSTS, *PERCENTILES, "passes_ms", "effect_to_copy_interval", "rounds"))
     rows = []
     for each in measured:
         for row in each.rows:
