@@ -38,7 +38,7 @@ class ReportSummary:
     plan
         Name of the analysis plan.
     participants, analysed, withdrawn
-        Numbers of people; `analysed` of the first contrast.
+        Numbers of people; `analysed` are in at least one test.
     headlines
         One sentence per test.
     warnings

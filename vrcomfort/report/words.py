@@ -102,10 +102,10 @@ def _testing(plan: dict[str, Any]) -> str:
     family = ", ".join(NAMES[outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
-        f"every exposure. Ranks were taken on integer raw sums, so ties are exact; {zeros}; p is "
-        "from the exact permutation distribution given the ties; Z is tie-corrected, without "
-        f"continuity correction. p values were adjusted with Holm’s method over {family} and all "
-        "contrasts."
+        "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
+        f"exact; {zeros}; p is from the exact permutation distribution given the ties; Z is "
+        "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
+        f"method over {family} and all contrasts."
     )
 
 
