@@ -100,3 +100,34 @@ def test_one_score_has_no_standard_deviation(tmp_path):
     assert [(row["n"], row["sd"]) for row in first] == [("1", "")]
     rows = rows_of(page, "Total severity of all scored exposures")
     assert [(row[2], row[4]) for row in rows] == [("1", "–")] * 4
+
+
+def test_estimates_without_an_interval_say_why(tmp_path):
+    scores = {f"P{i}": {"a": 9 - 2 * i, "b": 2 + 2 * i} for i in range(4)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    why = "(no 95\u00a0% interval: too few differences)"
+    for line in summary.headlines[:3]:  # nobody answered what is of D alone
+        assert re.search(rf"shift \S+ points {re.escape(why)}, Z", line)
+        assert re.search(rf"r\u00a0=\u00a0\S+ {re.escape(why)}, n", line)
+        assert "–" not in line
+    page = summary.index.read_text("utf-8")
+    assert "An interval needs 6 differences" in page
+    assert "Neither has an interval below 6 differences" in page
+    assert "p\u00a0≤\u00a0.05." in page
+    (line,) = (row for row in rows_of(page, "Signed-rank tests") if row[0] == "Total severity")
+    assert (line[10], line[12]) == ("–", "–")
+
+
+def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
+    scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 3)} for i in range(8)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    line = summary.headlines[0]
+    assert re.search(r"points \[\S+,\u00a0\S+\], Z", line)
+    assert "r\u00a0=\u00a01.00 (no 95\u00a0% interval: too few differences)" in line
+
+
+def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
+    scores = {f"P{i}": {"a": 0, "b": 2 + i} for i in range(7)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    line = summary.headlines[0]
+    assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% interval: a has no score but 0)" in line

@@ -11,6 +11,7 @@ from vrcomfort.report import words
 from vrcomfort.report.descriptives import PRIMARY
 from vrcomfort.report.figures import NAMES
 from vrcomfort.resources import data_folder
+from vrcomfort.stats.ranks import fewest_for_interval
 
 TEMPLATE = "report.html.j2"
 
@@ -46,6 +47,7 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         methods=words.methods(results),
         basis=words.basis_sentence(results["score_basis"]),
         described=_described(results),
+        fewest=fewest_for_interval(results["plan"]["confidence"]),
         headlines=[words.headline(t, labels) for t in _most_wanted(results)],
     )
 
