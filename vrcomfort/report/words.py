@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from vrcomfort.report.figures import NAMES
+from vrcomfort.stats.ranks import fewest_for_interval
 
 MINUS = "−"
 NONE = "–"
+TOO_FEW = "too few differences"
 
 
 def number(value: float | None, digits: int = 2) -> str:
@@ -102,10 +104,10 @@ def _testing(plan: dict[str, Any]) -> str:
     family = ", ".join(NAMES[outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
-        f"every exposure. Ranks were taken on integer raw sums, so ties are exact; {zeros}; p is "
-        "from the exact permutation distribution given the ties; Z is tie-corrected, without "
-        f"continuity correction. p values were adjusted with Holm’s method over {family} and all "
-        "contrasts."
+        "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
+        f"exact; {zeros}; p is from the exact permutation distribution given the ties; Z is "
+        "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
+        f"method over {family} and all contrasts."
     )
 
 
@@ -123,7 +125,18 @@ def _effects(plan: dict[str, Any]) -> str:
         f"difference; its {percent} interval is bounded by the Walsh averages at the critical "
         "ranks of the signed-rank distribution without ties, on the conservative side. r is the "
         "matched-pairs rank-biserial correlation over non-zero differences, with a Fisher-z "
-        f"interval whose standard error uses {n}."
+        f"interval whose standard error uses {n}. {_limits_of_intervals(plan)}"
+    )
+
+
+def _limits_of_intervals(plan: dict[str, Any]) -> str:
+    confidence = plan["confidence"]
+    return (
+        f"Neither has an interval below {fewest_for_interval(confidence)} differences (r: that are "
+        "not zero), because no fewer can reach an exact two-sided "
+        f"p\u00a0≤\u00a0{fraction(1 - confidence, 3).rstrip('0')}. The interval of r is "
+        "approximate and has no width at ±1; in small samples it may leave out 0 where the exact "
+        "test does not reject. Whether there is a difference, p says."
     )
 
 
@@ -147,13 +160,23 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     a, b, name = labels[test["a"]], labels[test["b"]], NAMES[test["outcome"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
-    shift, effect = test["shift"], test["effect"]
+    effect = test["effect"]
     if effect is None:
         return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
+    few = test["n"] - test["zeros"] < fewest_for_interval(effect["confidence"])
+    why = TOO_FEW if few else f"{a} has no score but 0"
+    shift = f"{number(test['shift']['estimate'])} points {_or_why(test['shift'], TOO_FEW)}"
+    r = f"{fraction(effect['estimate'])} {_or_why(effect, why, bounded=True)}"
     return (
-        f"{name}, {a} minus {b}: shift {number(shift['estimate'])} points "
-        f"{interval(shift)}, Z\u00a0=\u00a0{number(test['z'])}, {p_equals(test['p'])} "
+        f"{name}, {a} minus {b}: shift {shift}, "
+        f"Z\u00a0=\u00a0{number(test['z'])}, {p_equals(test['p'])} "
         f"({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
-        f"r\u00a0=\u00a0{fraction(effect['estimate'])} {interval(effect, bounded=True)}, "
-        f"n\u00a0=\u00a0{test['n']}."
+        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{test['n']}."
     )
+
+
+def _or_why(found: dict[str, Any], reason: str, *, bounded: bool = False) -> str:
+    """Write an interval, or why there is none."""
+    if found["low"] is None:
+        return f"(no {100 * found['confidence']:g}\u00a0% interval: {reason})"
+    return interval(found, bounded=bounded)
