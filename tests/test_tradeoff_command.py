@@ -104,6 +104,28 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monke
     assert timeless(whole / "tradeoff.json") == timeless(stopped / "tradeoff.json")
 
 
+def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
+    """Sixteen samples go on from the first eight; eight are eight where there are sixteen too."""
+
+    def rows(name, samples, cache):
+        folders = ("--cache", tmp_path / cache, "--out", tmp_path / name)
+        code, out, _ = run(*FEW, "--samples", samples, *folders)
+        assert code == 0
+        return timeless(tmp_path / name / "tradeoff.json"), out
+
+    few, _ = rows("few", 8, "c1")
+    many, out = rows("many", 16, "c1")
+    assert out.startswith("16 of 32 reference samples")
+    assert many == rows("many_at_once", 16, "c2")[0]
+    again, out = rows("few_again", 8, "c2")
+    assert out.startswith("0 of 16 reference samples")
+    assert again == few
+    assert {row["samples"] for row in again} == {8}
+    for file in (tmp_path / "c1").glob("reference-*-8.npz"):
+        file.rename(file.with_stem(file.stem.removesuffix("-8")))
+    assert rows("no_number", 8, "c1")[1].startswith("16 of 16 reference samples")
+
+
 @pytest.mark.slow
 def test_processes_find_what_one_finds(run, tmp_path, cache):
     motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
