@@ -156,6 +156,10 @@ def test_what_is_not_there_is_named(run, tmp_path):
     refused(run("--methods", "magic", "--out", tmp_path), "magic", "no blur")
 
 
+def test_an_image_that_is_all_margin_is_refused(run, tmp_path):
+    refused(run("--size", "1x1", "--out", tmp_path), "nothing can be compared", "--size")
+
+
 def test_a_cache_that_cannot_be_written_is_refused(run, tmp_path):
     (tmp_path / "file").touch()
     refused(run(*ONE, "--cache", tmp_path / "file" / "x", "--out", tmp_path / "o"), "--cache")

@@ -10,6 +10,7 @@ from typing import NamedTuple, Protocol
 from vrcomfort.errors import InputError
 from vrcomfort.render.gl import describe
 from vrcomfort.render.gpu_timer import is_software
+from vrcomfort.render.image_error import margin_px
 from vrcomfort.tradeoff.cases import Case, Scope, cases
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import Measured, measure
@@ -51,7 +52,8 @@ def tradeoff(
     Raises
     ------
     InputError
-        If a scene or method is unknown, the cache cannot be written to, or no cluster answers.
+        If a scene or method is unknown, an image is all margin, the cache cannot be written to, or
+        no cluster answers.
     """
     store = Store(cache)
     todo = cases(scope)
@@ -111,6 +113,7 @@ def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
 
 
 def _check(scope: Scope) -> None:
+    margin_px(scope.size_px)
     for name in scope.scenes:
         scene_and_hash(name)
     known = [m.name for effect in scope.effects for m in methods(effect, quick=scope.quick)]
