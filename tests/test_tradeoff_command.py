@@ -153,7 +153,22 @@ def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
 def test_what_is_not_there_is_named(run, tmp_path):
     refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
     refused(run("--effects", "glow", "--out", tmp_path), "glow", "motion_blur")
-    refused(run("--methods", "magic", "--out", tmp_path), "magic", "no blur")
+    refused(
+        run("--methods", "magic", "--out", tmp_path),
+        "'magic'", "depth_of_field has no blur", "motion_blur has no blur", "both has no blur",
+    )  # fmt: skip
+    lens_only = run("--methods", "mip", "--effects", "motion_blur", "--out", tmp_path)
+    refused(lens_only, "motion_blur has no method 'mip'", "depth_of_field has")
+
+
+def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
+    """Without --effects there is motion blur as well, which has no `ours 1 ring`."""
+    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 1 ring")
+    code, _, err = run(*SMALL, *chosen, "--cache", cache, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    found = json.loads((tmp_path / "tradeoff.json").read_text())
+    assert {row["effect"] for row in found["rows"]} == {"depth_of_field"}
+    assert found["scope"]["effects"] == ["depth_of_field"]
 
 
 def test_an_image_that_is_all_margin_is_refused(run, tmp_path):
