@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.cli import main
-from vrcomfort.tradeoff import truth
+from vrcomfort.tradeoff import files, truth
 from vrcomfort.tradeoff.methods import methods
 from vrcomfort.tradeoff.store import Store
 
@@ -124,6 +124,35 @@ def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
     for file in (tmp_path / "c1").glob("reference-*-8.npz"):
         file.rename(file.with_stem(file.stem.removesuffix("-8")))
     assert rows("no_number", 8, "c1")[1].startswith("16 of 16 reference samples")
+
+
+def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path, cache):
+    for folder in ("figures", "sheets"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.png").touch()
+    motion = (*SMALL, "--quick", "--scenes", "temple", "--effects", "motion_blur")
+    motion = (*motion, "--methods", "ours 2 samples")
+    for chosen in (motion, FEW):
+        assert run(*chosen, "--cache", cache, "--out", tmp_path)[0] == 0
+    there = {str(file.relative_to(tmp_path)) for file in tmp_path.glob("*/*")}
+    assert there == {
+        *("figures/mine.png", "sheets/mine.png"),
+        *(f"figures/temple_depth_of_field.{kind}" for kind in ("svg", "png")),
+        "sheets/temple_depth_of_field_pose1_still.png",
+    }
+
+
+def test_earlier_numbers_that_cannot_be_read_remove_nothing(tmp_path):
+    outside = tmp_path / "kept.svg"
+    outside.touch()
+    case = {"scene": "../../kept", "effect": "both", "pose": 0, "motion": "still"}
+    out = tmp_path / "out"
+    (out / "figures").mkdir(parents=True)
+    strange = json.dumps({"rows": [{**case, "scene": "temple", "pose": "one"}]})
+    for text in ("{", "[]", json.dumps({"rows": [case]}), json.dumps({"rows": [3]}), strange):
+        (out / "tradeoff.json").write_text(text)
+        files._remove_earlier(out)
+    assert outside.exists()
 
 
 @pytest.mark.slow
