@@ -96,7 +96,8 @@ def main() -> None:
         date=datetime.datetime.now(datetime.UTC).date().isoformat(),
         how=f"cost at {cost} per eye, error at {error}; lens: law {LENS['law']}, "
         f"r_max {LENS['max_radius_percent']:g} % at {LENS['full_blur_dioptre']:g} D; shutter: "
-        f"fully open, mode {SHUTTER['mode']}; reference of {options.samples} samples",
+        f"fully open, mode {SHUTTER['mode']}; references of {options.samples} samples "
+        "(a quarter for motion blur alone)",
     )
     figures = list(measure(ctx, scope=scope, rounds=options.rounds))
     write_figures(data_folder("analysis") / "measured" / "quality.toml", measured, figures)

@@ -10,6 +10,7 @@ from vrcomfort.geometry import Fov
 from vrcomfort.render.image_error import (
     accuracy,
     hdr_flip,
+    margin_px,
     pixels_per_degree,
     psnr_db,
     rms,
@@ -54,6 +55,29 @@ def test_accuracy_knows_how_good_its_reference_is(image):
     assert found.rms == pytest.approx(0.3, rel=0.01)
     assert found.counts
     assert not accuracy(image + 0.05, halves, pixels_per_degree=8.0).counts
+
+
+def test_a_few_pixels_of_the_sun_are_not_the_whole_error(image):
+    """A pixel above radiance 8, one whose halves differ and a margin of an eighth are left out."""
+    halves = image.copy(), image.copy()
+    for half in halves:
+        half[20, 25] = 60_000
+    halves[1][21, 25, 0] += 0.3
+    test = image + 0.1
+    test[:, :7] += 9
+    found = accuracy(test, halves, pixels_per_degree=8.0)
+    assert (found.margin_px, found.compared_px, found.left_out_px) == (7, 26 * 36 - 2, 2)
+    assert found.rms == pytest.approx(0.1, rel=0.01)
+    assert found.reference_rms == 0
+    dark = accuracy(test, halves, pixels_per_degree=8.0, exposure=1e-4)
+    assert dark.left_out_px == 0
+
+
+@pytest.mark.parametrize("size_px", [(1, 1), (160, 40), (2, 9)])
+def test_an_image_that_is_all_margin_is_refused(size_px):
+    with pytest.raises(InputError, match="nothing can be compared"):
+        margin_px(size_px)
+    assert margin_px((160, 41)) == 20
 
 
 def ssim_by_the_formula(a, b):

@@ -142,3 +142,15 @@ def test_a_picture_comes_with_its_numbers_and_its_error(tmp_path: Path) -> None:
     assert meta["reference"]["left"]["psnr_db"] > 20
     for name in ("left", "right", "side_by_side", "left_reference", "right_reference"):
         assert (tmp_path / f"{name}.png").stat().st_size > 0
+
+
+def test_the_sun_in_the_picture_is_not_the_whole_error(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    options = ("--pose", "0,1.6,0,40,5,0", "--size", "48x60", "--reference", 8)
+    vrcomfort("render", "--scene", "mountain", *options, "--out", tmp_path)
+    found = json.loads((tmp_path / "meta.json").read_text(encoding="utf-8"))["reference"]["left"]
+    assert found["psnr_db"] > 30
+    assert found["left_out_px"] > 0
+    told = f"left eye: PSNR {found['psnr_db']:.1f} dB"
+    assert told in capsys.readouterr().out

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.cli import main
-from vrcomfort.tradeoff import truth
+from vrcomfort.tradeoff import files, truth
 from vrcomfort.tradeoff.methods import methods
 from vrcomfort.tradeoff.store import Store
 
@@ -104,6 +104,57 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monke
     assert timeless(whole / "tradeoff.json") == timeless(stopped / "tradeoff.json")
 
 
+def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
+    """Sixteen samples go on from the first eight; eight are eight where there are sixteen too."""
+
+    def rows(name, samples, cache):
+        folders = ("--cache", tmp_path / cache, "--out", tmp_path / name)
+        code, out, _ = run(*FEW, "--samples", samples, *folders)
+        assert code == 0
+        return timeless(tmp_path / name / "tradeoff.json"), out
+
+    few, _ = rows("few", 8, "c1")
+    many, out = rows("many", 16, "c1")
+    assert out.startswith("16 of 32 reference samples")
+    assert many == rows("many_at_once", 16, "c2")[0]
+    again, out = rows("few_again", 8, "c2")
+    assert out.startswith("0 of 16 reference samples")
+    assert again == few
+    assert {row["samples"] for row in again} == {8}
+    for file in (tmp_path / "c1").glob("reference-*-8.npz"):
+        file.rename(file.with_stem(file.stem.removesuffix("-8")))
+    assert rows("no_number", 8, "c1")[1].startswith("16 of 16 reference samples")
+
+
+def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path, cache):
+    for folder in ("figures", "sheets"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "mine.png").touch()
+    motion = (*SMALL, "--quick", "--scenes", "temple", "--effects", "motion_blur")
+    motion = (*motion, "--methods", "ours 2 samples")
+    for chosen in (motion, FEW):
+        assert run(*chosen, "--cache", cache, "--out", tmp_path)[0] == 0
+    there = {str(file.relative_to(tmp_path)) for file in tmp_path.glob("*/*")}
+    assert there == {
+        *("figures/mine.png", "sheets/mine.png"),
+        *(f"figures/temple_depth_of_field.{kind}" for kind in ("svg", "png")),
+        "sheets/temple_depth_of_field_pose1_still.png",
+    }
+
+
+def test_earlier_numbers_that_cannot_be_read_remove_nothing(tmp_path):
+    outside = tmp_path / "kept.svg"
+    outside.touch()
+    case = {"scene": "../../kept", "effect": "both", "pose": 0, "motion": "still"}
+    out = tmp_path / "out"
+    (out / "figures").mkdir(parents=True)
+    strange = json.dumps({"rows": [{**case, "scene": "temple", "pose": "one"}]})
+    for text in ("{", "[]", json.dumps({"rows": [case]}), json.dumps({"rows": [3]}), strange):
+        (out / "tradeoff.json").write_text(text)
+        files._remove_earlier(out)
+    assert outside.exists()
+
+
 @pytest.mark.slow
 def test_processes_find_what_one_finds(run, tmp_path, cache):
     motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
@@ -131,7 +182,26 @@ def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
 def test_what_is_not_there_is_named(run, tmp_path):
     refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
     refused(run("--effects", "glow", "--out", tmp_path), "glow", "motion_blur")
-    refused(run("--methods", "magic", "--out", tmp_path), "magic", "no blur")
+    refused(
+        run("--methods", "magic", "--out", tmp_path),
+        "'magic'", "depth_of_field has no blur", "motion_blur has no blur", "both has no blur",
+    )  # fmt: skip
+    lens_only = run("--methods", "mip", "--effects", "motion_blur", "--out", tmp_path)
+    refused(lens_only, "motion_blur has no method 'mip'", "depth_of_field has")
+
+
+def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
+    """Without --effects there is motion blur as well, which has no `ours 1 ring`."""
+    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 1 ring")
+    code, _, err = run(*SMALL, *chosen, "--cache", cache, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    found = json.loads((tmp_path / "tradeoff.json").read_text())
+    assert {row["effect"] for row in found["rows"]} == {"depth_of_field"}
+    assert found["scope"]["effects"] == ["depth_of_field"]
+
+
+def test_an_image_that_is_all_margin_is_refused(run, tmp_path):
+    refused(run("--size", "1x1", "--out", tmp_path), "nothing can be compared", "--size")
 
 
 def test_a_cache_that_cannot_be_written_is_refused(run, tmp_path):

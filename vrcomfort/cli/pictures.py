@@ -84,7 +84,8 @@ def render(
 ) -> None:
     """Draw one stereo picture with its linear light, depth and settings.
 
-    Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json.
+    Writes left.png, right.png, side_by_side.png, left.npz, right.npz and meta.json. Errors
+    are those that `vrcomfort tradeoff` takes, in meta.json and on the terminal.
 
     - `vrcomfort render --scene temple --out picture`
     - `vrcomfort render --scene mountain --pose 0,1.6,0,30,-5,0 --reference 256 --out picture`

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.cli.terminal import progress_bar, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.cli.wiring import EYE_HEIGHT_M, make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, View, yaw_pitch_roll
@@ -88,9 +88,12 @@ def still(
         Draw the ground truth with so many samples; 0 does not.
     """
     from vrcomfort.render.gltf import load_scene
+    from vrcomfort.render.image_error import margin_px
     from vrcomfort.render.output import read_rgb8, write_stereo
 
     now, before = (each.pose() for each in poses)
+    if reference_samples:
+        margin_px(size_px)  # refuses what is all margin before anything is drawn
     scene = load_scene(scene_source)
     for warning in scene.warnings:
         warn(warning)
@@ -207,8 +210,24 @@ def _reference(
             rgb8 = np.round(encoded * 255).astype(np.uint8)
             output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
             errors[name] = {**found._asdict(), "counts": found.counts}
+            if not math.isfinite(found.psnr_db):
+                errors[name]["psnr_db"] = None  # JSON has no infinity
             errors["samples"], errors["note"] = drawn.samples, truth.note
+    for name in EYES:
+        console(quiet).print(f"{name} eye: {_in_words(errors[name], samples)}")
     return errors
+
+
+def _in_words(found: dict[str, Any], samples: int) -> str:
+    """Return the error of an eye, how sure it is, and what was compared."""
+    psnr = "none" if found["psnr_db"] is None else f"{found['psnr_db']:.1f} dB"
+    enough = "the error counts" if found["counts"] else "more samples are needed to count"
+    return (
+        f"PSNR {psnr}, RMS {found['rms']:.2g}, FLIP {found['flip']:.2g} against {samples} samples "
+        f"of brute force, whose own RMS is {found['reference_rms']:.2g} ({enough}); "
+        f"{found['compared_px']} pixels were compared; a margin of {found['margin_px']} px and "
+        f"{found['left_out_px']} pixels that are too bright or unsure were left out"
+    )
 
 
 def _top_row_first(halves: tuple[Any, Any]) -> tuple[Any, Any]:

@@ -36,7 +36,10 @@ def tradeoff(
     ] = None,
     methods: Annotated[
         str | None,
-        typer.Option(metavar="NAME,…", help="Only these methods; without it, all."),
+        typer.Option(
+            metavar="NAME,…",
+            help="Only these methods, and only effects that have one of them; without it, all.",
+        ),
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Small: one small view, fewer samples and steps.")

@@ -23,6 +23,17 @@ LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 SSIM_REACH_PX = 5
 
+MARGIN = 0.125
+"""Part of the image's width left out at its rims: what blurs in from outside the image is in no
+post-process's input."""
+
+HIGHLIGHT = 8.0
+"""Radiance (display white is 1) above which a pixel is left out: the sun's disc is smaller than a
+pixel, and a few pixels of it would be the whole error."""
+
+UNSURE = 0.25
+"""A pixel is left out where the halves of the reference differ by more."""
+
 
 class Accuracy(NamedTuple):
     """Errors of one image against a reference and how sure the reference is of itself."""
@@ -34,6 +45,12 @@ class Accuracy(NamedTuple):
     """Estimated root mean square error of the reference, from its two halves."""
     reference_flip: float
     """FLIP between the two halves, which is about twice the reference's own."""
+    margin_px: int
+    """How wide a margin was left out."""
+    left_out_px: int
+    """How many pixels inside the margin were left out, as too bright or unsure."""
+    compared_px: int
+    """How many pixels were compared."""
 
     @property
     def counts(self) -> bool:
@@ -129,21 +146,65 @@ def accuracy(
     pixels_per_degree: float,
     exposure: float = 1.0,
 ) -> Accuracy:
-    """Compare an image with a reference given as two independent halves.
+    """Compare an image with a reference given as two independent halves, where they are sure.
 
     Two halves with independent errors of variance v differ by 2v, and their mean, the reference,
     has v/2: its error is half the difference of the halves.
+
+    Raises
+    ------
+    InputError
+        If the image is all margin.
     """
-    image = _image(test) * exposure
-    first, second = (_image(half) * exposure for half in halves)
+    halves = _image(halves[0]), _image(halves[1])
+    counted = sure(halves, exposure=exposure)
+    image, first, second = (judged(_image(each), counted, exposure) for each in (test, *halves))
     reference = (first + second) / 2
+    margin = margin_px((counted.shape[1], counted.shape[0]))
+    compared = int(counted[margin:-margin, margin:-margin].sum())
     return Accuracy(
         psnr_db=psnr_db(image, reference),
         flip=hdr_flip(image, reference, pixels_per_degree=pixels_per_degree),
         rms=rms(image, reference),
         reference_rms=rms(first, second) / 2,
         reference_flip=hdr_flip(first, second, pixels_per_degree=pixels_per_degree),
+        margin_px=margin,
+        left_out_px=image.shape[0] * image.shape[1] - compared,
+        compared_px=compared,
     )
+
+
+def sure(halves: tuple[Array, Array], /, *, exposure: float) -> NDArray[np.bool_]:
+    """Return (h, w, 1): whether the two halves of a reference are sure of a pixel."""
+    first, second = (half * exposure for half in halves)
+    wild = (np.maximum(first, second) > HIGHLIGHT) | (np.abs(first - second) > UNSURE)
+    found: NDArray[np.bool_] = ~np.any(wild, axis=-1, keepdims=True)
+    return found
+
+
+def judged(pixels: Image, counted: NDArray[np.bool_], exposure: float) -> Array:
+    """Return what is compared: exposed, without the margin, 0 where a pixel does not count."""
+    margin = margin_px((pixels.shape[1], pixels.shape[0]))
+    exposed: Array = np.where(counted, pixels.astype(np.float64) * exposure, 0.0)
+    return exposed[margin:-margin, margin:-margin]
+
+
+def margin_px(size_px: tuple[int, int]) -> int:
+    """Return the width of the margin that is left out of a (width, height) image.
+
+    Raises
+    ------
+    InputError
+        If nothing is left.
+    """
+    width, height = size_px
+    margin = math.ceil(MARGIN * width)
+    if 2 * margin >= min(width, height):
+        raise InputError(
+            f"at {width}x{height} pixels nothing can be compared: all of it lies in the margin "
+            f"(an eighth of the width: {margin} px) that is left out; choose a larger --size"
+        )
+    return margin
 
 
 def _image(pixels: ArrayLike) -> Array:

@@ -5,14 +5,18 @@ from __future__ import annotations
 import csv
 import json
 from collections.abc import Sequence
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.tradeoff.cases import Case
 from vrcomfort.tradeoff.figures import pareto_figure
 from vrcomfort.tradeoff.measure import Measured
+from vrcomfort.tradeoff.methods import EFFECTS
 from vrcomfort.tradeoff.page import render_page
 from vrcomfort.tradeoff.sheets import contact_sheet
 from vrcomfort.tradeoff.tables import markdown
+from vrcomfort.tradeoff.walk import MOTIONS, SCENES
 
 CSV_COLUMNS = (
     "scene", "effect", "pose", "motion", "method", "family", "step",
@@ -25,8 +29,12 @@ CSV_COLUMNS = (
 )  # fmt: skip
 
 
+CASE = tuple(field.name for field in fields(Case))
+
+
 def write_all(out: Path, found: dict[str, Any], measured: Sequence[Measured]) -> Path:
-    """Write everything into `out`, and return the page's path."""
+    """Write everything into `out`, in place of an earlier run's files; return the page's path."""
+    _remove_earlier(out)
     for folder in ("figures", "sheets"):
         (out / folder).mkdir(parents=True, exist_ok=True)
     text = json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)
@@ -38,6 +46,29 @@ def write_all(out: Path, found: dict[str, Any], measured: Sequence[Measured]) ->
     page = out / "index.html"
     page.write_text(render_page(found, figures, sheets), encoding="utf-8")
     return page
+
+
+def _remove_earlier(out: Path) -> None:
+    """Remove the figures and sheets that the run wrote whose numbers are in `out`, and no others.
+
+    Its own ``tradeoff.json`` says which they are; a name is made of what is shipped, never of text
+    that could lead out of the folder.
+    """
+    try:
+        rows = json.loads((out / "tradeoff.json").read_text(encoding="utf-8"))["rows"]
+        earlier = [file for row in rows for file in _pictures_of(row)]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    for file in earlier:
+        (out / file).unlink(missing_ok=True)
+
+
+def _pictures_of(row: dict[str, Any]) -> list[str]:
+    case = Case(**{name: row[name] for name in CASE})
+    if case.scene not in SCENES or case.effect not in EFFECTS or case.motion not in MOTIONS:
+        return []
+    figure = f"figures/{case.scene}_{case.effect}"
+    return [f"{figure}.svg", f"{figure}.png", f"sheets/{case.name}.png"]
 
 
 def _write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> None:

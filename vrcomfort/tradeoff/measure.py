@@ -11,8 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array
-from vrcomfort.render.image_error import hdr_flip, pixels_per_degree, rms, ssim
+from vrcomfort.render.image_error import (
+    hdr_flip,
+    judged,
+    margin_px,
+    pixels_per_degree,
+    rms,
+    ssim,
+    sure,
+)
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.tradeoff.binocular import (
     Correspondence,
@@ -25,17 +32,6 @@ from vrcomfort.tradeoff.methods import Method, base_condition, methods, pick
 from vrcomfort.tradeoff.shots import context, radius_px, shoot
 from vrcomfort.tradeoff.store import Store, key_of, method_code, scene_and_hash
 from vrcomfort.tradeoff.truth import Truth, base_shots, truths
-
-MARGIN = 0.125
-"""Part of the image's width left out at its rims: what blurs in from outside the image is in no
-post-process's input."""
-
-HIGHLIGHT = 8.0
-"""Radiance (display white is 1) above which a pixel is left out: the sun's disc is smaller than a
-pixel, and a few pixels of it would be the whole error."""
-
-UNSURE = 0.25
-"""A pixel is left out where the halves of the reference differ by more."""
 
 SCATTER = "ideal scatter (R2)"
 
@@ -61,7 +57,6 @@ class _View(NamedTuple):
     pairs: Correspondence
     coc_mismatch_px: float
     sure: tuple[NDArray[np.bool_], NDArray[np.bool_]]
-    margin_px: int
 
 
 def measure(
@@ -102,8 +97,7 @@ def _view(case: Case, scope: Scope, store: Store) -> _View:
     shots = base_shots(case, scope)
     truth = truths(case, scope, shots, store)
     condition = base_condition(case.effect)
-    margin_px = round(MARGIN * scope.size_px[0])
-    pairs = correspondence(shots[0].eye, shots[1].eye, margin_px=margin_px)
+    pairs = correspondence(shots[0].eye, shots[1].eye, margin_px=margin_px(scope.size_px))
     radii = [radius_px(shot, condition) for shot in shots]
     exposure = scene.environment.exposure
     return _View(
@@ -112,17 +106,8 @@ def _view(case: Case, scope: Scope, store: Store) -> _View:
         pixels_per_degree(shots[0].camera.fov, scope.size_px),
         pairs,
         radius_mismatch_px(pairs, *radii),
-        tuple(_sure(each, exposure) for each in truth),  # type: ignore[arg-type]
-        margin_px,
+        (sure(truth[0].halves, exposure=exposure), sure(truth[1].halves, exposure=exposure)),
     )
-
-
-def _sure(truth: Truth, exposure: float) -> NDArray[np.bool_]:
-    """Return (h, w, 1): whether a pixel counts."""
-    first, second = (half * exposure for half in truth.halves)
-    wild = (np.maximum(first, second) > HIGHLIGHT) | (np.abs(first - second) > UNSURE)
-    sure: NDArray[np.bool_] = ~np.any(wild, axis=-1, keepdims=True)
-    return sure
 
 
 def _method_facts(case: Case, scope: Scope, method: Method, view: _View) -> dict[str, NDArray[Any]]:
@@ -173,9 +158,9 @@ def _errors(images: tuple[NDArray[Any], NDArray[Any]], view: _View) -> dict[str,
 
 def _eye_errors(image: NDArray[Any], view: _View, eye: int) -> dict[str, float]:
     """Return the errors against R1, and with `filter_` those against R2."""
-    truth = view.truth[eye]
+    truth, exposure = view.truth[eye], view.scene.environment.exposure
     test, first, second, scatter = (
-        _judged(pixels, view, eye) for pixels in (image, *truth.halves, truth.scatter)
+        judged(pixels, view.sure[eye], exposure) for pixels in (image, *truth.halves, truth.scatter)
     )
     reference = (first + second) / 2
     ppd = view.pixels_per_degree
@@ -188,13 +173,6 @@ def _eye_errors(image: NDArray[Any], view: _View, eye: int) -> dict[str, float]:
         "filter_flip": hdr_flip(test, scatter, pixels_per_degree=ppd),
         "filter_ssim": ssim(test, scatter),
     }
-
-
-def _judged(pixels: NDArray[Any], view: _View, eye: int) -> Array:
-    """Return what is compared: exposed, without the margin and without pixels nobody is sure of."""
-    inside = slice(view.margin_px, -view.margin_px or None)
-    exposed = pixels.astype(np.float64) * view.scene.environment.exposure
-    return np.where(view.sure[eye], exposed, 0.0)[inside, inside]
 
 
 def _known(values: dict[str, float]) -> dict[str, float | None]:

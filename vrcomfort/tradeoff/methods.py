@@ -61,20 +61,31 @@ def base_condition(effect: Effect) -> Condition:
 
 
 def pick(found: list[Method], names: tuple[str, ...] | None) -> list[Method]:
-    """Return the methods with these names (all where None), and what has no blur.
+    """Return the methods with these names (all where None), and what has no blur."""
+    if names is None:
+        return found
+    return [method for method in found if method.name in names or method.family == "none"]
+
+
+def effects_with(
+    effects: tuple[Effect, ...], names: tuple[str, ...] | None, *, quick: bool
+) -> tuple[Effect, ...]:
+    """Return those of `effects` that have one of the methods with these names (all where None).
 
     Raises
     ------
     InputError
-        If there is no such method.
+        If none of them has a method of one of the names.
     """
     if names is None:
-        return found
-    known = {method.name for method in found}
+        return effects
+    known = {each: [method.name for method in methods(each, quick=quick)] for each in EFFECTS}
     for name in names:
-        if name not in known:
-            raise InputError(f"there is no method {name!r}; there are: {', '.join(sorted(known))}")
-    return [method for method in found if method.name in names or method.family == "none"]
+        if not any(name in known[effect] for effect in effects):
+            lists = "; ".join(f"{each} has {', '.join(known[each])}" for each in EFFECTS)
+            asked = " or ".join(effects)
+            raise InputError(f"--methods: {asked} has no method {name!r}; {lists}")
+    return tuple(effect for effect in effects if set(known[effect]) & set(names))
 
 
 def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:

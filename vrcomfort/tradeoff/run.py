@@ -11,10 +11,11 @@ from typing import NamedTuple, Protocol
 from vrcomfort.errors import InputError
 from vrcomfort.render.gl import describe
 from vrcomfort.render.gpu_timer import is_software
+from vrcomfort.render.image_error import margin_px
 from vrcomfort.tradeoff.cases import Case, Scope, cases
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import Measured, measure
-from vrcomfort.tradeoff.methods import methods
+from vrcomfort.tradeoff.methods import effects_with
 from vrcomfort.tradeoff.results import results
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import Store, scene_and_hash
@@ -52,11 +53,12 @@ def tradeoff(
     Raises
     ------
     InputError
-        If a scene or method is unknown, the cache cannot be written to, or no cluster answers.
+        If a scene or method is unknown, an image is all margin, the cache cannot be written to, or
+        no cluster answers.
     """
     store = Store(cache)
+    scope = _checked(scope)
     todo = cases(scope)
-    _check(scope)
     with workers(jobs, cluster) as work:
         if cluster is not None:
             _check_shared(work, store)
@@ -112,15 +114,12 @@ def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
     return [time_case(case, scope, advance) for case in todo]
 
 
-def _check(scope: Scope) -> None:
+def _checked(scope: Scope) -> Scope:
+    """Return the scope with only the effects that have one of the methods asked for."""
+    margin_px(scope.size_px)
     for name in scope.scenes:
         scene_and_hash(name)
-    known = [m.name for effect in scope.effects for m in methods(effect, quick=scope.quick)]
-    for wanted in scope.methods or ():
-        if wanted not in known:
-            raise InputError(
-                f"there is no method {wanted!r}; there are: {', '.join(dict.fromkeys(known))}"
-            )
+    return replace(scope, effects=effects_with(scope.effects, scope.methods, quick=scope.quick))
 
 
 def _check_shared(work: Work, store: Store) -> None:

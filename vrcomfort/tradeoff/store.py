@@ -68,6 +68,10 @@ class Store:
         """Return whether something is kept under a key."""
         return self._path(key).exists()
 
+    def keys(self, start: str) -> list[str]:
+        """Return the keys that begin so and under which something is kept."""
+        return sorted(path.stem for path in self.folder.glob(f"{start}*.npz"))
+
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.npz"
 

@@ -84,10 +84,11 @@ def _accumulated(case: Case, scope: Scope, shot: Shot, store: Store) -> tuple[Ac
     facts = reference.identity(*view, focus_m=focus_m)
     device = str(context().info["GL_RENDERER"])
     key = key_of("reference", scene_hash, facts, reference_code(), device)
-    sums = _read(store, key, scope)
-    reused, wanted = sums.samples, samples_of(case, scope)
+    wanted = samples_of(case, scope)
+    sums = _read(store, key, scope, wanted)
+    reused = sums.samples
     if reused < wanted:
-        keeper = _Keeper(store, key)
+        keeper = _Keeper(store, f"{key}-{wanted}")
         try:
             reference.render(*view, focus_m=focus_m, samples=wanted, start=sums, on_sample=keeper)
         finally:
@@ -95,12 +96,18 @@ def _accumulated(case: Case, scope: Scope, shot: Shot, store: Store) -> tuple[Ac
     return sums, Drawn(sums.samples, reused)
 
 
-def _read(store: Store, key: str, scope: Scope) -> Accumulator:
-    """Return what is kept: more than what is asked for is welcome, less is where to go on."""
-    kept = store.read(key)
-    if kept is None:
+def _read(store: Store, key: str, scope: Scope, wanted: int) -> Accumulator:
+    """Return where to go on: the most samples that are kept, and no more than are wanted.
+
+    Each number of samples has a file of its own (a file without a number in its name is read too),
+    so that what a run finds does not depend on the runs before it.
+    """
+    kept = [found for each in store.keys(key) if (found := store.read(each)) is not None]
+    fitting = [each for each in kept if each["samples"] <= wanted]
+    if not fitting:
         return Accumulator(scope.size_px)
-    return Accumulator(scope.size_px, kept["sums"], int(kept["samples"]))
+    most = max(fitting, key=lambda each: int(each["samples"]))
+    return Accumulator(scope.size_px, most["sums"], int(most["samples"]))
 
 
 class _Keeper:
