@@ -42,7 +42,11 @@ TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
 ]
 ExposureOption = Annotated[
-    float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
+    float | None,
+    typer.Option(
+        help="Shorten every exposure to this, at most the protocol's exposure_s; recorded.",
+        min=0.001,
+    ),
 ]
 RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
