@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, spare
 from vrcomfort.report.figures import (
     exposure_figure,
     paired_figure,
@@ -72,7 +72,8 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
     Raises
     ------
     InputError
-        If the study or the plan cannot be read, or `out` cannot be written.
+        If the study or the plan cannot be read, or `out` cannot be written, or that would
+        overwrite what is read.
     """
     study = read_study(Path(source))
     chosen = load_plan(plan, protocol=study.protocol)
@@ -85,6 +86,7 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
         **{f"tables/{name}": text for name, text in tables.items()},
         **{f"figures/{name}.svg": text for name, text in figures.items()},
     }
+    spare([Path(source), plan], [Path(out) / name for name in files])
     _write(Path(out), files)
     return _summary(Path(out), results, tuple(tables), tuple(figures))
 
