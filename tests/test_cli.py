@@ -16,6 +16,13 @@ from vrcomfort.resources import data_folder
 
 Run = Callable[..., tuple[int, str, str]]
 
+
+def unity_log(folder: Path) -> Path:
+    log = folder / "log.txt"
+    log.write_text("Time x y z alpha beta gamma \n0.0,0,1.6,0,0,0,0\n0.1,0,1.6,0,0,0,0\n")
+    return log
+
+
 SSQ_ITEMS = (
     "general_discomfort,fatigue,headache,eyestrain,difficulty_focusing,increased_salivation,"
     "sweating,nausea,difficulty_concentrating,fullness_of_head,blurred_vision,dizzy_eyes_open,"
@@ -226,11 +233,58 @@ def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path)
 def test_results_never_replace_a_recording(run: Run, tmp_path: Path) -> None:
     for name in ("manifest.json", "frames.csv"):
         (tmp_path / name).write_text("recorded", encoding="utf-8")
-    log = tmp_path / "log.txt"
-    log.write_text("Time x y z alpha beta gamma \n0.0,0,1.6,0,0,0,0\n0.1,0,1.6,0,0,0,0\n")
+    log = unity_log(tmp_path)
     assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "a session")
     assert_refused(run("import-trace", log, "--out", tmp_path / "frames.csv"), "a session")
     assert (tmp_path / "frames.csv").read_text("utf-8") == "recorded"
+
+
+def test_a_link_to_a_recording_is_not_written_through(run: Run, tmp_path: Path) -> None:
+    study = tmp_path / "ses-1"
+    study.mkdir()
+    for name in ("manifest.json", "frames.csv"):
+        (study / name).write_text("recorded", encoding="utf-8")
+    log, link = unity_log(tmp_path), tmp_path / "trace.csv"
+    link.symlink_to(study / "frames.csv")
+    assert_refused(run("import-trace", log, "--out", link), "a session")
+    assert (study / "frames.csv").read_text("utf-8") == "recorded"
+
+
+def test_a_log_is_not_replaced_by_what_is_made_of_it(run: Run, tmp_path: Path) -> None:
+    log = unity_log(tmp_path)
+    before = log.read_bytes()
+    (tmp_path / "soft.txt").symlink_to(log)
+    (tmp_path / "hard.txt").hardlink_to(log)
+    for out in (log, tmp_path / "soft.txt", tmp_path / "hard.txt", tmp_path / "." / "log.txt"):
+        assert_refused(run("import-trace", log, "--out", out), out.name, "choose another --out")
+        assert log.read_bytes() == before
+
+
+def test_a_trace_is_not_replaced_by_its_playback(run: Run, tmp_path: Path) -> None:
+    played = tmp_path / "played"
+    played.mkdir()
+    assert run("import-trace", unity_log(tmp_path), "--out", played / "frames.csv")[0] == 0
+    before = (played / "frames.csv").read_bytes()
+    options = ("--scene", "temple", "--out", played)
+    assert_refused(run("play", played / "frames.csv", *options), "frames.csv", "another --out")
+    assert (played / "frames.csv").read_bytes() == before
+
+
+def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "tables" / "descriptives.csv"
+    file.parent.mkdir()
+    rows = ["participant,timepoint,condition,item,response"]
+    rows += [
+        f"P{person},post,{condition},{item},{(person + n) % 4}"
+        for person in range(5)
+        for condition in ("on", "off")
+        for n, item in enumerate(SSQ_ITEMS.split(","))
+    ]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    before = file.read_bytes()
+    assert_refused(run("report", file, "--out", tmp_path), "descriptives.csv", "another --out")
+    assert file.read_bytes() == before
+    assert not (tmp_path / "index.html").exists()
 
 
 def test_trace_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:

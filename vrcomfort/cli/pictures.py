@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.playing import play_trace
+from vrcomfort.cli.playing import WRITTEN, play_trace
 from vrcomfort.cli.still import PoseText, still
 from vrcomfort.cli.terminal import (
     Quiet,
@@ -25,7 +25,7 @@ from vrcomfort.cli.wiring import (
     pick_condition,
     require_recorded_gaze,
 )
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, spare
 
 SceneOption = Annotated[
     str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
@@ -135,6 +135,7 @@ def play(
     study, shown = pick_condition(protocol, condition)
     played = open_trace(trace, trial=trial, gaze=gaze)
     require_recorded_gaze([shown], played)
+    spare([trace, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
         study.scene_source(scene) if study else scene,
@@ -168,5 +169,5 @@ def import_trace(
     trace = read(file, format="unity-euler")
     for warning in trace.warnings:
         warn(warning)
-    write_trace(trace, output_file(out))
+    write_trace(trace, output_file(out, file))
     console(quiet).print(f"{len(trace)} samples over {trace.duration_s:.1f} s: {out}")

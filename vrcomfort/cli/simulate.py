@@ -97,11 +97,11 @@ def simulate_study(
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
-    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
-    outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
     now = BegunWith(protocol, playback, exposure_s)
+    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
+    outcomes: list[Outcome] = []
     ends = {name: now.ends(out, name) for name in _names(out, participants)}
     with progress_bar("participants", participants, quiet=quiet) as advance:
         for name, ended in ends.items():

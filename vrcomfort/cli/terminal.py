@@ -20,7 +20,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, spare
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
@@ -42,7 +42,11 @@ TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
 ]
 ExposureOption = Annotated[
-    float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
+    float | None,
+    typer.Option(
+        help="Shorten every exposure to this, at most the protocol's exposure_s; recorded.",
+        min=0.001,
+    ),
 ]
 RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
@@ -126,15 +130,16 @@ def output_folder(path: Path) -> Path:
     return path
 
 
-def output_file(path: Path) -> Path:
-    """Return `path` for a result that can be made again; an old one is replaced.
+def output_file(path: Path, source: Path) -> Path:
+    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
 
     Raises
     ------
     InputError
-        If it would lie among recordings.
+        If it would lie among recordings, or is the source itself.
     """
-    _refuse_recordings(path.parent)
+    _refuse_recordings(path.resolve().parent)  # where a link leads
+    spare([source], [path])
     return path
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol.conditions import Condition, NotNegative, Positive, Settings
 from vrcomfort.protocol.settings_file import Name, Word
 
@@ -155,6 +156,25 @@ class Protocol(Settings):
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
         return hashlib.sha256(self._text.encode()).hexdigest()
+
+    def shown_s(self, shortened_s: float | None) -> float:
+        """Return how long each exposure is shown: as the protocol says, or shortened.
+
+        Raises
+        ------
+        InputError
+            If `shortened_s` is longer, or no time: what people were told is never exceeded.
+        """
+        if shortened_s is None:
+            return self.exposure_s
+        if not 0 < shortened_s <= self.exposure_s:
+            raise InputError(
+                f"an exposure of {shortened_s:g} s cannot be shown: protocol {self.name} has "
+                f"exposures of {self.exposure_s:g} s, which can only be shortened; for longer ones "
+                "change exposure_s in a copy of the protocol",
+                file=self._file,
+            )
+        return shortened_s
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`; loading made sure that trials name real ones."""

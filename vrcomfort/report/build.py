@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.errors import spare
 from vrcomfort.report.figures import (
     exposure_figure,
     paired_figure,
@@ -73,7 +74,8 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
     Raises
     ------
     InputError
-        If the study or the plan cannot be read, or `out` cannot be written.
+        If the study or the plan cannot be read, or `out` cannot be written, or that would
+        overwrite what is read.
     """
     study = read_study(Path(source))
     chosen = load_plan(plan, protocol=study.protocol)
@@ -85,6 +87,7 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
         **{f"figures/{file_name(name)}.svg": text for name, text in figures.items()},
     }
     results["files"] = ["results.json", *files]
+    spare([Path(source), plan], [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
     return _summary(Path(out), results)
 
