@@ -173,13 +173,18 @@ def effects_of(drawn: Collection[str]) -> Effects | None:
 
 
 def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Figure | None:
-    """Return the shipped figures of a condition in a scene; None: not measured.
+    """Return the shipped figures of a condition's level in a scene; None: not measured.
+
+    They are those of a camera that moves: where only objects are blurred, nothing was measured.
 
     Parameters
     ----------
     drawn
         Names of the passes that are drawn.
     """
+    blur = condition.motion_blur
+    if blur is not None and blur.mode == "objects_only":
+        return None
     wanted = level_of(condition, drawn), effects_of(drawn), scene
     found = (
         figure
