@@ -276,7 +276,7 @@ def test_ctrl_c_in_a_session_ends_the_demo(
 
     monkeypatch.setattr("vrcomfort.headset.playback.PlaybackHeadset.frames", stop)
     code, out, err = run("demo", "--out", tmp_path, "-n", 2)
-    assert (code, err) == (130, "")
+    assert (code, err) == (130, "error: stopped; what was already written stays\n")
     assert out.count("\n") == 1
     assert {path.name for path in tmp_path.iterdir()} == {"study"}
 
