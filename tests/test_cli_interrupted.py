@@ -100,6 +100,25 @@ if __name__ == "__main__":
     assert stop(process) == (130, "heard\n", "")
 
 
+@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
+def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
+    program = f"""
+import os, signal, sys
+class CtrlC:
+    def find_spec(self, name, *_):
+        if name == "{module}":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, CtrlC())
+from vrcomfort.cli import main
+from vrcomfort.resources import data_folder
+sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
+main()
+"""
+    command = [sys.executable, "-c", program]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
 def wait_for(path: Path, process: subprocess.Popen[str], *, lines: int = 0) -> None:
     """Wait until the command has made a folder, or a file of so many lines."""
     while not path.exists() or (lines and path.read_bytes().count(b"\n") < lines):
