@@ -182,6 +182,7 @@ def test_unity_times_are_exact_nanoseconds(write):
         ([UNITY, "1,0,0,0,0,0,0", "x,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "nan,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "1,0,0,0,0,0,0"], 3, "Time", "time stands still"),
+        ([UNITY, "1_0,0,0,0,0,0,0"], 2, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,nan,0"], 2, "beta", "not a finite number"),
     ],
 )

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.begun_with import BegunWith
 from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
@@ -69,7 +68,7 @@ def simulate(
         console(quiet).print(sentence(outcome, out))
     if outcomes[-1].status == "aborted":
         warn("the same command goes on where this was stopped")
-        raise typer.Exit(EXIT_INTERRUPTED)
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
 
 
 def simulate_study(

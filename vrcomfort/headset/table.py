@@ -11,7 +11,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 
@@ -33,11 +33,11 @@ class Table(CsvTable):
 
     def integers(self, column: str) -> NDArray[np.int64]:
         """Return (n,) int64 of one column; raise InputError at the first cell that is none."""
-        return np.array(self._numbers(column, int64, "a whole number"), dtype=np.int64)
+        return np.array(self._numbers(column, _whole, "a whole number"), dtype=np.int64)
 
     def floats(self, columns: Sequence[str]) -> Array:
         """Return (n, columns) float64; raise InputError at the first cell that is not finite."""
-        parsed = [self._numbers(column, float, "a finite number") for column in columns]
+        parsed = [self._numbers(column, _real, "a finite number") for column in columns]
         table = np.array(parsed, dtype=np.float64).T
         bad = np.argwhere(~np.isfinite(table))
         if len(bad):
@@ -88,9 +88,16 @@ class Table(CsvTable):
         return f"{cell.strip()!r} is not {kind}"
 
 
-def int64(cell: str | int) -> int:
-    """Return a whole number; raise ValueError if it is none or needs more than 64 bits."""
-    number = int(cell)
+def _real(cell: str) -> float:
+    return float(plain_digits(cell))
+
+
+def _whole(cell: str) -> int:
+    return int64(int(plain_digits(cell)))
+
+
+def int64(number: int) -> int:
+    """Return a whole number; raise ValueError if it needs more than 64 bits."""
     if not -(2**63) <= number < 2**63:
         raise ValueError(f"{number} needs more than 64 bits")
     return number

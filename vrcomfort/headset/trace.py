@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.headset.gaze_track import GazeTrack, read_gaze
@@ -215,7 +216,7 @@ def _nanoseconds(table: Table, row: int) -> int:
     # Decimal keeps what the file says: a float64 of seconds since 1970 is 200 ns coarse.
     cell = table.rows[row][0]
     try:
-        return int64(int((Decimal(cell) * 10**9).to_integral_value()))
+        return int64(int((Decimal(plain_digits(cell)) * 10**9).to_integral_value()))
     except (InvalidOperation, ValueError, OverflowError):
         raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
 
