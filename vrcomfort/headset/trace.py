@@ -200,7 +200,7 @@ def _import_unity(path: str | Path) -> Trace:
     return Trace(
         time_ns=table.rising("Time", time_ns),
         head=PoseTrack(
-            positions_from_unity(table.floats(UNITY_HEADER[1:4])),
+            positions_from_unity(table.positions(UNITY_HEADER[1:4])),
             orientations_from_unity(table.floats(UNITY_HEADER[4:])),
         ),
         cuts=cuts,

@@ -49,7 +49,7 @@ def has_group(table: Table, columns: tuple[str, ...]) -> bool:
 
 def track_of(table: Table, columns: tuple[str, ...]) -> PoseTrack:
     """Return the poses in seven columns."""
-    return PoseTrack(table.floats(columns[:3]), table.quaternions(columns[3:]))
+    return PoseTrack(table.positions(columns[:3]), table.quaternions(columns[3:]))
 
 
 def cuts_of(table: Table, trial: tuple[str, ...] | None) -> NDArray[np.bool_]:
