@@ -181,6 +181,8 @@ def test_unity_times_are_exact_nanoseconds(write):
     ("lines", "line", "column", "says"),
     [
         ([HEADER, *ROWS], 1, None, "not a Unity log"),
+        ([UNITY.strip(), "1 0 0 0 0 0 0"], 2, None, "must be seven numbers with commas between"),
+        ([UNITY.strip(), "", "1;0;0;0;0;0;0"], 3, None, "must be seven numbers with commas"),
         ([UNITY, "1,0,0,0,0,0,0", "x,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "nan,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "1,0,0,0,0,0,0"], 3, "Time", "time stands still"),

@@ -153,10 +153,21 @@ def play(
 def import_trace(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
     out: Annotated[Path, typer.Option(help="The trace to write (CSV).")],
-    format: Annotated[str, typer.Option(help="unity-euler")] = "unity-euler",  # noqa: A002
+    format: Annotated[str, typer.Option(help="What wrote it: unity-euler.")] = "unity-euler",  # noqa: A002
     quiet: Quiet = False,
 ) -> None:
     """Turn another program's head log into a trace.
+
+    `unity-euler` is text: a first line `Time x y z alpha beta gamma`, then one row for each sample,
+    with commas between its seven numbers and points as decimals, such as `0.5,0,1.6,0,10,90,0`.
+
+    - Time in seconds, each later than the one before.
+    - x, y, z: the head's position in metres, in Unity's left-handed frame: x right, y up, z forward.
+    - alpha, beta, gamma: Unity's Euler angles in degrees about x (positive looks down), y (positive
+      turns right) and z (positive tips to the left), as eulerAngles gives them: it turns about z
+      first, then x, then y.
+
+    The trace has OpenXR's right-handed frame (z backwards) and quaternions.
 
     - `vrcomfort import-trace log.txt --format unity-euler --out trace.csv`
     """

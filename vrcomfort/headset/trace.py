@@ -179,8 +179,9 @@ def write_trace(trace: Trace, path: str | Path) -> None:
 def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
     """Read a head trace that another program wrote.
 
-    `unity-euler`: a header separated by spaces (``Time x y z alpha beta gamma``), rows separated
-    by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed frame.
+    `unity-euler`: a header separated by spaces or commas (``Time x y z alpha beta gamma``), rows
+    separated by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed
+    frame, applied in Unity's order: z, x, y.
 
     Raises
     ------
