@@ -234,6 +234,7 @@ def test_settings_that_do_nothing_are_refused(tmp_path, settings, says):
         ('focus = { method = "fixed", fixed_m = 1e-9 }', "`fixed_m`: should be greater than"),
         ('focus = { law = "duration", duration_s = 1e308 }', "`duration_s`: should be less than"),
         ("focus = { refocus_s = 5e-324 }", "`refocus_s`: should be greater than or equal to 0.001"),
+        ("motion_blur = { fade_with_turning = 3 }", "`fade_with_turning`: should be a table {"),
         ("depth_of_field = { full_blur_m = 1e308 }", "`full_blur_m`: should be less than"),
     ],
 )
@@ -244,6 +245,15 @@ def test_what_cannot_be_seen_or_waited_for_is_refused_with_its_place(tmp_path, s
     assert says in caught.value.message
     assert caught.value.line == 9
     assert caught.value.column == settings.rindex(" ", 0, settings.rindex("=") - 1) + 2
+
+
+@pytest.mark.parametrize(
+    ("value", "says"), [("9" * 5000, "not valid TOML"), ("[" * 9999, "nested too deep")]
+)
+def test_what_python_cannot_hold_is_refused(tmp_path, value, says):
+    with pytest.raises(InputError, match=says) as caught:
+        tiny_protocol(tmp_path, f"participants = {value}\n{PROTOCOL}")
+    assert caught.value.file == tmp_path / "tiny.toml"
 
 
 @pytest.mark.parametrize("model", [Condition, Protocol])

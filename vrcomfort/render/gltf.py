@@ -51,6 +51,8 @@ def find_scene(name_or_path: str | Path) -> Path:
     """Return the path of a scene file given by name or path."""
     path = Path(name_or_path)
     if path.suffix.lower() in SUFFIXES:
+        if path.is_dir():
+            raise InputError("is a folder; a scene is a .glb or .gltf file", file=path)
         if not path.is_file():
             raise InputError("there is no such scene file; check the path", file=path)
         return path

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.protocol.settings_file import in_words
 from vrcomfort.render.scene_data import (
     Environment,
     LodLevel,
@@ -182,9 +183,9 @@ def read_side_car(path: Path) -> SideCar:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise InputError(
-            f"{place}: {first['msg']}", file=path, line=_line_of(text, first["loc"])
+            f"{place}: {in_words(first)}", file=path, line=_line_of(text, first["loc"])
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         at = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(at[1]), int(at[2])) if at else (None, None)
         raise InputError(
