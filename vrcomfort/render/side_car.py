@@ -16,7 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
 from vrcomfort.protocol.settings_file import in_words
 from vrcomfort.render.scene_data import (
     Environment,
@@ -28,10 +28,10 @@ from vrcomfort.render.scene_data import (
     WalkableArea,
 )
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Share = Annotated[float, Field(ge=0, le=1)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, le=1e9)]
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 Color = tuple[NotNegative, NotNegative, NotNegative]
 Point = tuple[Finite, Finite, Finite]
 
