@@ -24,7 +24,7 @@ from vrcomfort.render.vertex_data import vertex_bytes
 TURN = [0.0, 0.6, 0.0, 0.8]
 WORSE = (
     None, True, -1, 0, 1, 3, 10**6, 10**18, 0.5, 1e39, float("nan"), float("-inf"), "", "FOO",
-    [], {}, [1.0], [0, 0, 0, 0], [float("nan")] * 3, {"index": 9},
+    "data:,FOO", [], {}, [1.0], [0, 0, 0, 0], [float("nan")] * 3, {"index": 9},
 )  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def places(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
             yield from places(item, (*path, key))
 
 
-PLACES = [place for place in places(WHOLE) if place[-1] != "uri"]
+PLACES = list(places(WHOLE))
 
 
 def changed(root: dict[str, Any], place: tuple[Any, ...], new: Any = None, *, gone: bool) -> None:

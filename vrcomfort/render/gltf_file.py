@@ -76,7 +76,10 @@ class GltfFile:
     def _fetch(self, uri: str) -> bytes:
         """Return the bytes behind a data URI or a path relative to the file."""
         if uri.startswith("data:"):
-            return base64.b64decode(uri.partition(",")[2], validate=True)
+            try:
+                return base64.b64decode(uri.partition(",")[2], validate=True)
+            except ValueError:
+                raise self.fault("a data URI", "is not base64") from None
         target = self.path.parent / urllib.parse.unquote(uri)
         try:
             if target.is_file():  # a device may never end
