@@ -320,6 +320,15 @@ def test_unity_log_becomes_a_trace(run: Run, tmp_path: Path) -> None:
     assert dict(zip(header.split(","), last.split(","), strict=True))["head_z_m"] == "-0.02"
 
 
+def test_help_says_what_a_unity_log_looks_like(run: Run) -> None:
+    said = " ".join(run("import-trace", "--help")[1].split())
+    for words in (
+        *("Time x y z alpha beta gamma", "commas between its seven numbers", "seconds", "metres"),
+        *("left-handed", "z forward", "degrees", "z first, then x, then y"),
+    ):
+        assert words in said
+
+
 def test_doctor_finds_what_the_tests_need(run: Run) -> None:
     code, out, _ = run("doctor", "--json")
     assert code == 0

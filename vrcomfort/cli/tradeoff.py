@@ -10,7 +10,14 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from vrcomfort.cli.terminal import Quiet, console, output_folder, parse_size, progress_bar
+from vrcomfort.cli.terminal import (
+    Quiet,
+    console,
+    output_folder,
+    output_path,
+    parse_size,
+    progress_bar,
+)
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
@@ -24,7 +31,14 @@ def register(app: typer.Typer) -> None:
 
 
 def tradeoff(
-    out: Annotated[Path, typer.Option(help="Folder for the results; earlier ones are replaced.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=output_path,
+            metavar="PATH",
+            help="Folder for the results; earlier ones are replaced.",
+        ),
+    ],
     scenes: Annotated[
         str | None, typer.Option(metavar="NAME,…", help="Shipped scenes; without it, all.")
     ] = None,
@@ -68,7 +82,11 @@ def tradeoff(
     ] = None,
     cache: Annotated[
         Path | None,
-        typer.Option(help="Folder where finished work is kept; without it, the user's own."),
+        typer.Option(
+            parser=output_path,
+            metavar="PATH",
+            help="Folder where finished work is kept; without it, the user's own.",
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import FARTHEST_M, Array
 
 Number = TypeVar("Number", int, float)
 
@@ -45,6 +45,19 @@ class Table(CsvTable):
             raise self.error(
                 row, columns[column], self._not_a("a finite number", row, columns[column])
             )
+        return table
+
+    def positions(self, columns: Sequence[str]) -> Array:
+        """Return (n, columns) metres; raise InputError at the first that is nowhere near a scene.
+
+        That is the limit of poses on the command line.
+        """
+        table = self.floats(columns)
+        far = np.argwhere(np.abs(table) > FARTHEST_M)
+        if len(far):
+            row, column = far[0]
+            message = f"{table[row, column]:g} m is more than {FARTHEST_M / 1e3:.0f} km away"
+            raise self.error(row, columns[column], f"{message}; positions are metres")
         return table
 
     def quaternions(self, columns: Sequence[str]) -> Array:

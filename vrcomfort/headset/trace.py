@@ -180,8 +180,9 @@ def write_trace(trace: Trace, path: str | Path) -> None:
 def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
     """Read a head trace that another program wrote.
 
-    `unity-euler`: a header separated by spaces (``Time x y z alpha beta gamma``), rows separated
-    by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed frame.
+    `unity-euler`: a header separated by spaces or commas (``Time x y z alpha beta gamma``), rows
+    separated by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed
+    frame, applied in Unity's order: z, x, y.
 
     Raises
     ------
@@ -201,7 +202,7 @@ def _import_unity(path: str | Path) -> Trace:
     return Trace(
         time_ns=table.rising("Time", time_ns),
         head=PoseTrack(
-            positions_from_unity(table.floats(UNITY_HEADER[1:4])),
+            positions_from_unity(table.positions(UNITY_HEADER[1:4])),
             orientations_from_unity(table.floats(UNITY_HEADER[4:])),
         ),
         cuts=cuts,
