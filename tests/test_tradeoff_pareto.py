@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, verdict
+from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, undecided, verdict
 
 numbers = st.floats(0.001, 1000)
 points = st.lists(st.builds(Point, st.text(max_size=3), numbers, numbers), max_size=12)
@@ -48,6 +48,17 @@ def test_a_verdict_names_the_one_that_comes_nearest():
     assert not lost.beaten
     assert lost.factor == pytest.approx(2.0)
     assert verdict(theirs, []) is None
+
+
+@pytest.mark.parametrize(
+    ("cost", "error", "expected"),
+    [(9.6, 1, False), (9.8, 1, True), (10.2, 1, True), (10.4, 1, False), (10.2, 3, False)],
+)
+def test_a_verdict_is_undecided_where_noise_could_turn_it(cost, error, expected):
+    again = (0.97, 1.03)
+    assert undecided(Point("a", 10.0, 2.0), [Point("b", cost, error)], again) is expected
+    both = [Point("b", cost, error), Point("c", 5.0, 1.9)]
+    assert not undecided(Point("a", 10.0, 2.0), both, again), "c wins whatever noise does"
 
 
 @given(st.floats(-2, -0.1), st.floats(0.01, 10))

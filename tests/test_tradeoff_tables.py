@@ -53,8 +53,43 @@ def test_verdicts_say_who_is_both_faster_and_closer(found):
     ]
     hall = "hall, depth of field"
     assert rows[0] == [hall, "mip", "RMS", "ours 1 ring", "0.50", "0.80", "yes"]
-    assert rows[1] == [hall, "scatter", "RMS", "ours 2 rings", "0.50", "4.0", "no: 4.00×"]
+    unsure = "no: 4.00×, does not count"
+    assert rows[1] == [hall, "scatter", "RMS", "ours 2 rings", "0.50", "4.0", unsure]
     assert "in 1 of 2 by RMS and 0 of 2 by FLIP" in tables.headline(found)
+
+
+def test_the_headline_says_what_counts_and_what_noise_could_turn():
+    """`near` is closer than `mip` at 1.02 of its cost; `sure` is closer, but R1 is too unsure."""
+    rows = [
+        row(SCATTER, "none", None, 0.01),
+        row("mip", "source", 10.0, 0.05, flip=0.05),
+        row("scatter", "source", 100.0, 0.009, flip=0.05),
+        row("near", "ours", 10.2, 0.04, flip=0.06),
+        row("sure", "ours", 50.0, 0.008, flip=0.04),
+    ]
+    found = results.compared(results.means(rows), (0.97, 1.03))
+    last = tables.VERDICT_COLUMNS[-1][1]
+    shown = {(v["theirs"], v["error"]): last(v) for v in found["verdicts"]}
+    assert shown == {
+        ("mip", "rms"): "no: 1.02×, within A/A",
+        ("mip", "flip"): "no: 1.20×",
+        ("scatter", "rms"): "yes, does not count",
+        ("scatter", "flip"): "yes, does not count",
+    }
+    told = tables.headline(found)
+    assert "in 2 of these 4 comparisons both rows count, and in 1 the verdict lies" in told
+    assert "(0.97–1.03)" in told
+
+
+def test_methods_that_draw_the_same_are_on_the_front_together():
+    rows = [
+        *ROWS,
+        row("ours 3 rings", "ours", 51.0, 0.02, step=3),
+        row("ours 4 rings", "ours", 70.0, 0.02, step=4),
+        row("ours 5 rings", "ours", 51.0, 0.0201, step=5),
+    ]
+    (found,) = results.compared(results.means(rows))["fronts"]
+    assert found["front"] == ["ours 1 ring", "ours 2 rings", "ours 3 rings", "scatter"]
 
 
 def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):

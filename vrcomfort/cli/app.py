@@ -94,7 +94,7 @@ def _options(
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     try:
-        app()
+        app(prog_name="vrcomfort")
     except InputError as error:
         complain(str(error))
         sys.exit(EXIT_BAD_INPUT)

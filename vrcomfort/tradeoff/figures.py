@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +12,18 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from vrcomfort.geometry import Array
+from vrcomfort.tradeoff import labels
 from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.results import by_dial
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.transforms import Bbox
+    from matplotlib.text import Text
+    from matplotlib.transforms import Transform
 
 Row = dict[str, Any]
 
@@ -38,35 +41,18 @@ STYLE: dict[Any, Any] = {
     "text.color": INK,
     "svg.fonttype": "path",
 }
-OFFSETS = [
-    (x, y, side)
-    for reach in (7, 14, 22, 32, 44)
-    for x, y, side in (
-        (reach, 0, "left"), (0.7 * reach, 0.7 * reach, "left"), (0.7 * reach, -0.7 * reach, "left"),
-        (-reach, 0, "right"), (-0.7 * reach, 0.7 * reach, "right"),
-        (-0.7 * reach, -0.7 * reach, "right"), (0, reach, "center"), (0, -reach, "center"),
-    )
-]  # fmt: skip
-"""Where a label may go, in points from its marker: near places first."""
+LABEL: dict[str, Any] = {"fontsize": 7.5}
+MARKER_PT, RING_PT = 5.0, 10.0
+"""Diameters of a marker, and of the ring around one that does not count."""
 
-FAR_PT = 12.0
-"""From here on a line shows whose label it is."""
+SAME_PX = 3.0
+"""Markers that are nearer than this have one label; of equal errors, those that touch."""
 
 
 def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
     """Write `name`.svg and `name`.png into `folder`; return the SVG text."""
-    timed = [row for row in rows if row["effect_to_copy"] and row["family"] != "none"]
     with mpl.rc_context({**STYLE, "svg.hashsalt": name}):
-        figure = Figure(figsize=(7.2, 4.6), layout="constrained")
-        FigureCanvasAgg(figure)
-        axes = figure.add_subplot()
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        for family in COLOURS:
-            _plot(axes, [row for row in timed if row["family"] == family], family)
-        _lines(axes, rows)
-        _decorate(axes, rows)
-        _place_labels(figure, axes, timed)
+        figure = draw(rows)
         stream = io.StringIO()
         figure.savefig(stream, format="svg", metadata={"Date": None, "Creator": None})
         figure.savefig(folder / f"{name}.png", dpi=150, metadata={"Software": None})
@@ -74,18 +60,35 @@ def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
     return stream.getvalue()
 
 
+def draw(rows: Sequence[Row]) -> Figure:
+    """Return the figure of one scene and effect."""
+    timed = [row for row in rows if row["effect_to_copy"] and row["family"] != "none"]
+    figure = Figure(figsize=(7.2, 4.6), layout=ConstrainedLayoutEngine(w_pad=0.08))
+    FigureCanvasAgg(figure)
+    axes = figure.add_subplot()
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for family in COLOURS:
+        _plot(axes, [row for row in timed if row["family"] == family], family)
+    _lines(axes, rows)
+    _decorate(axes, rows)
+    _place_labels(figure, axes, timed)
+    return figure
+
+
 def _plot(axes: Axes, rows: list[Row], family: str) -> None:
     if not rows:
         return
     x, y = [row["effect_to_copy"] for row in rows], [row["rms"] for row in rows]
     look: dict[str, Any] = {"color": COLOURS[family], "zorder": 3}
-    axes.plot(x, y, MARKERS[family], ms=5, label=WORDS[family], **look)
+    axes.plot(x, y, MARKERS[family], ms=MARKER_PT, label=WORDS[family], **look)
     for steps in by_dial(rows).values():
         joined = [(row["effect_to_copy"], row["rms"]) for row in steps]
         axes.plot(*zip(*joined, strict=True), "-", lw=1.2, **look)
     unsure = [(a, b) for a, b, row in zip(x, y, rows, strict=True) if not row["counts"]]
     if unsure:
-        axes.plot(*zip(*unsure, strict=True), "o", ms=10, mfc="none", mec=FAINT, mew=0.8, zorder=2)
+        ring: dict[str, Any] = {"ms": RING_PT, "mfc": "none", "mec": FAINT, "mew": 0.8}
+        axes.plot(*zip(*unsure, strict=True), "o", zorder=2, **ring)
 
 
 def _lines(axes: Axes, rows: Sequence[Row]) -> None:
@@ -131,82 +134,101 @@ def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
 
 
 def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
-    """Label each marker where its text meets neither another nor a marker."""
+    """Label the markers, those that coincide together."""
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    centers = [axes.transData.transform((r["effect_to_copy"], r["rms"])) for r in rows]
-    lines = [point for line in axes.lines for point in _along(axes, line)]
-    taken: list[Bbox] = [text.get_window_extent() for text in axes.texts]
-    for row, center in zip(rows, centers, strict=True):
-        text = row["method"].removeprefix("ours ")
-        spot = axes.annotate(
-            text,
-            (row["effect_to_copy"], row["rms"]),
-            xytext=(0, 0),
-            textcoords="offset points",
-            va="center",
-            fontsize=7.5,
-            color=COLOURS[row["family"]],
-        )
-        best = min(
-            OFFSETS, key=lambda offset: _clash(spot, offset, axes, taken, lines, centers, center)
-        )
-        _put(spot, best)
-        taken.append(spot.get_window_extent())
-        if math.hypot(*best[:2]) > FAR_PT:
-            _lead(axes, spot)
+    spread(axes)
+    if not rows:
+        return
+    pixels_per_point = figure.dpi / 72
+    centers = axes.transData.transform([(r["effect_to_copy"], r["rms"]) for r in rows])
+    rings = [MARKER_PT if row["counts"] else RING_PT for row in rows]
+    markers = np.column_stack([centers, np.array(rings) / 2 * pixels_per_point])
+    groups = coinciding(rows, markers)
+    texts = [_text(axes, [rows[index] for index in group]) for group in groups]
+    boxes = [text.get_window_extent() for text in texts]
+    own = np.array([[*centers[g].mean(axis=0), markers[g, 2].max()] for g in groups])
+    inside = np.array(axes.get_window_extent().extents)
+    crowd = labels.Crowd(inside, markers, _drawn_lines(axes))
+    places = labels.place([(box.width, box.height) for box in boxes], own, crowd)
+    for text, marker, place in zip(texts, own, places, strict=True):
+        text.set_position(_place_in(axes.transAxes, (place[:2] + place[2:]) / 2))
+        line = labels.leader(place, marker)
+        if line is not None:
+            ends = axes.transAxes.inverted().transform(line)
+            axes.plot(*ends.T, color=FAINT, lw=0.6, transform=axes.transAxes, zorder=2.5)
 
 
-def _lead(axes: Axes, spot: Any) -> None:
-    """Draw a thin line from a marker to its label."""
-    line = {"arrowstyle": "-", "color": FAINT, "lw": 0.6, "shrinkA": 5, "shrinkB": 3}
-    axes.annotate("", spot.xy, xytext=spot.xyann, textcoords="offset points", arrowprops=line)
-
-
-def _along(axes: Axes, line: Any) -> Any:
-    """Return places along a drawn line, some pixels apart, on the canvas."""
-    if line.get_linestyle() == "None":
-        return []
-    corners = line.get_transform().transform(np.column_stack(line.get_data()))
-    left, right = axes.get_window_extent().x0, axes.get_window_extent().x1
-    corners[:, 0] = np.clip(corners[:, 0], left, right)
-    steps = np.linspace(0, 1, 60)[:, None]
-    parts = [a + (b - a) * steps for a, b in pairwise(corners)]
-    return np.concatenate(parts) if parts else []
-
-
-def _put(spot: Any, offset: tuple[float, float, str]) -> None:
-    spot.xyann = offset[:2]
-    spot.set_ha(offset[2])
-
-
-def _clash(
-    spot: Any,
-    offset: tuple[float, float, str],
-    axes: Axes,
-    taken: Any,
-    lines: Any,
-    centers: Any,
-    own: Any,
-) -> float:
-    """Return how bad a place is: square pixels on other texts, markers, or outside the axes."""
-    _put(spot, offset)
-    box = spot.get_window_extent()
-    bad: float = sum(_overlap(box, other) for other in taken)
-    bad += sum(8.0 for x, y in lines if _holds(box, x, y))
-    bad += sum(60.0 for x, y in centers if _holds(box, x, y) and (x, y) != tuple(own))
-    inside = axes.get_window_extent()
-    bad += 1e4 * (
-        box.x0 < inside.x0 or box.x1 > inside.x1 or box.y0 < inside.y0 or box.y1 > inside.y1
+def _text(axes: Axes, rows: list[Row]) -> Text:
+    return axes.text(
+        0.5,
+        0.5,
+        joined(rows),
+        transform=axes.transAxes,
+        ha="center",
+        va="center",
+        color=COLOURS[rows[0]["family"]],
+        **LABEL,
     )
-    return bad + 0.02 * (abs(offset[0]) + abs(offset[1]))
 
 
-def _overlap(a: Any, b: Any) -> float:
-    width = float(min(a.x1, b.x1) - max(a.x0, b.x0))
-    height = float(min(a.y1, b.y1) - max(a.y0, b.y0))
-    return max(width, 0.0) * max(height, 0.0)
+def coinciding(rows: Sequence[Row], markers: Array) -> list[list[int]]:
+    """Return the indices of methods that share a label: of ours, where markers coincide."""
+    groups: list[list[int]] = []
+    for index, row in enumerate(rows):
+        for group in groups:
+            first = rows[group[0]]
+            apart_px = np.hypot(*(markers[index] - markers[group[0]])[:2])
+            same = math.isclose(first["rms"], row["rms"], rel_tol=1e-6)
+            near = 2 * markers[index, 2] if same else SAME_PX
+            if row["step"] and first["step"] and apart_px < near:
+                group.append(index)
+                break
+        else:
+            groups.append([index])
+    return groups
 
 
-def _holds(box: Any, x: float, y: float) -> bool:
-    return bool(box.x0 - 4 <= x <= box.x1 + 4 and box.y0 - 4 <= y <= box.y1 + 4)
+def joined(rows: Sequence[Row]) -> str:
+    """Return the label of methods that coincide: their steps, dial by dial."""
+    if not rows[0]["step"]:
+        return str(rows[0]["method"])
+    parts = []
+    dials = by_dial(rows)
+    for name, steps in sorted(dials.items(), key=lambda dial: rows.index(dial[1][0])):
+        numbers = [row["step"] for row in steps]
+        ends = f"{numbers[0]}–{numbers[-1]}" if len(numbers) > 1 else f"{numbers[0]}"
+        parts.append(f"{ends} {name if numbers[-1] > 1 else name.removesuffix('s')}")
+    return ", ".join(parts)
+
+
+def spread(axes: Axes) -> None:
+    """Move the names of the lines apart where they would lie on each other, in order."""
+    texts = sorted(axes.texts, key=lambda text: text.get_window_extent().y0)
+    lowest = -math.inf
+    for text in texts:
+        box = text.get_window_extent()
+        up_px = max(0.0, lowest - box.y0)
+        x, y = text.get_position()
+        if up_px:
+            transform = axes.get_yaxis_transform()
+            across, height = transform.transform((x, y))
+            text.set_position(_place_in(transform, np.array([across, height + up_px])))
+        lowest = box.y1 + up_px
+
+
+def _place_in(transform: Transform, place_px: Array) -> tuple[float, float]:
+    x, y = transform.inverted().transform(place_px)
+    return float(x), float(y)
+
+
+def _drawn_lines(axes: Axes) -> Array:
+    """Return (k, 2, 2): the ends of all straight lines, in pixels, as far as they are seen."""
+    box = axes.get_window_extent()
+    found = [np.zeros((0, 2, 2))]
+    for line in axes.lines:
+        if line.get_linestyle() != "None":
+            corners = line.get_transform().transform(np.column_stack(line.get_data()))
+            corners[:, 0] = np.clip(corners[:, 0], box.x0, box.x1)
+            found.append(np.stack([corners[:-1], corners[1:]], axis=1))
+    return np.concatenate(found)

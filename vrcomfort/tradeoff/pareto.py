@@ -61,6 +61,20 @@ def verdict(theirs: Point, ours: Sequence[Point]) -> Verdict | None:
     return min(found, key=lambda each: each.factor, default=None)
 
 
+def undecided(theirs: Point, ours: Sequence[Point], again: tuple[float, float]) -> bool:
+    """Return whether the noise of costs alone could turn a verdict.
+
+    Parameters
+    ----------
+    again
+        Ratios of cost, around 1, between which the same work lies when it is timed twice.
+    """
+    closer = [_ratio(each.cost, theirs.cost) for each in ours if each.error < theirs.error]
+    return any(ratio <= again[1] for ratio in closer) and not any(
+        ratio < again[0] for ratio in closer
+    )
+
+
 def log_slope(steps: ArrayLike, errors: ArrayLike) -> float | None:
     """Return the least-squares slope of log error against log step; None below two points."""
     x, y = np.asarray(steps, dtype=np.float64), np.asarray(errors, dtype=np.float64)

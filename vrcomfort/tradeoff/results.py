@@ -15,7 +15,7 @@ from vrcomfort import __version__
 from vrcomfort.tradeoff.cases import Scope
 from vrcomfort.tradeoff.measure import SCATTER, Measured, decibels
 from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER
-from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, verdict
+from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, undecided, verdict
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import CaseTime
 
@@ -30,8 +30,10 @@ MEANS = (
     "coc_mismatch_px",
 )
 QUADRATIC = ("rms", "reference_rms", "filter_rms")
-PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
+PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
+SAME_COST = 1.1
+"""What draws the same picture is on the front together up to this ratio of cost."""
 
 
 def results(
@@ -40,6 +42,7 @@ def results(
     """Return everything that was found, as JSON can say it."""
     rows = _rows(measured, times)
     table = means(rows)
+    copies = [_copy(each) for each in times]
     return {
         "vrcomfort": __version__,
         "device": device,
@@ -48,21 +51,34 @@ def results(
         "scope": asdict(scope),
         "settings": {"focus_m": FOCUS.fixed_m, "lens": LENS, "shutter": SHUTTER},
         "exposures": {name: scene_and_hash(name)[0].environment.exposure for name in scope.scenes},
-        "copy": [_copy(each) for each in times],
+        "copy": copies,
         "rows": rows,
         "table": table,
-        **compared(table),
+        **compared(table, _noise(copies)),
     }
 
 
-def compared(table: Sequence[Row]) -> dict[str, list[Row]]:
-    """Return what the means of :func:`means` say: fronts, verdicts and dials."""
+def compared(table: Sequence[Row], again: tuple[float, float] = (1.0, 1.0)) -> dict[str, Any]:
+    """Return what the means of :func:`means` say: fronts, verdicts and dials.
+
+    Parameters
+    ----------
+    again
+        Ratios of cost, around 1, that say nothing: the A/A interval of the run's copies.
+    """
     groups = _groups(table)
     return {
+        "again": again,
         "fronts": [_front(key, group) for key, group in groups.items()],
-        "verdicts": [row for key, group in groups.items() for row in _verdicts(key, group)],
+        "verdicts": [row for key, group in groups.items() for row in _verdicts(key, group, again)],
         "dials": [row for key, group in groups.items() for row in _dials(key, group)],
     }
+
+
+def _noise(copies: Sequence[Row]) -> tuple[float, float]:
+    """Return the widest A/A interval of copies, which 1 belongs to."""
+    lows, highs = zip(*(each["copy_again"] for each in copies), strict=True) if copies else ((), ())
+    return min(1.0, *lows), max(1.0, *highs)
 
 
 def _rows(measured: Sequence[Measured], times: Sequence[CaseTime]) -> list[Row]:
@@ -132,15 +148,25 @@ def _points(rows: Sequence[Row], error: str = "rms") -> list[Point]:
 
 
 def _front(key: tuple[str, str], group: Sequence[Row]) -> Row:
-    return {
-        "scene": key[0],
-        "effect": key[1],
-        "front": [point.name for point in front(_points(group))],
-    }
+    """Return who is on the front, with those that draw the same as somebody on it."""
+    on_front = {point.name for point in front(_points(group))}
+    first = [row for row in group if row["method"] in on_front]
+    found = [row for row in group if row in first or any(_same(row, one) for one in first)]
+    found.sort(key=lambda row: row["effect_to_copy"])
+    return {"scene": key[0], "effect": key[1], "front": [row["method"] for row in found]}
 
 
-def _verdicts(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
+def _same(row: Row, other: Row) -> bool:
+    """Return whether two methods do the same: equal errors, at a cost that differs by noise."""
+    if not row["effect_to_copy"]:
+        return False
+    equal = all(math.isclose(row[name], other[name], rel_tol=1e-9) for name in ("rms", "flip"))
+    return equal and row["effect_to_copy"] <= SAME_COST * other["effect_to_copy"]
+
+
+def _verdicts(key: tuple[str, str], group: Sequence[Row], again: tuple[float, float]) -> list[Row]:
     """Return for each source's method which of ours comes nearest to beating it, in both errors."""
+    named = {row["method"]: row for row in group}
     ours = [row for row in group if row["family"] in {"ours", "dial"}]
     theirs = [row for row in group if row["family"] == "source"]
     found = []
@@ -148,8 +174,10 @@ def _verdicts(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
         for error in ("rms", "flip"):
             one = next(iter(_points([row], error)), None)
             judged = verdict(one, _points(ours, error)) if one else None
-            if judged:
+            if one and judged:
                 facts = {"scene": key[0], "effect": key[1], "error": error, **judged._asdict()}
+                facts["counts"] = row["counts"] and named[judged.ours]["counts"]
+                facts["undecided"] = undecided(one, _points(ours, error), again)
                 found.append({**facts, "beaten": judged.beaten})
     return found
 

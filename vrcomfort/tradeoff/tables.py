@@ -127,7 +127,10 @@ def _again(copies: Sequence[Row]) -> list[str]:
 
 
 def _beaten(row: Row) -> str:
-    return "yes" if row["beaten"] else f"no: {number(row['factor'], 3)}×"
+    parts = ["yes" if row["beaten"] else f"no: {number(row['factor'], 3)}×"]
+    parts += ["within A/A"] if row["undecided"] else []
+    parts += [] if row["counts"] else ["does not count"]
+    return ", ".join(parts)
 
 
 VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
@@ -143,17 +146,22 @@ VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
 
 
 def headline(found: dict[str, Any]) -> str:
-    """Return in how many comparisons one of ours is both faster and closer."""
-    if not found["verdicts"]:
-        return "No source's method was measured."
+    """Return in how many comparisons one of ours is both faster and closer, and what they are."""
+    verdicts = found["verdicts"]
+    if not verdicts:
+        return "No source's method was compared with one of ours."
     parts = []
     for error in ("rms", "flip"):
-        mine = [v for v in found["verdicts"] if v["error"] == error]
+        mine = [v for v in verdicts if v["error"] == error]
         parts.append(f"{sum(v['beaten'] for v in mine)} of {len(mine)} by {error.upper()}")
+    low, high = found["again"]
     return (
-        f"One of ours is both faster and closer than a source's method in {' and '.join(parts)}. "
-        "Else the last column says by what factor the nearest of ours fails (the larger of both "
-        "ratios)."
+        f"One of ours is both faster and closer than a source's method in {' and '.join(parts)}; "
+        f"in {sum(v['counts'] for v in verdicts)} of these {len(verdicts)} comparisons both rows "
+        f"count, and in {sum(v['undecided'] for v in verdicts)} the verdict lies within the A/A "
+        f"interval of copies ({low:.2f}–{high:.2f}), where noise alone could turn it. "
+        "Where ours is not, the last column says by what factor the nearest of ours fails (the "
+        "larger of both ratios)."
     )
 
 
