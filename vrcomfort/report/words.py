@@ -9,7 +9,6 @@ from vrcomfort.stats.ranks import fewest_for_interval
 
 MINUS = "−"
 NONE = "–"
-TOO_FEW = "too few differences"
 
 
 def number(value: float | None, digits: int = 2) -> str:
@@ -163,20 +162,24 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     effect = test["effect"]
     if effect is None:
         return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
-    few = test["n"] - test["zeros"] < fewest_for_interval(effect["confidence"])
-    why = TOO_FEW if few else f"{a} has no score but 0"
-    shift = f"{number(test['shift']['estimate'])} points {_or_why(test['shift'], TOO_FEW)}"
-    r = f"{fraction(effect['estimate'])} {_or_why(effect, why, bounded=True)}"
+    shift, r, n = _estimates(test, a)
     return (
-        f"{name}, {a} minus {b}: shift {shift}, "
-        f"Z\u00a0=\u00a0{number(test['z'])}, {p_equals(test['p'])} "
-        f"({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
-        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{test['n']}."
+        f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
+        f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
+        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}."
     )
 
 
-def _or_why(found: dict[str, Any], reason: str, *, bounded: bool = False) -> str:
-    """Write an interval, or why there is none."""
-    if found["low"] is None:
-        return f"(no {100 * found['confidence']:g}\u00a0% interval: {reason})"
-    return interval(found, bounded=bounded)
+def _estimates(test: dict[str, Any], a: str) -> tuple[str, str, str]:
+    """Return shift, r and n with the intervals, or with the reason why there is none."""
+    shift, effect, n = test["shift"], test["effect"], str(test["n"])
+    points, r = f"{number(shift['estimate'])} points", fraction(effect["estimate"])
+    percent = f"{100 * effect['confidence']:g}\u00a0%"
+    if shift["low"] is None:
+        return points, r, f"{n} (too few for {percent} intervals)"
+    points = f"{points} {interval(shift)}"
+    if effect["low"] is not None:
+        return points, f"{r} {interval(effect, bounded=True)}", n
+    few = test["n"] - test["zeros"] < fewest_for_interval(effect["confidence"])
+    reason = "too few differences other than 0" if few else f"{a} has no score but 0"
+    return points, f"{r} (no {percent} interval: {reason})", n
