@@ -144,13 +144,13 @@ def ring(step, cost, rms=0.01, dial="rings"):
 
 def test_methods_that_coincide_have_one_label():
     rows = [ring(1, 10), ring(2, 10.1), ring(3, 10.2), ring(2, 10.1, dial="taps"), ring(9, 30)]
-    at = np.array([[10.0, 5, 4], [13, 5, 4], [15, 5, 4], [13, 5, 4], [60, 5, 4]])
+    at = np.array([[10.0, 5, 4], [36, 5, 4], [23, 5, 4], [36, 5, 4], [60, 5, 4]])
     groups = coinciding(rows, at)
     assert groups == [[0, 1, 2, 3], [4]]
     assert joined(rows[:4]) == "1–3 rings, 2 taps"
     assert joined(rows[4:]) == "9 rings"
-    other = [{**rows[0]}, {**rows[1], "rms": 0.011}]
-    assert coinciding(other, at) == [[0], [1]]
+    other = [rows[0], {**rows[1], "rms": 0.011}]
+    assert coinciding(other, at * 2) == [[0], [1]]
     assert coinciding([{**rows[0], "step": None}, rows[1]], at * 0) == [[0], [1]]
 
 

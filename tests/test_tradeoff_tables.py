@@ -90,6 +90,8 @@ def test_methods_that_draw_the_same_are_on_the_front_together():
     ]
     (found,) = results.compared(results.means(rows))["fronts"]
     assert found["front"] == ["ours 1 ring", "ours 2 rings", "ours 3 rings", "scatter"]
+    (found,) = results.compared(results.means(rows), (0.7, 1.5))["fronts"]
+    assert "ours 4 rings" in found["front"], "a run as noisy as that cannot tell"
 
 
 def test_a_dial_tells_its_slope_and_where_the_reference_counts(found):

@@ -46,7 +46,7 @@ MARKER_PT, RING_PT = 5.0, 10.0
 """Diameters of a marker, and of the ring around one that does not count."""
 
 SAME_PX = 3.0
-"""Markers that are nearer than this have one label; of equal errors, those that touch."""
+"""Markers nearer than this have one label; of equal errors, those with less than one between."""
 
 
 def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
@@ -176,17 +176,18 @@ def coinciding(rows: Sequence[Row], markers: Array) -> list[list[int]]:
     """Return the indices of methods that share a label: of ours, where markers coincide."""
     groups: list[list[int]] = []
     for index, row in enumerate(rows):
-        for group in groups:
-            first = rows[group[0]]
-            apart_px = np.hypot(*(markers[index] - markers[group[0]])[:2])
-            same = math.isclose(first["rms"], row["rms"], rel_tol=1e-6)
-            near = 2 * markers[index, 2] if same else SAME_PX
-            if row["step"] and first["step"] and apart_px < near:
-                group.append(index)
-                break
-        else:
-            groups.append([index])
-    return groups
+        near = [g for g in groups if row["step"] and any(_near(rows, markers, index, i) for i in g)]
+        groups = [group for group in groups if group not in near]
+        groups.append(sorted([index, *(each for group in near for each in group)]))
+    return sorted(groups)
+
+
+def _near(rows: Sequence[Row], markers: Array, index: int, other: int) -> bool:
+    """Return whether two of ours share a label."""
+    first, second = rows[index], rows[other]
+    apart_px = float(np.hypot(*(markers[index] - markers[other])[:2]))
+    same = math.isclose(first["rms"], second["rms"], rel_tol=1e-6)
+    return bool(second["step"]) and apart_px < (4 * markers[index, 2] if same else SAME_PX)
 
 
 def joined(rows: Sequence[Row]) -> str:

@@ -33,7 +33,7 @@ QUADRATIC = ("rms", "reference_rms", "filter_rms")
 COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
 PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 SAME_COST = 1.1
-"""What draws the same picture is on the front together up to this ratio of cost."""
+"""What draws the same picture is on the front together up to this ratio of cost, or noise's."""
 
 
 def results(
@@ -67,9 +67,10 @@ def compared(table: Sequence[Row], again: tuple[float, float] = (1.0, 1.0)) -> d
         Ratios of cost, around 1, that say nothing: the A/A interval of the run's copies.
     """
     groups = _groups(table)
+    noise = max(SAME_COST, again[1])
     return {
         "again": again,
-        "fronts": [_front(key, group) for key, group in groups.items()],
+        "fronts": [_front(key, group, noise) for key, group in groups.items()],
         "verdicts": [row for key, group in groups.items() for row in _verdicts(key, group, again)],
         "dials": [row for key, group in groups.items() for row in _dials(key, group)],
     }
@@ -147,21 +148,21 @@ def _points(rows: Sequence[Row], error: str = "rms") -> list[Point]:
     return [Point(r["method"], r["effect_to_copy"], r[error]) for r in rows if r["effect_to_copy"]]
 
 
-def _front(key: tuple[str, str], group: Sequence[Row]) -> Row:
+def _front(key: tuple[str, str], group: Sequence[Row], noise: float) -> Row:
     """Return who is on the front, with those that draw the same as somebody on it."""
     on_front = {point.name for point in front(_points(group))}
     first = [row for row in group if row["method"] in on_front]
-    found = [row for row in group if row in first or any(_same(row, one) for one in first)]
+    found = [row for row in group if row in first or any(_same(row, one, noise) for one in first)]
     found.sort(key=lambda row: row["effect_to_copy"])
     return {"scene": key[0], "effect": key[1], "front": [row["method"] for row in found]}
 
 
-def _same(row: Row, other: Row) -> bool:
+def _same(row: Row, other: Row, noise: float) -> bool:
     """Return whether two methods do the same: equal errors, at a cost that differs by noise."""
     if not row["effect_to_copy"]:
         return False
     equal = all(math.isclose(row[name], other[name], rel_tol=1e-9) for name in ("rms", "flip"))
-    return equal and row["effect_to_copy"] <= SAME_COST * other["effect_to_copy"]
+    return equal and row["effect_to_copy"] <= noise * other["effect_to_copy"]
 
 
 def _verdicts(key: tuple[str, str], group: Sequence[Row], again: tuple[float, float]) -> list[Row]:

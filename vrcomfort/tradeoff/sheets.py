@@ -9,9 +9,11 @@ import matplotlib.font_manager
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
+from scipy.ndimage import binary_dilation
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.render.image_error import margin_px
 from vrcomfort.tradeoff.measure import Measured
 
 CROP_PX = 240
@@ -19,6 +21,9 @@ CROP_PX = 240
 
 GAIN = 8.0
 """Differences of display values are shown this much larger, around middle grey."""
+
+FADED = 0.35
+"""How much is left of a picture in the margin that counts in no error."""
 
 COLUMNS = 6
 GAP_PX, LABEL_PX = 8, 22
@@ -28,21 +33,40 @@ INK, PAPER = (28, 28, 28), (255, 255, 255)
 def contact_sheet(found: Measured, exposure: float) -> Image.Image:
     """Return a sheet: for each method its picture above its difference from the reference."""
     reference = tone_mapped(found.pictures["reference"], exposure=exposure)
-    crop = _crop(reference, tone_mapped(found.pictures["no blur"], exposure=exposure))
+    counted = _counted(reference.shape)
+    crop = _crop(reference, tone_mapped(found.pictures["no blur"], exposure=exposure), counted)
     tiles = []
     for name, picture in found.pictures.items():
         shown = tone_mapped(picture, exposure=exposure)
         difference = 0.5 + GAIN * (shown - reference) / 2
         label = "reference (R1)" if name == "reference" else name
-        tiles.append((label, _rgb8(shown[crop]), _rgb8(difference[crop])))
+        above, below = (_rgb8(_faded(each, counted)[crop]) for each in (shown, difference))
+        tiles.append((label, above, below))
     return _sheet(tiles)
 
 
-def _crop(reference: Array, sharp: Array) -> tuple[slice, slice]:
-    """Return where a window holds most difference between blurred and sharp."""
+def _counted(shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    """Return (h, w, 1): whether a pixel lies inside the margin that is left out of errors."""
+    height, width = shape[:2]
+    margin = margin_px((width, height))
+    counted = np.zeros((height, width, 1), dtype=bool)
+    counted[margin:-margin, margin:-margin] = True
+    return counted
+
+
+def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:
+    """Return the image with a pale margin, and a line around what counts."""
+    line = binary_dilation(counted, np.ones((3, 3, 1))) & ~counted
+    pale = 1 - FADED * (1 - np.clip(image, 0, 1))
+    found: Array = np.where(counted, image, np.where(line, 0.0, pale))
+    return found
+
+
+def _crop(reference: Array, sharp: Array, counted: NDArray[np.bool_]) -> tuple[slice, slice]:
+    """Return where a window holds most difference that counts between blurred and sharp."""
     height, width = reference.shape[:2]
     tall, wide = min(height, CROP_PX), min(width, CROP_PX)
-    change = np.abs(reference - sharp).sum(axis=-1)
+    change = np.where(counted, np.abs(reference - sharp), 0.0).sum(axis=-1)
     total = np.pad(change, ((1, 0), (1, 0))).cumsum(axis=0).cumsum(axis=1)
     windows = total[tall:, wide:] - total[:-tall, wide:] - total[tall:, :-wide]
     windows += total[:-tall, :-wide]
