@@ -5,12 +5,17 @@
 // Output: back: rgb = mean over the texel's own disc of its surface and those behind it,
 //               a = the texel's radius, by which full resolution tells surfaces apart;
 //         FRONT: rgb * opacity, opacity of the wide discs of nearer surfaces.
+// Discs of more than FAR_PX, if there is such a limit, come from wide_back and wide_front, whose texels are
+// twice as wide (defocus_far.frag): here their taps would lie far apart.
 //
 // Half resolution blurs by itself, but not across rims. So where there are none the discs are
 // smaller by its variance: a disc of radius 2 px is half resolution itself. The layers:
 // depth_of_field.frag.
 #include "coc.glsl"
 #include "gather.glsl"
+#ifdef FAR_PX
+#include "wide_layers.glsl"
+#endif
 
 uniform sampler2D points;
 uniform sampler2D points_half;
@@ -40,6 +45,12 @@ void main() {
     if (tile.a >= p - margin_px(p))
         return;
     float disc = 0.5 * max(-tile.a, p);
+#ifdef FAR_PX
+    if (mix_layers(texel, p, 2.0 * disc > FAR_PX, true, ANY_AROUND)) {
+        layer = mixed_front;
+        return;
+    }
+#endif
     int rings = ring_count(disc, SPACING);
     float spacing = disc / (float(rings) + 0.5);
     float area = 0.25 * PI * spacing * spacing;
@@ -64,6 +75,12 @@ void main() {
     bool alike = is_alike(p.a, tile, 1.5);
     if (abs(p.a) <= SMALL_PX)
         return;
+#ifdef FAR_PX
+    if (mix_layers(texel, p.a, abs(p.a) > FAR_PX, false, ANY_AROUND)) {
+        layer.rgb = mixed_back.rgb;
+        return;
+    }
+#endif
     // Half extents in texels; a disc of pixels that are higher than wide is higher by their aspect.
     vec2 extent = abs(p.a) * vec2(1.0, pixel_aspect);
     float narrower = alike ? 4.0 * HALF_VARIANCE_PX2 : 0.0;
@@ -74,13 +91,17 @@ void main() {
     vec2 size = vec2(last + 1);
     vec2 centre = gl_FragCoord.xy / size;
     vec2 stretch = vec2(1.0, extent.y / disc) / size;
+#ifdef FAR_PX
+    vec4 sum = (abs(p.a) > FAR_PX ? LONE : 1.0) * vec4(p.rgb, 1.0);
+#else
     vec4 sum = vec4(p.rgb, 1.0);
+#endif
     int i = 0;
     for (int ring = 1; ring <= rings; ++ring) {
         float away = ring_radius(ring, spacing);
         if (alike)
             for (int k = 0; k < 8 * ring; ++k, ++i)
-                sum += vec4(texture(points_half, centre + away * directions[i] * stretch).rgb, 1.0);
+                sum += vec4(textureLod(points_half, centre + away * directions[i] * stretch, 0.0).rgb, 1.0);
         else
             for (int k = 0; k < 8 * ring; ++k, ++i) {
                 vec4 q = tap(i, away, spacing > SPACING);
