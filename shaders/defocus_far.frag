@@ -60,17 +60,17 @@ vec4 sum_over(float radius_px) {
 #ifdef FRONT
 void main() {
     vec4 tile = texelFetch(reach, LEVEL * texel / TILE, 0);
+    bool has_front = tile.a < p.a - margin_px(p.a);
+    float own_px = abs(p.a), front_px = has_front ? max(-tile.a, p.a) : 0.0;
     layer = vec4(0.0);
-    if (tile.a >= p.a - margin_px(p.a))
-        return;
-    float radius_px = max(-tile.a, p.a);
 #ifdef FAR_PX
-    if (mix_layers(texel, p.a, radius_px > FAR_PX, true, ANY_AROUND)) {
+    if (mix_layers(texel, p.a, max(own_px, front_px) > FAR_PX, true, least_around(own_px, front_px))) {
         layer = mixed_front;
         return;
     }
 #endif
-    layer = sum_over(radius_px) / (PI * pixel_aspect);
+    if (has_front)
+        layer = sum_over(front_px) / (PI * pixel_aspect);
 }
 #else
 void main() {
@@ -79,7 +79,7 @@ void main() {
     if (radius_px <= SMALL_PX)
         return;
 #ifdef FAR_PX
-    if (mix_layers(texel, p.a, radius_px > FAR_PX, false, ANY_AROUND)) {
+    if (mix_layers(texel, p.a, radius_px > FAR_PX, false, BEHIND)) {
         layer.rgb = mixed_back.rgb;
         return;
     }

@@ -41,16 +41,18 @@ vec4 tap(int i, float away, bool halved) {
 void main() {
     float p = texelFetch(points_half, texel, 0).a;
     vec4 tile = texelFetch(reach, 2 * texel / TILE, 0);
+    bool has_front = tile.a < p - margin_px(p);
+    float front_px = has_front ? max(-tile.a, p) : 0.0;
     layer = vec4(0.0);
-    if (tile.a >= p - margin_px(p))
-        return;
-    float disc = 0.5 * max(-tile.a, p);
 #ifdef FAR_PX
-    if (mix_layers(texel, p, 2.0 * disc > FAR_PX, true, ANY_AROUND)) {
+    if (mix_layers(texel, p, max(abs(p), front_px) > FAR_PX, true, least_around(abs(p), front_px))) {
         layer = mixed_front;
         return;
     }
 #endif
+    if (!has_front)
+        return;
+    float disc = 0.5 * front_px;
     int rings = ring_count(disc, SPACING);
     float spacing = disc / (float(rings) + 0.5);
     float area = 0.25 * PI * spacing * spacing;
@@ -76,7 +78,7 @@ void main() {
     if (abs(p.a) <= SMALL_PX)
         return;
 #ifdef FAR_PX
-    if (mix_layers(texel, p.a, abs(p.a) > FAR_PX, false, ANY_AROUND)) {
+    if (mix_layers(texel, p.a, abs(p.a) > FAR_PX, false, BEHIND)) {
         layer.rgb = mixed_back.rgb;
         return;
     }
@@ -91,11 +93,7 @@ void main() {
     vec2 size = vec2(last + 1);
     vec2 centre = gl_FragCoord.xy / size;
     vec2 stretch = vec2(1.0, extent.y / disc) / size;
-#ifdef FAR_PX
-    vec4 sum = (abs(p.a) > FAR_PX ? LONE : 1.0) * vec4(p.rgb, 1.0);
-#else
     vec4 sum = vec4(p.rgb, 1.0);
-#endif
     int i = 0;
     for (int ring = 1; ring <= rings; ++ring) {
         float away = ring_radius(ring, spacing);

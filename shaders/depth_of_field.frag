@@ -22,8 +22,9 @@
 //         \ ___ /
 //
 // Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where the
-// texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. Above FAR_PX
-// these would lie far apart, and one such texel will do. No noise, hence the same kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
+// texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. Where
+// discs are very wide these would lie far apart, and one such texel will do. No noise, hence the same
+// kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
 //
 // Renderers on the CPU run both sides of every branch, but no loop that no pixel wants. So what few
@@ -107,7 +108,7 @@ void gather_rings(float disc_px, float back_px) {
 
 // The wide discs, p's own and those of fronts up to front_px: one walk, or two if these are wider.
 void walk_rings(bool wide, float front_px) {
-    back += (wide ? (own_px > FAR_PX ? LONE : 1.0) : 0.0) * vec4(p.rgb, 1.0);
+    back += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
     bool together = front_px <= 1.25 * own_px;
     for (int walk = wide ? 0 : 1; walk < (together ? 1 : 2); ++walk)
         gather_rings(walk > 0 ? front_px : max(own_px, together ? front_px : 0.0),
@@ -118,8 +119,7 @@ void walk_rings(bool wide, float front_px) {
 void gather_wide(vec4 tile, bool wide, bool wide_front_) {
     bool layered = wide || wide_front_;
     float front_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
-    float least = max(own_px, front_px) > FAR_PX ? ANY_AROUND : ALL_AROUND;
-    if (mix_layers(pixel, p.a, layered, wide_front_, least)) {
+    if (mix_layers(pixel, p.a, layered, wide_front_ || own_px > FAR_PX, least_around(own_px, front_px))) {
         back += wide ? mixed_back : vec4(0.0);
         front += mixed_front;
         layered = false;

@@ -74,7 +74,9 @@ class FarLayers:
             defines={"FAR_PX": self.above_px},
             components=1,
         )
-        self._tiles = TilePasses(ctx, defocus, self._kinds.target)
+        self.kinds = self._kinds.target
+        """`HALVES` and `LAYERS` of ``include/kinds.glsl``."""
+        self._tiles = TilePasses(ctx, defocus, self.kinds)
         here, fronts, self._back, self._front = (
             make_level(ctx, defocus, texel_px, "f4") for _ in range(4)
         )
