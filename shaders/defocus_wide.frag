@@ -6,7 +6,8 @@
 //               a = the texel's radius, by which full resolution tells surfaces apart;
 //         FRONT: rgb * opacity, opacity of the wide discs of nearer surfaces.
 // Discs of more than FAR_PX, if there is such a limit, come from wide_back and wide_front, whose texels are
-// twice as wide (defocus_far.frag): here their taps would lie far apart.
+// of LEVEL px (defocus_far.frag): here their taps would lie far apart. Beside rims they are summed as there
+// (points_far, fronts_far).
 //
 // Half resolution blurs by itself, but not across rims. So where there are none the discs are
 // smaller by its variance: a disc of radius 2 px is half resolution itself. The layers:
@@ -15,6 +16,8 @@
 #include "gather.glsl"
 #ifdef FAR_PX
 #include "wide_layers.glsl"
+#include "far.glsl"
+#include "far_sum.glsl"
 #endif
 
 uniform sampler2D points;
@@ -45,10 +48,12 @@ void main() {
     float front_px = has_front ? max(-tile.a, p) : 0.0;
     layer = vec4(0.0);
 #ifdef FAR_PX
-    if (mix_layers(texel, p, max(abs(p), front_px) > FAR_PX, true, least_around(abs(p), front_px))) {
-        layer = mixed_front;
+    bool far = max(abs(p), front_px) > FAR_PX;
+    float around = mix_layers(texel, p, far, true, abs(p) > FAR_PX);
+    bool mixed = far && suffices(around), summed = far && !mixed && around > 0.0;
+    layer = mixed ? mixed_front : sum_over(summed && has_front, 0.5 * vec2(texel), p, front_px);
+    if (mixed || summed)
         return;
-    }
 #endif
     if (!has_front)
         return;
@@ -78,10 +83,13 @@ void main() {
     if (abs(p.a) <= SMALL_PX)
         return;
 #ifdef FAR_PX
-    if (mix_layers(texel, p.a, abs(p.a) > FAR_PX, false, BEHIND)) {
-        layer.rgb = mixed_back.rgb;
+    bool far = abs(p.a) > FAR_PX;
+    float around = mix_layers(texel, p.a, far, false, true);
+    bool mixed = far && suffices(around), summed = far && !mixed && around > 0.0;
+    vec4 back = sum_over(summed, 0.5 * vec2(texel), p.a, abs(p.a));
+    layer.rgb = mixed ? mixed_back.rgb : back.a > 0.0 ? min(back.rgb / back.a, 65504.0) : layer.rgb;
+    if (mixed || back.a > 0.0)
         return;
-    }
 #endif
     // Half extents in texels; a disc of pixels that are higher than wide is higher by their aspect.
     vec2 extent = abs(p.a) * vec2(1.0, pixel_aspect);

@@ -53,6 +53,11 @@ float own_px = abs(p.a);
 vec4 back = vec4(0.0);   // rgb * weight, weight
 vec4 front = vec4(0.0);  // rgb * opacity, opacity
 
+// How many pixels to either side a row has within reach.
+int cells_of(float row_px, float reach_px) {
+    return int(sqrt(max(reach_px * reach_px - row_px * row_px, 0.0)));
+}
+
 // Every pixel around: the back, with_back, and the fronts that are small, with discs up to front_px.
 void gather_pixels(bool with_back, float front_px) {
     float slack_px = slack_of(own_px);
@@ -119,7 +124,9 @@ void walk_rings(bool wide, float front_px) {
 void gather_wide(vec4 tile, bool wide, bool wide_front_) {
     bool layered = wide || wide_front_;
     float front_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
-    if (mix_layers(pixel, p.a, layered, wide_front_ || own_px > FAR_PX, least_around(own_px, front_px))) {
+    bool very_wide = own_px > FAR_PX;
+    float around = mix_layers(pixel, p.a, layered, wide_front_ || very_wide, very_wide);
+    if (around >= (very_wide ? BEHIND : front_px > FAR_PX ? SOME_AROUND : ALL_AROUND)) {
         back += wide ? mixed_back : vec4(0.0);
         front += mixed_front;
         layered = false;

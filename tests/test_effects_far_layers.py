@@ -150,7 +150,7 @@ def test_the_widest_discs_are_discs_too(ctx):
     rgb, middle = lamp(3)
     light = blur(ctx, "vrcomfort", rgb, 40.0, limit_px=40.0).rgb[..., 0].astype(float)
     inside = light[away_px(middle) < 28]
-    np.testing.assert_allclose(inside, LIGHT / (np.pi * 40**2), rtol=0.06)
+    np.testing.assert_allclose(inside, LIGHT / (np.pi * 40**2), rtol=0.09)
 
 
 @pytest.mark.parametrize(("limit_percent", "textures_"), [(9.0, 10), (9.5, 15)])

@@ -32,11 +32,6 @@ float disc_share(float away, float grid_radius) {
     return inside * inside * (3.0 - 2.0 * inside) / (grid_radius * grid_radius + 1.0 / 12.0);
 }
 
-// How many cells of a grid to either side a row of it has within reach of a disc.
-int cells_of(float row, float reach) {
-    return int(sqrt(max(reach * reach - row * row, 0.0)));
-}
-
 int ring_count(float disc, float spacing) {
     return clamp(int(ceil(disc / spacing - 0.5)), 1, RINGS);
 }

@@ -1,8 +1,7 @@
 // Wide blur that was drawn on texels twice as wide, mixed from those around that are on one's surface.
 //
 // Texel t of the layers lies on texel (or pixel) 2 t of this image. Radii are signed where they are called
-// so, in pixels of image width. FAR_PX: radius above which discs are very wide. Include after coc.glsl. The
-// layers: defocus_wide.frag, defocus_far.frag.
+// so, in pixels of image width. Include after coc.glsl. The layers: defocus_wide.frag, defocus_far.frag.
 
 uniform sampler2D wide_back;
 uniform sampler2D wide_front;
@@ -15,18 +14,20 @@ const float SOME_AROUND = 0.5;
 // Where one's own disc is very wide and there is none, what is behind will do: it sees one as a front.
 const float BEHIND = 1e-3;
 
-float least_around(float own_px, float front_px) {
-    return own_px > FAR_PX ? BEHIND : front_px > FAR_PX ? SOME_AROUND : ALL_AROUND;
-}
-
 vec4 mixed_back;
 vec4 mixed_front;
 
-// False, and nothing mixed, unless so many of the texels around are on the surface of this radius.
-bool mix_layers(ivec2 at, float signed_px, bool wanted, bool with_front, float least) {
+// Whether texels twice as fine do with the mixture: not where there is a part of one's surface only.
+bool suffices(float around) {
+    return around >= ALL_AROUND || (around >= BEHIND && around < SOME_AROUND);
+}
+
+// Mixes the texels around on the surface of this radius, if very_wide also others; returns how much of the
+// four it was.
+float mix_layers(ivec2 at, float signed_px, bool wanted, bool with_front, bool very_wide) {
     ivec2 last_wide = textureSize(wide_back, 0) - 1;
     float tolerance = 1.0 / (2.0 * margin_px(signed_px));
-    float behind = least <= BEHIND ? BEHIND : 0.0;
+    float behind = very_wide ? BEHIND : 0.0;
     vec4 backs = vec4(0.0), fronts = vec4(0.0);
     ivec2 odd = at & 1;
     for (int i = wanted ? 0 : 4; i < 4; ++i) {
@@ -37,9 +38,8 @@ bool mix_layers(ivec2 at, float signed_px, bool wanted, bool with_front, float l
         if (with_front)
             fronts += like * texelFetch(wide_front, there, 0);
     }
-    if (backs.a < least)
-        return false;
-    mixed_back = vec4(backs.rgb / backs.a, 1.0);
-    mixed_front = fronts / backs.a;
-    return true;
+    float all = max(backs.a, BEHIND);
+    mixed_back = vec4(backs.rgb / all, 1.0);
+    mixed_front = fronts / all;
+    return backs.a;
 }

@@ -62,7 +62,8 @@ class FarLayers:
         inputs: dict[str, moderngl.Texture],
         defines: dict[str, Any],
     ) -> None:
-        texel_px, rings = 2 * finer.texel_px, defines["RINGS"]
+        self.texel_px = texel_px = 2 * finer.texel_px
+        rings = defines["RINGS"]
         self.above_px = far_px(rings, finer.texel_px)
         """Discs are drawn here from this radius on."""
         self._kinds = make_reach_pass(
@@ -83,12 +84,13 @@ class FarLayers:
         self._coarser = far_layers(ctx, defocus, here, inputs, defines)
         self._defines = {**defines, "LEVEL": texel_px}
         halves, points = {"points": finer.texture}, {"points": inputs["points"]}
-        self._points = [
+        self._halves = [
             self._tiles.make_pass("defocus_half.frag", "HALVES", halves, here),
             self._tiles.make_pass(
                 "defocus_fronts.frag", "HALVES", points, fronts, defines=self._defines
             ),
         ]
+        self._here, self._fronts = here.texture, fronts.texture
         seen = {"points_far": here.texture}
         in_front = {**seen, "fronts_far": fronts.texture, "reach": inputs["reach"]}
         self._layers = [self._layer(seen, self._back), self._layer(in_front, self._front, FRONT=1)]
@@ -96,8 +98,8 @@ class FarLayers:
     def render(self, pixel_aspect: float) -> None:
         """Draw both layers."""
         self._kinds.render(Aspect(pixel_aspect))
-        for points in self._points:
-            points.render()
+        for each in self._halves:
+            each.render()
         if self._coarser is not None:
             self._coarser.render(pixel_aspect)
         for layer in self._layers:
@@ -107,6 +109,10 @@ class FarLayers:
         """Return what ``wide_layers.glsl`` reads: the back, with `front` both layers."""
         back = {"wide_back": self._back.texture}
         return {**back, "wide_front": self._front.texture} if front else back
+
+    def points(self, *, front: bool) -> dict[str, moderngl.Texture]:
+        """Return what ``far_sum.glsl`` reads for one of the layers."""
+        return {"fronts_far": self._fronts} if front else {"points_far": self._here}
 
     def _layer(
         self, inputs: dict[str, moderngl.Texture], target: Level, **defines: Any

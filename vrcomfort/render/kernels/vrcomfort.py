@@ -139,7 +139,11 @@ class VrcomfortKernel:
         **defines: int,
     ) -> FullscreenPass:
         """Return the pass that draws one layer of wide blur."""
-        wider, limit = far.read_wider(self._far, front="FRONT" in defines)
+        front = "FRONT" in defines
+        wider, limit = far.read_wider(self._far, front=front)
+        if self._far is not None:
+            wider |= self._far.points(front=front)
+            limit["LEVEL"] = self._far.texel_px
         return self._tiles.make_pass(
             "defocus_wide.frag",
             "LAYERS",
