@@ -22,8 +22,9 @@
 //         \ ___ /
 //
 // Discs up to SMALL_PX are summed over every pixel. Wider ones come from half resolution where the
-// texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. No noise,
-// hence the same kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
+// texels around are on p's surface; elsewhere (thin things, rims) p walks its own rings. Where
+// discs are very wide these would lie far apart, and one such texel will do. No noise, hence the same
+// kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
 //
 // Renderers on the CPU run both sides of every branch, but no loop that no pixel wants. So what few
@@ -87,8 +88,7 @@ void gather_pixels(bool with_back, float front_px) {
 }
 
 #ifdef WIDE_LAYERS
-uniform sampler2D wide_back;
-uniform sampler2D wide_front;
+#include "wide_layers.glsl"
 
 // Rings over a disc: the back within back_px, and wide fronts.
 void gather_rings(float disc_px, float back_px) {
@@ -120,34 +120,19 @@ void walk_rings(bool wide, float front_px) {
                      walk > 0 ? -1e4 : own_px);
 }
 
-// The wide layers, mixed from the texels around; false unless these are on p's surface.
-bool mix_halves(bool wanted, bool with_back, bool with_front) {
-    ivec2 first = pixel / 2;
-    ivec2 last_half = textureSize(wide_back, 0) - 1;
-    float tolerance = 1.0 / (2.0 * margin_px(p.a));
-    vec4 backs = vec4(0.0), fronts = vec4(0.0);
-    ivec2 odd = pixel & 1;
-    for (int i = wanted ? 0 : 4; i < 4; ++i) {
-        ivec2 texel = min(first + (ivec2(i, i >> 1) & odd), last_half);
-        vec4 b = texelFetch(wide_back, texel, 0);
-        float like = clamp(2.0 - abs(b.a - p.a) * tolerance, 0.0, 1.0);
-        backs += like * vec4(b.rgb, 1.0);
-        if (with_front)
-            fronts += like * texelFetch(wide_front, texel, 0);
-    }
-    if (backs.a < 3.5)  // beside a rim the texels of one side would draw a line along it
-        return false;
-    back += with_back ? vec4(backs.rgb / backs.a, 1.0) : vec4(0.0);
-    front += fronts / backs.a;
-    return true;
-}
-
 // What is wide, p's own disc (wide) and what is in front of it (wide_front_).
 void gather_wide(vec4 tile, bool wide, bool wide_front_) {
     bool layered = wide || wide_front_;
-    layered = layered && !mix_halves(layered, wide, wide_front_);
+    float front_px = wide_front_ ? max(-tile.a, p.a) : 0.0;
+    bool very_wide = own_px > FAR_PX;
+    float around = mix_layers(pixel, p.a, layered, wide_front_ || very_wide, very_wide);
+    if (around >= (very_wide ? BEHIND : front_px > FAR_PX ? SOME_AROUND : ALL_AROUND)) {
+        back += wide ? mixed_back : vec4(0.0);
+        front += mixed_front;
+        layered = false;
+    }
     for (bool on = layered; on; on = false)
-        walk_rings(wide, wide_front_ ? max(-tile.a, p.a) : 0.0);
+        walk_rings(wide, front_px);
 }
 #endif
 

@@ -247,7 +247,7 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
-    wide = Condition(name="wide", depth_of_field=DepthOfField())
+    wide = Condition(name="wide", depth_of_field=DepthOfField(max_radius_percent=5))
     few = Condition(name="few", depth_of_field=DepthOfField(taps=5))
     for condition in (*every_choice(rng), wide, few):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind

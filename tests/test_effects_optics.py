@@ -16,6 +16,7 @@ distances = st.floats(0.01, 1e5)
 EVALUATE = """#version 450 core
 #define LAW_{law}
 #define RINGS 3
+#define LEVEL 4
 {includes}
 uniform sampler2D arguments;
 uniform vec4 constants[2];

@@ -28,6 +28,10 @@ THROUGH = {
     "half_streak_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",
     "tolerance_px": "motion_blur_fronts.frag (test_effects_motion_blur.py: sweeps)",
     "add_peripheral_px": "defocus.frag (test_effects_peripheral.py)",
+    "light_of": "defocus_far.frag (test_effects_far_layers.py)",
+    "sum_over": "defocus_far.frag (test_effects_far_layers.py)",
+    "mix_layers": "depth_of_field.frag (test_effects_far_layers.py)",
+    "suffices": "defocus_wide.frag (test_effects_far_layers.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",
 }

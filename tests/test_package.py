@@ -48,7 +48,7 @@ for method in ("reconstruction", "per_pixel"):
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
-    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
+    StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
 for taps in (2, 6):
     few = DepthOfField(taps=taps, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))

@@ -23,7 +23,8 @@ float unlimited_radius_px(float depth, float near, float focus_m, float offset_m
     const float LEAST = 1e-9;  // metres; keeps pixels beside or behind the head in front of it
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
     float z = max(depth, max(near, LEAST) / (infinity_m - offset_m));
-    float defocus = fma(offset_m - focus, z, near);  // one rounding: near focus all digits cancel
+    // One rounding, near focus all digits cancel: without precise a compiler may take it apart.
+    precise float defocus = fma(offset_m - focus, z, near);
 #ifdef LAW_DIOPTRE
     return defocus / (focus * max(fma(offset_m, z, near), LEAST)) * px_per_defocus;
 #else

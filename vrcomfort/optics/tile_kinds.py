@@ -1,8 +1,8 @@
 """How the discs of each tile of an image may reach others, and the kinds of work that follow.
 
 NumPy twins of ``shaders/include/tile_reach.glsl``, ``defocus_reach.frag``, ``blur_kinds.frag``,
-``tap_reach.frag`` and ``tap_around.frag``. Ranges are (rows, columns, 2): least and greatest signed
-radius of each tile, in pixels of image width, negative in front of the focus.
+``far_kinds.frag``, ``tap_reach.frag`` and ``tap_around.frag``. Ranges are (rows, columns, 2): least
+and greatest signed radius of each tile, in pixels of image width, negative in front of the focus.
 """
 
 from __future__ import annotations
@@ -116,6 +116,25 @@ def ring_kinds(reach: Array, grid: Grid, *, small_px: float) -> Kinds:
 
     own = _drawn_with_rings(reach, small_px)
     return own | _all_around(reach, grid, needs)
+
+
+def far_kinds(reach: Array, grid: Grid, *, far_px: float) -> Kinds:
+    """Return (rows, columns) sums of `RingKind`: where wider texels and layers of them are drawn.
+
+    Parameters
+    ----------
+    reach
+        Of :func:`may_reach`.
+    far_px
+        Wider discs are drawn on them, which are read beyond discs by the grid's margin.
+    """
+
+    def needs(away: int, there: Array) -> Kinds:
+        wide = np.abs(there).max(axis=-1) > far_px
+        found: Kinds = np.where(wide & grid.comes(away, there), RingKind.HALVES, 0)
+        return found | np.where(wide, RingKind.LAYERS, 0) if away <= 1 else found
+
+    return _all_around(reach, grid, needs)
 
 
 def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:

@@ -19,9 +19,18 @@ class TileKinds:
     ----------
     small_px
         Discs up to this radius are told apart from wider ones.
+    read_around_px
+        How much farther than discs reach their points are read.
     """
 
-    def __init__(self, ctx: moderngl.Context, defocus: Defocus, *, small_px: float) -> None:
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        defocus: Defocus,
+        *,
+        small_px: float,
+        read_around_px: int = READ_AROUND_PX,
+    ) -> None:
         self._defocus = defocus
         self._tiles = defocus.radii.make_pass(
             ctx,
@@ -39,7 +48,7 @@ class TileKinds:
             defocus,
             "blur_kinds.frag",
             {"reach": self.reach},
-            margin_px=READ_AROUND_PX,
+            margin_px=read_around_px,
             defines={"SMALL_PX": small_px},
             components=1,
         )

@@ -9,10 +9,11 @@ import moderngl
 import numpy as np
 
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics import fronts
+from vrcomfort.optics import far_layers, fronts
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.render.kernels import far_layers as far
 from vrcomfort.render.kernels.base import Aspect
 from vrcomfort.render.kernels.tile_passes import Level, TilePasses, make_level
 from vrcomfort.render.kernels.tiles import TileKinds
@@ -26,8 +27,9 @@ class VrcomfortKernel:
     """Tile-classified gather with a back and a front layer (``depth_of_field.frag``).
 
     Every pixel of a disc is looked at up to a radius that grows with the `rings`
-    (:func:`fronts.small_px`). The widest discs come from half resolution, in 32-bit floats, so that
-    a constant image is rounded once. Each tile is drawn by a program of its kind; where nothing is
+    (:func:`fronts.small_px`). Wider discs come from half resolution and, where their samples would
+    lie far apart, from less (`FarLayers`), in 32-bit floats, so that a constant image is rounded
+    once. Each tile is drawn by a program of its kind; where nothing is
     blurred it is copied, and where nothing is blurred around it there are no points either.
     """
 
@@ -39,8 +41,9 @@ class VrcomfortKernel:
         settings: DepthOfField,
     ) -> None:
         small_px = fronts.small_px(settings.rings)
-        self._ctx, self._defocus = ctx, defocus
-        self._kinds = TileKinds(ctx, defocus, small_px=small_px)
+        self._ctx, self._defocus, self._rings = ctx, defocus, settings.rings
+        around_px = far.read_around_px(defocus.limit_px, settings.rings)
+        self._kinds = TileKinds(ctx, defocus, small_px=small_px, read_around_px=around_px)
         self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
         self._directions = _Directions(
             coc.ring_directions(settings.rings).astype(np.float32).tobytes()
@@ -58,6 +61,7 @@ class VrcomfortKernel:
             self._gather("SMALL", all_around, blurred, {}),
         ]
         self._after: list[FullscreenPass] = []
+        self._far: far.FarLayers | None = None
         if defocus.limit_px > small_px:
             self._add_wide(all_around, blurred)
 
@@ -67,6 +71,8 @@ class VrcomfortKernel:
         self._points.render(self._defocus.now)
         for each in self._before:
             each.render()
+        if self._far is not None:
+            self._far.render(pixel_aspect)
         for blur in self._blurs:
             blur.render(Aspect(pixel_aspect))
         for each in self._after:
@@ -80,7 +86,7 @@ class VrcomfortKernel:
         kind: str,
         inputs: dict[str, moderngl.Texture],
         target: Level,
-        defines: dict[str, int],
+        defines: dict[str, float],
         **options: Any,
     ) -> FullscreenPass:
         """Return the pass over tiles of this kind."""
@@ -94,7 +100,11 @@ class VrcomfortKernel:
         half, back, front = (self._level(2, "f4") for _ in range(3))
         points = {"points": all_around["points"]}
         self._before.append(self._tiles.make_pass("defocus_half.frag", "HALVES", points, half))
-        inputs = {**points, "points_half": half.texture, "reach": self._kinds.reach}
+        reach = {"reach": self._kinds.reach}
+        self._far = far.far_layers(
+            self._ctx, self._defocus, half, {**points, **reach}, self._defines
+        )
+        inputs = {**points, **reach, "points_half": half.texture}
         self._blurs += [
             self._wide(inputs, back, filtered={"points_half"}),
             self._wide(inputs, front, FRONT=1),
@@ -115,7 +125,7 @@ class VrcomfortKernel:
                 "LAYERED",
                 {**all_around, **layers},
                 blurred,
-                {"WIDE_LAYERS": 1},
+                {"WIDE_LAYERS": 1, "FAR_PX": far_layers.far_px(self._rings, half.texel_px)},
                 constants=self._directions,
             )
         )
@@ -129,12 +139,17 @@ class VrcomfortKernel:
         **defines: int,
     ) -> FullscreenPass:
         """Return the pass that draws one layer of wide blur."""
+        front = "FRONT" in defines
+        wider, limit = far.read_wider(self._far, front=front)
+        if self._far is not None:
+            wider |= self._far.points(front=front)
+            limit["LEVEL"] = self._far.texel_px
         return self._tiles.make_pass(
             "defocus_wide.frag",
             "LAYERS",
-            inputs,
+            {**inputs, **wider},
             target,
             filtered=filtered,
             constants=self._directions,
-            defines={**self._defines, **defines},
+            defines={**self._defines, **defines, **limit},
         )
