@@ -42,14 +42,14 @@ def condition_of(effects: Effects, level: Quality) -> Condition:
     )
 
 
-def measure(ctx: moderngl.Context, *, scope: Scope) -> Iterator[Figure]:
+def measure(ctx: moderngl.Context, *, scope: Scope, rounds: int) -> Iterator[Figure]:
     """Yield the figures of every level, effect and scene."""
     errors = _errors(scope)
     kinds = [(effects, level) for effects in get_args(Effects) for level in get_args(Quality)]
     for name in scope.scenes:
         conditions = [PLAIN, *(condition_of(*kind) for kind in kinds)]
         seconds = frame_seconds(
-            ctx, load_scene(name), conditions, rounds=scope.rounds, size_px=COST_SIZE_PX
+            ctx, load_scene(name), conditions, rounds=rounds, size_px=COST_SIZE_PX
         )
         ratios = np.median(seconds[:, 1:] / seconds[:, :1], axis=0)
         for (effects, level), ratio in zip(kinds, ratios, strict=True):
@@ -88,7 +88,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each level")
     options = parser.parse_args()
     ctx = create_context()
-    scope = Scope(motions=("walk",), samples=options.samples, rounds=options.rounds)
+    scope = Scope(motions=("walk",), samples=options.samples)
     cost, error = ("×".join(map(str, size)) for size in (COST_SIZE_PX, scope.size_px))
     measured = Measured(
         command=f"python -m bench.quality --samples {options.samples} --rounds {options.rounds}",
@@ -99,7 +99,7 @@ def main() -> None:
         f"fully open, mode {SHUTTER['mode']}; references of {options.samples} samples "
         "(a quarter for motion blur alone)",
     )
-    figures = list(measure(ctx, scope=scope))
+    figures = list(measure(ctx, scope=scope, rounds=options.rounds))
     write_figures(data_folder("analysis") / "measured" / "quality.toml", measured, figures)
     for figure in figures:
         print(figure)

@@ -15,9 +15,9 @@ from bench.table import Result
 from vrcomfort.headset.base import Frame
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur, SpeedBlur
 from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.gpu_timer import is_software
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_data import Scene
-from vrcomfort.render.textures import SOFTWARE
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES, pairs
 
 SIZE_PX = (320, 400)
@@ -152,7 +152,6 @@ def _frame_seconds(
 
 def _clock(ctx: moderngl.Context) -> tuple[Callable[[], float], str]:
     """Return a clock and its name: where the CPU draws, other programs must not count."""
-    renderer = str(ctx.info["GL_RENDERER"])
-    if any(name in renderer for name in SOFTWARE):
+    if is_software(ctx):
         return time.process_time, "CPU time of all threads"
     return time.perf_counter, "wall clock"

@@ -114,6 +114,7 @@ def count_objects(session_context: moderngl.Context) -> Callable[[], dict[str, i
         idle.use()  # what was used last outlives its last reference
         idle_draw.render(vertices=3)
         use_program(0)
+        gl.collect(session_context)
         return {kind: names.count() for kind, names in alive.items()}
 
     return count
@@ -125,7 +126,7 @@ def ctx(
 ) -> Iterator[moderngl.Context]:
     """Yield a real EGL context; afterwards no OpenGL error and no object may be left.
 
-    Objects are released with their last reference, so a test need not release what it made;
+    Objects die with their last reference, so a test need not release what it made;
     what stays is a leak (a reference cycle, a cache, a raw OpenGL name).
     """
     # Walking all that was imported takes longer than most tests: what is alive now is looked

@@ -36,7 +36,7 @@ ENDS = {
     "focal_length_m": (0.001, 0.017, 0.2),
     "aperture_m": (0.0, 1e-6, 0.007, 1.0),
 }
-"""Settings that the schema leaves open at the top, or whose ends belong together."""
+"""Settings of which not only the ends matter, or whose ends belong together."""
 DISTANCES_M = (0.002, 0.1, 10.0, 30_000.0, np.inf)
 SPEEDS_PX = (0.0, 1e-3, 0.4, 30.0, 2e3, 1e5)
 MOST = {"views": 5, "rings": 8, "taps": 16, "samples": 64}

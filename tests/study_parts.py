@@ -68,6 +68,24 @@ def tiny_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:
     return load_protocol(file)
 
 
+def smoke_with(folder: Path, exposure_s: float) -> Path:
+    """Write the smoke study with other exposures, rated at the same parts and felt alike."""
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    longer = exposure_s / 0.1
+    for name, shipped, scale in (
+        ("exposure_s", 0.1, longer),
+        ("every_s", 0.04, longer),
+        ("timeout_s", 0.03, longer),
+        ("rate_per_min", 600.0, 1 / longer),
+        ("recovery_min", 0.01, longer),
+    ):
+        assert text.count(f"{name} = {shipped}") == 1
+        text = text.replace(f"{name} = {shipped}", f"{name} = {shipped * scale!r}")
+    file = folder / "smoke.toml"
+    file.write_text(text, encoding="utf-8")
+    return file
+
+
 def strict_about_gaze(folder: Path) -> Path:
     """Write a protocol whose `gaze_19` cannot be shown without an eye tracker."""
     text = (data_folder("protocols") / "mantiuk_2011.toml").read_text(encoding="utf-8")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +13,13 @@ from vrcomfort.cli import main
 from vrcomfort.resources import data_folder
 
 Run = Callable[..., tuple[int, str, str]]
+
+
+def unity_log(folder: Path) -> Path:
+    log = folder / "log.txt"
+    log.write_text("Time x y z alpha beta gamma \n0.0,0,1.6,0,0,0,0\n0.1,0,1.6,0,0,0,0\n")
+    return log
+
 
 SSQ_ITEMS = (
     "general_discomfort,fatigue,headache,eyestrain,difficulty_focusing,increased_salivation,"
@@ -133,6 +138,28 @@ def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Monk
     assert "nothing is out of focus without depth of field" in words
 
 
+def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: Path) -> None:
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    file = tmp_path / "mine.toml"
+    text = text.replace('name = "dof"\n', 'name = "dof"\nquality = "accurate"\n', 1)
+    fixed = '[conditions.focus]\nmethod = "fixed"\nfixed_m = 0.4'
+    text = text.replace('[conditions.focus]\nlaw = "linear_dioptre"\nmean = "dioptres"', fixed, 1)
+    file.write_text(text, encoding="utf-8")
+    _, out, _ = run("plan", file, "--size", "64x48", "--json")
+    (told,) = json.loads(out)["no_limit"]
+    assert (told["condition"], told["views"], told["limit_dioptre"]) == ("dof", 16, 2.0)
+    (only,) = told["ranges"]
+    assert only == {
+        "focus_m": 0.4,
+        "nearer_than_m": pytest.approx(1 / 4.5),
+        "farther_than_m": pytest.approx(2.0),
+    }
+    _, words, _ = run("plan", file, "--size", "64x48")
+    assert "focused at 0.4 m, nearer than 0.22 m or farther than 2 m" in " ".join(words.split())
+    _, out, _ = run("plan", "smoke", "--size", "64x48", "--json")
+    assert json.loads(out)["no_limit"] == []
+
+
 def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "answers.csv"
     file.write_text(f"who,{SSQ_ITEMS}\nA,{','.join('3' * 16)}\n", encoding="utf-8")
@@ -140,6 +167,17 @@ def test_score_gives_a_table_that_reads_back(run: Run, tmp_path: Path) -> None:
     (row,) = json.loads(out)
     assert code == 0
     assert (row["who"], row["total"], row["total_raw"]) == ("A", pytest.approx(235.62), 63)
+
+
+def test_score_writes_as_many_decimals_as_a_score_has(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "answers.csv"
+    items = ["2", *["0"] * 4, *["3"] * 2, "2", *["0"] * 6, "1", "1"]  # twelve points of nausea
+    file.write_text(f"who,{SSQ_ITEMS}\nA,{','.join(items)}\n", encoding="utf-8")
+    assert run("score", "ssq", file)[1].splitlines() == [
+        "who,nausea_raw,oculomotor_raw,disorientation_raw,total_raw,"
+        "nausea,oculomotor,disorientation,total",
+        "A,12,2,2,16,114.48,15.16,27.84,59.84",
+    ]
 
 
 def test_score_names_the_place_of_an_answer_out_of_range(run: Run, tmp_path: Path) -> None:
@@ -204,11 +242,58 @@ def test_results_are_never_written_into_a_study_folder(run: Run, tmp_path: Path)
 def test_results_never_replace_a_recording(run: Run, tmp_path: Path) -> None:
     for name in ("manifest.json", "frames.csv"):
         (tmp_path / name).write_text("recorded", encoding="utf-8")
-    log = tmp_path / "log.txt"
-    log.write_text("Time x y z alpha beta gamma \n0.0,0,1.6,0,0,0,0\n0.1,0,1.6,0,0,0,0\n")
+    log = unity_log(tmp_path)
     assert_refused(run("render", "--scene", "temple", "--out", tmp_path), "a session")
     assert_refused(run("import-trace", log, "--out", tmp_path / "frames.csv"), "a session")
     assert (tmp_path / "frames.csv").read_text("utf-8") == "recorded"
+
+
+def test_a_link_to_a_recording_is_not_written_through(run: Run, tmp_path: Path) -> None:
+    study = tmp_path / "ses-1"
+    study.mkdir()
+    for name in ("manifest.json", "frames.csv"):
+        (study / name).write_text("recorded", encoding="utf-8")
+    log, link = unity_log(tmp_path), tmp_path / "trace.csv"
+    link.symlink_to(study / "frames.csv")
+    assert_refused(run("import-trace", log, "--out", link), "a session")
+    assert (study / "frames.csv").read_text("utf-8") == "recorded"
+
+
+def test_a_log_is_not_replaced_by_what_is_made_of_it(run: Run, tmp_path: Path) -> None:
+    log = unity_log(tmp_path)
+    before = log.read_bytes()
+    (tmp_path / "soft.txt").symlink_to(log)
+    (tmp_path / "hard.txt").hardlink_to(log)
+    for out in (log, tmp_path / "soft.txt", tmp_path / "hard.txt", tmp_path / "." / "log.txt"):
+        assert_refused(run("import-trace", log, "--out", out), out.name, "choose another --out")
+        assert log.read_bytes() == before
+
+
+def test_a_trace_is_not_replaced_by_its_playback(run: Run, tmp_path: Path) -> None:
+    played = tmp_path / "played"
+    played.mkdir()
+    assert run("import-trace", unity_log(tmp_path), "--out", played / "frames.csv")[0] == 0
+    before = (played / "frames.csv").read_bytes()
+    options = ("--scene", "temple", "--out", played)
+    assert_refused(run("play", played / "frames.csv", *options), "frames.csv", "another --out")
+    assert (played / "frames.csv").read_bytes() == before
+
+
+def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "tables" / "descriptives.csv"
+    file.parent.mkdir()
+    rows = ["participant,timepoint,condition,item,response"]
+    rows += [
+        f"P{person},post,{condition},{item},{(person + n) % 4}"
+        for person in range(5)
+        for condition in ("on", "off")
+        for n, item in enumerate(SSQ_ITEMS.split(","))
+    ]
+    file.write_text("\n".join(rows) + "\n", encoding="utf-8")
+    before = file.read_bytes()
+    assert_refused(run("report", file, "--out", tmp_path), "descriptives.csv", "another --out")
+    assert file.read_bytes() == before
+    assert not (tmp_path / "index.html").exists()
 
 
 def test_trace_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
@@ -233,6 +318,15 @@ def test_unity_log_becomes_a_trace(run: Run, tmp_path: Path) -> None:
     assert code == 0
     # Unity's +z is forward; ours is backward.
     assert dict(zip(header.split(","), last.split(","), strict=True))["head_z_m"] == "-0.02"
+
+
+def test_help_says_what_a_unity_log_looks_like(run: Run) -> None:
+    said = " ".join(run("import-trace", "--help")[1].split())
+    for words in (
+        *("Time x y z alpha beta gamma", "commas between its seven numbers", "seconds", "metres"),
+        *("left-handed", "z forward", "degrees", "z first, then x, then y"),
+    ):
+        assert words in said
 
 
 def test_doctor_finds_what_the_tests_need(run: Run) -> None:
@@ -276,25 +370,6 @@ def test_ctrl_c_in_a_session_ends_the_demo(
 
     monkeypatch.setattr("vrcomfort.headset.playback.PlaybackHeadset.frames", stop)
     code, out, err = run("demo", "--out", tmp_path, "-n", 2)
-    assert (code, err) == (130, "")
+    assert (code, err) == (130, "error: stopped; what was already written stays\n")
     assert out.count("\n") == 1
     assert {path.name for path in tmp_path.iterdir()} == {"study"}
-
-
-@pytest.mark.parametrize("module", ["vrcomfort.cli.app", "pydantic", "vrcomfort.cli.tradeoff"])
-def test_ctrl_c_while_modules_are_imported_ends_without_a_word(module: str) -> None:
-    program = f"""
-import os, signal, sys
-class CtrlC:
-    def find_spec(self, name, *_):
-        if name == "{module}":
-            os.kill(os.getpid(), signal.SIGINT)
-sys.meta_path.insert(0, CtrlC())
-from vrcomfort.cli import main
-from vrcomfort.resources import data_folder
-sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
-main()
-"""
-    command = [sys.executable, "-c", program]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
-    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")

@@ -85,6 +85,14 @@ def test_a_file_that_may_not_be_read_is_told(
         ((*RUN, "--headset", "hat"), "'--headset'"),
         ((*RUN, "--exposure-s", "0"), "'--exposure-s'"),
         (("run", "smoke", "--out", "made"), "missing option '--participant'"),
+        (("render", "--scene", "temple", "--out", ""), "'--out': it is empty; write where"),
+        (("run", "smoke", "--participant", "P01", "--out", ""), "'--out': it is empty"),
+        (("simulate", "smoke", "-n", "1", "--out", " "), "'--out': it is empty"),
+        (("play", "walk.csv", "--scene", "temple", "--out", ""), "'--out': it is empty"),
+        (("import-trace", "walk.csv", "--out", ""), "'--out': it is empty"),
+        (("report", "study", "--out", ""), "'--out': it is empty"),
+        (("tradeoff", "--out", ""), "'--out': it is empty"),
+        (("demo", "--out", ""), "'--out': it is empty"),
     ],
 )
 def test_a_value_that_no_option_takes_is_told(
@@ -93,7 +101,38 @@ def test_a_value_that_no_option_takes_is_told(
     command: tuple[str, ...],
     words: str,
 ) -> None:
+    before = sorted(Path().iterdir())
     said = refusal(monkeypatch, capsys, command)
     assert words in said
+    assert sorted(Path().iterdir()) == before
     assert said.endswith(f"; see vrcomfort {command[0]} --help\n")
     assert not Path("made").exists()
+
+
+@pytest.mark.parametrize(
+    ("size", "words"),
+    [
+        ("9" * 5000 + "x1", "has a side of more than 8192 pixels"),
+        ("1x8193", "has a side of more than 8192 pixels"),
+        ("x" * 5000, "is not a size; write WIDTHxHEIGHT"),
+        ("0x0", "is not a size"),
+        ("00x1", "is not a size"),
+        ("²x2", "is not a size"),
+    ],
+)
+def test_a_size_that_is_none_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], size: str, words: str
+) -> None:
+    said = refusal(
+        monkeypatch, capsys, ("render", "--scene", "temple", "--size", size, "--out", "made")
+    )
+    assert words in said
+    assert len(said) < 200
+
+
+def test_a_folder_with_the_name_of_a_scene_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("room.glb").mkdir()
+    said = refusal(monkeypatch, capsys, ("render", "--scene", "room.glb", "--out", "made"))
+    assert "room.glb: is a folder; a scene is a .glb or .gltf file" in said

@@ -164,3 +164,37 @@ def test_a_damaged_number_beside_the_answers_is_told(tmp_path):
     with pytest.raises(InputError, match="'1:30' is not a number") as caught:
         read_study(tmp_path)
     assert (caught.value.file, caught.value.line, caught.value.column) == (trials, 3, "end_s")
+
+
+@pytest.mark.parametrize("digits", ["1_0", "0_1", "\u0661", "\uff11", "1\u0660"])
+def test_digits_that_only_python_reads_are_no_number(table, digits):
+    _, text, _ = table
+    line = text.index("\n") + 1
+    for old in (",1.6,", ",nausea,1", ",1,1"):
+        if old in text[line:]:
+            new = f"{old[: old.rindex('1')]}{digits}{old[old.rindex('1') + 1 :]}"
+            error = refusal(table, (text[:line] + text[line:].replace(old, new, 1)).encode())
+            assert error.line == 2
+            assert digits in error.message
+            assert "not a" in error.message
+            break
+    else:
+        pytest.fail("no number was replaced")
+
+
+@pytest.mark.parametrize("time", ["1_000", "\u0661"])
+def test_times_of_traces_are_plain_digits(tmp_path, time):
+    file = tmp_path / "trace.csv"
+    file.write_text(f"{TRACE}\n{time},0,1.6,0,0,0,0,1\n", encoding="utf-8")
+    with pytest.raises(InputError, match="is not a whole number") as caught:
+        read_trace(file)
+    assert (caught.value.line, caught.value.column) == (2, "xr_time_ns")
+
+
+@pytest.mark.parametrize("cell", ["1_0", "\u0661", "\u00b2"])
+def test_numbers_of_records_are_plain_digits(tmp_path, cell):
+    file = tmp_path / "trials.csv"
+    file.write_text(f"trial,frames\n1,{cell}\n", encoding="utf-8")
+    table = CsvTable.read(file)
+    with pytest.raises(InputError, match="not a number; write digits, with a decimal point"):
+        table.require_numbers(["frames"])

@@ -248,7 +248,8 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
     wide = Condition(name="wide", depth_of_field=DepthOfField())
-    for condition in (*every_choice(rng), wide):
+    few = Condition(name="few", depth_of_field=DepthOfField(taps=5))
+    for condition in (*every_choice(rng), wide, few):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()

@@ -11,7 +11,13 @@ from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.trace import read_trace
 from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.render.blur_limit import radius_per_dioptre_px, unlimited
+from vrcomfort.render.defocus import Defocus
 from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.kernels import make_kernel
+from vrcomfort.render.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
+from vrcomfort.render.kernels.vrcomfort import VrcomfortKernel
+from vrcomfort.render.lens_radius import radius_limit_px
 from vrcomfort.render.lens_views import blur_of_one_view, part_of_one_view
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import Reference, read_rgb
@@ -97,12 +103,47 @@ def test_the_limit_is_told_of_what_it_limits(ctx, views, radii):
     """The sky, focused at 0.2 m: 5 dioptres of 8 px. 0.97 of that in each of four views."""
     renderer = StereoRenderer(ctx, SIZE_PX, eyes=1)
     renderer.begin(half_plane(2.0), condition(views, focus=Focus(method="fixed", fixed_m=0.2)))
-    renderer.render(standing(), 0.0)
+    rendered = renderer.render(standing(), 0.0)
     (told,) = renderer.clamps()
     assert radii in told
-    assert told.endswith(
-        " px" if views == 1 else f"limited to {6.4 * FEW_RADIUS:.1f} px in each of 4 views"
-    )
+    many = " in each of 4 views through the lens; their mean has no limit"
+    assert told.endswith(f"limited to 6.4 px{'' if views == 1 else many}")
+    assert rendered.max_blur_px == (pytest.approx(6.4) if views == 1 else None)
+
+
+def test_views_go_beyond_the_limit_alike_and_one_view_does_not(ctx):
+    """2.1 dioptres out of focus: 16.8 px of radius, of which one view may have 6.4."""
+    near = Focus(method="fixed", fixed_m=0.385)
+    widths = {}
+    for views in (1, 16, 64):
+        blurred = drawn(ctx, half_plane(2.0), condition(views, focus=near), [standing()])[1]
+        profile = blurred[:, :, 0].mean(axis=0)
+        widths[views] = np.sum((profile > 0.02) & (profile < 0.98))
+    assert widths[1] <= 13
+    assert widths[16] >= 2 * widths[1]
+    assert abs(int(widths[16]) - int(widths[64])) <= 2
+
+
+@pytest.mark.parametrize("law", ["dioptre", "eye"])
+def test_a_condition_tells_where_its_views_have_no_limit(law):
+    """1.75 % of the width: 2 D by definition; 17.5 D of a pupil's 4 mm, 0.1 % of it each."""
+    lens = DepthOfField(law=law, views=16, max_radius_percent=1.75)
+    dioptre = {"dioptre": 2.0, "eye": 17.5}[law]
+    near = Condition(name="n", focus=Focus(method="fixed", fixed_m=0.05), depth_of_field=lens)
+    found = unlimited(near)
+    assert found.limit_dioptre == pytest.approx(dioptre)
+    (only,) = found.ranges
+    assert only.nearer_than_m == pytest.approx(1 / (20 + dioptre))
+    assert only.farther_than_m == pytest.approx(1 / (20 - dioptre))
+    assert ("90° wide" in found.text) == (law == "eye")
+    assert unlimited(near.model_copy(update={"focus": Focus()})).ranges[1][0::2] == (1.0, None)
+    one = lens.model_copy(update={"views": 1})
+    assert unlimited(Condition(name="one", depth_of_field=one)) is None
+
+
+def test_nothing_is_told_of_limits_nearer_than_anything_is_drawn():
+    lens = DepthOfField(law="eye", views=16, pupil_mm=1.0, max_radius_percent=10)
+    assert unlimited(Condition(name="far", depth_of_field=lens)) is None
 
 
 def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
@@ -129,6 +170,56 @@ def test_views_a_pixel_apart_are_not_blurred():
     assert blur_of_one_view(lens, (320, 400)) is None
     one = lens.model_copy(update={"views": 1})
     assert blur_of_one_view(one, (4, 5)) == one
+
+
+def test_it_is_the_law_that_says_how_little_is_not_blurred():
+    """A pupil of 4 mm: 1.8 px of 1832 at a dioptre, whatever the limit."""
+    size_px = (1832, 1920)
+    pupil = DepthOfField(law="eye", max_radius_percent=10.0, views=64)
+    assert part_of_one_view(pupil, size_px) == 0.0  # 0.46 px
+    assert part_of_one_view(pupil.model_copy(update={"views": 16}), size_px) == 0.5  # 0.92 px
+    few = pupil.model_copy(update={"views": 4})
+    assert part_of_one_view(few, (320, 400)) == FEW_RADIUS  # four points would be seen as such
+
+
+@pytest.mark.parametrize(
+    ("settings", "size_px", "small"),
+    [
+        ({"law": "dioptre", "views": 16, "max_radius_percent": 3.5}, (320, 400), True),  # 2.8 px
+        ({"law": "dioptre", "views": 16}, (1832, 1920), False),  # 8 px
+        ({"law": "dioptre", "views": 64}, (1832, 1920), True),  # 4 px, 8 px at the limit
+        ({"law": "eye", "views": 16, "max_radius_percent": 5.0}, (1832, 1920), True),  # 0.9 px
+        ({"law": "eye", "views": 11}, (1832, 1920), False),  # few: 1.8 px
+        ({"law": "dioptre", "views": 64, "kernel": "scatter"}, (1832, 1920), False),
+    ],
+)
+def test_views_whose_discs_are_small_within_a_dioptre_have_small_ones(settings, size_px, small):
+    """What decides is the law, not how far the limit lets discs grow; a dioptre stays a dioptre."""
+    lens = DepthOfField(**settings)
+    one = blur_of_one_view(lens, size_px)
+    limit_px = radius_limit_px(one, size_px)
+    assert limit_px == pytest.approx(WIDEST_PX if small else radius_limit_px(lens, size_px))
+    assert radius_per_dioptre_px(one, size_px) == pytest.approx(
+        part_of_one_view(lens, size_px) * radius_per_dioptre_px(lens, size_px)
+    )
+
+
+def test_the_kernel_that_draws_views_is_the_one_that_was_meant(ctx):
+    colour, depth, focus = (ctx.texture((64, 60), 4, dtype="f4") for _ in range(3))
+    for percent, kernel in ((10.0, SmallDiscsKernel), (40.0, VrcomfortKernel)):
+        lens = DepthOfField(law="dioptre", views=16, full_blur_dioptre=1.0)
+        wide = lens.model_copy(update={"max_radius_percent": percent})
+        one = blur_of_one_view(wide, colour.size)  # 3.2 px and 12.8 px at a dioptre
+        defocus = Defocus(
+            ctx,
+            colour=colour,
+            depth=depth,
+            focus=focus,
+            settings=one,
+            size_px=colour.size,
+            infinity_m=3e4,
+        )
+        assert isinstance(make_kernel(ctx, colour, defocus, one), kernel)
 
 
 @pytest.mark.slow

@@ -69,6 +69,22 @@ def last_eyes(ctx, content, condition, frames):
     return found
 
 
+@pytest.mark.parametrize("periods", [2, 5])
+def test_dropped_frames_make_no_longer_streaks(ctx, periods):
+    """The same speed, seen after one period and after several."""
+    slow = sliding(primitives=[box()], materials=[GREEN], per_s=(30.0, 0, 0))
+    start = 10
+    eyes = {
+        step: last_eyes(ctx, slow, streaks(), [standing(start - step), standing(start)])
+        for step in (1, periods)
+    }
+    for (sharp, blurred, velocity), (_, after_drop, further) in zip(*eyes.values(), strict=True):
+        moved = np.abs(velocity[..., 0]).max()
+        assert np.abs(further[..., 0]).max() == pytest.approx(periods * moved, rel=0.01)
+        assert np.abs(blurred - sharp).max() > 0.1
+        np.testing.assert_allclose(after_drop, blurred, atol=0.01)
+
+
 @pytest.fixture(scope="session")
 def count_primitives(session_context):
     """Return a function: how many primitives OpenGL draws during a call; one for each pass."""

@@ -8,7 +8,7 @@ import pytest
 
 from vrcomfort.design import build_design
 from vrcomfort.protocol import load_protocol
-from vrcomfort.protocol.conditions import Focus
+from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render import plan
 from vrcomfort.session.ledger import limits
 
@@ -66,6 +66,15 @@ def test_the_plan_says_how_focus_is_found():
 def test_the_manifest_says_that_nine_rays_may_stand_in_for_the_gaze():
     noted = [line for line in limits(load_protocol("mantiuk_2011")) if "eye tracker" in line]
     assert len(noted) == 3
+
+
+@pytest.mark.parametrize(("level", "limited"), [("balanced", True), ("reference", False)])
+def test_the_manifest_says_whether_there_is_a_largest_radius(level, limited):
+    study = load_protocol("smoke")
+    lens = {"name": "lens", "quality": level, "depth_of_field": {"law": "dioptre"}}
+    (said,) = limits(study.model_copy(update={"conditions": (Condition.model_validate(lens),)}))
+    assert ("circle of confusion at most 1.75 %" in said) == limited
+    assert ("have no largest radius" in said) != limited
 
 
 @pytest.mark.slow

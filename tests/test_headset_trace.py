@@ -60,6 +60,8 @@ def test_changes_of_trial_and_marked_frames_are_cuts(write):
 @pytest.mark.parametrize(
     ("row", "column", "says"),
     [
+        ("2000,1e39,1.6,0,0,0,0,1", "head_x_m", "1e+39 m is more than 1000 km away"),
+        ("2000,0,-1000001,0,0,0,0,1", "head_y_m", "m is more than 1000 km away; positions are"),
         ("2000,nan,1.6,0,0,0,0,1", "head_x_m", "'nan' is not a finite number"),
         ("2000,0,inf,0,0,0,0,1", "head_y_m", "'inf' is not a finite number"),
         ("2000,0,1.6,,0,0,0,1", "head_z_m", "this cell is empty"),
@@ -179,10 +181,14 @@ def test_unity_times_are_exact_nanoseconds(write):
     ("lines", "line", "column", "says"),
     [
         ([HEADER, *ROWS], 1, None, "not a Unity log"),
+        ([UNITY.strip(), "1 0 0 0 0 0 0"], 2, None, "must be seven numbers with commas between"),
+        ([UNITY.strip(), "", "1;0;0;0;0;0;0"], 3, None, "must be seven numbers with commas"),
         ([UNITY, "1,0,0,0,0,0,0", "x,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "nan,0,0,0,0,0,0"], 3, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,0,0", "1,0,0,0,0,0,0"], 3, "Time", "time stands still"),
+        ([UNITY, "1_0,0,0,0,0,0,0"], 2, "Time", "not a time in seconds"),
         ([UNITY, "1,0,0,0,0,nan,0"], 2, "beta", "not a finite number"),
+        ([UNITY, "1,0,0,1e39,0,0,0"], 2, "z", "1e+39 m is more than 1000 km away"),
     ],
 )
 def test_a_bad_unity_log_is_refused_with_its_place(write, lines, line, column, says):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from openxr_support import needs_monado
-from study_parts import read_rows
+from study_parts import read_rows, smoke_with
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.resources import data_folder
@@ -50,8 +50,8 @@ def command(folder: Path, calls: str = "{}") -> list[str]:
     answers.write_text("0 1 2 3 " * 60)
     return [
         *(sys.executable, "-c", CLIENT.replace("{calls}", calls)),
-        *("run", "smoke", "--participant", "P01", "--out", str(folder / "study"), "--quiet"),
-        *("--headset", "openxr", "--size", "16x16", "--exposure-s", "6"),
+        *("run", str(smoke_with(folder, 6.0)), "--participant", "P01"),
+        *("--out", str(folder / "study"), "--headset", "openxr", "--size", "16x16", "--quiet"),
         *("--monado-trace", str(data_folder("scenes") / "temple_walk.csv")),
         *("--monado-answers", str(answers)),
     ]

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from openxr_support import BEST_PRACTICES, VALIDATION, needs_monado
+from study_parts import smoke_with
 
 from vrcomfort.resources import data_folder
 
@@ -45,8 +46,8 @@ def command(folder: Path, *more: str) -> list[str]:
     answers = folder / "answers.txt"
     answers.write_text(" ".join(map(str, SCRIPT * 60)) + "  # in the order of the questions\n")
     return [
-        *("run", "smoke", "--participant", "P01", "--out", str(folder / "study")),
-        *("--headset", "openxr", "--size", "64x80", "--exposure-s", "4", "--quiet"),
+        *("run", str(smoke_with(folder, 4.0)), "--participant", "P01"),
+        *("--out", str(folder / "study"), "--headset", "openxr", "--size", "64x80", "--quiet"),
         *("--monado-trace", str(TRACE), "--monado-answers", str(answers), *more),
     ]
 

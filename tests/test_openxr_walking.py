@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from openxr_support import Participant, fresh_monado, needs_monado
+from study_parts import smoke_with
 from x_server import x_server
 
 from vrcomfort.geometry import Array, Pose, axis_angle
@@ -114,8 +115,9 @@ def test_a_mirror_shows_the_rehearsal_to_the_operator(tmp_path: Path) -> None:
     answers = tmp_path / "answers.txt"
     answers.write_text("0 1 2 3 " * 60)
     command = [
-        *("vrcomfort", "run", "smoke", "--participant", "P01", "--out", str(tmp_path / "study")),
-        *("--headset", "openxr", "--size", "64x80", "--exposure-s", "1", "--quiet", "--mirror"),
+        *("vrcomfort", "run", str(smoke_with(tmp_path, 1.0)), "--participant", "P01"),
+        *("--out", str(tmp_path / "study"), "--quiet", "--mirror"),
+        *("--headset", "openxr", "--size", "64x80"),
         *("--monado-trace", str(data_folder("scenes") / "temple_walk.csv")),
         *("--monado-answers", str(answers)),
     ]

@@ -1,3 +1,4 @@
+import gc
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -6,6 +7,7 @@ from render_parts import RIGHT_ANGLE, at, floor, glowing, scene, still_life, wal
 
 from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.render import gl
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 
@@ -28,7 +30,11 @@ class FrameAt:
 
     @property
     def predicted_display_time_ns(self) -> int:
-        return self.index * 11_111_111
+        return self.index * self.period_ns
+
+    @property
+    def period_ns(self) -> int:
+        return 11_111_111
 
     @property
     def views(self) -> tuple[View, View]:
@@ -199,3 +205,24 @@ def test_what_nobody_sees_is_not_drawn(ctx):
     renderer.begin(content, PLAIN)
     # Wall in front (2 triangles) and floor (2), for each eye; the wall behind is culled.
     assert renderer.render(standing(0), 0.0).triangles == 8
+
+
+def test_what_dies_leaves_other_contexts_alone():
+    """Names of objects are counted in each context: those of one are those of another."""
+    content, condition = still_life(), BOTH
+    frames = [standing(0), standing(1)]
+    first, second = gl.create_context(), gl.create_context()
+    with first:
+        renderer = StereoRenderer(first, SIZE)
+        renderer.begin(content, condition)
+    with second:
+        expected = shown(second, content, condition, frames)
+        other = StereoRenderer(second, SIZE)
+        other.begin(content, condition)
+        del renderer
+        gc.collect()
+        for frame in frames:
+            result = other.render(frame, frame.index / 90)
+        found = [read_rgb8(eye) for eye in result.eyes]
+        gl.check_errors(second)
+    np.testing.assert_array_equal(found, expected)

@@ -7,7 +7,8 @@ from render_parts import still_life
 from test_render_pipeline import BOTH, SIZE, standing
 
 from vrcomfort.render import pipeline
-from vrcomfort.render.gpu_timer import LATENCY, GpuTimer, make_gpu_timer
+from vrcomfort.render.gl import LATENCY
+from vrcomfort.render.gpu_timer import GpuTimer, make_gpu_timer
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 

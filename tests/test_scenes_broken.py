@@ -100,7 +100,97 @@ def compressed_geometry(path):
     file.save(path, meshes=[{"primitives": [file.triangle()]}])
 
 
+def surfaces(path, **material):
+    file = Gltf()
+    triangle = file.triangle() | {"material": 0}
+    file.save(path, meshes=[{"primitives": [triangle]}], materials=[{"name": "wall"} | material])
+
+
+def missing_material(path):
+    file = Gltf()
+    file.save(path, meshes=[{"primitives": [file.triangle() | {"material": 3}]}])
+
+
+def unknown_alpha_mode(path):
+    surfaces(path, alphaMode="FOO")
+
+
+def two_colours(path):
+    surfaces(path, pbrMetallicRoughness={"baseColorFactor": [1, 2]})
+
+
+def colour_in_words(path):
+    surfaces(path, pbrMetallicRoughness={"baseColorFactor": "red"})
+
+
+def part_of_a_triangle(path):
+    file = Gltf()
+    triangle = file.triangle() | {"indices": file.accessor([0, 1], "uint16")}
+    file.save(path, meshes=[{"name": "roof", "primitives": [triangle]}])
+
+
+def nested_deep(path):
+    path.write_text("[" * 100_000 + "]" * 100_000)
+
+
+def moved(path, **node):
+    file = Gltf()
+    node = {"name": "lid", "mesh": 0} | node
+    file.save(path, meshes=[{"primitives": [file.triangle()]}], nodes=[node])
+
+
+def moved_nowhere(path):
+    moved(path, translation=[0, float("nan"), 0])
+
+
+def turned_by_nothing(path):
+    moved(path, rotation=[0, 0, 0, 0])
+
+
+def scaled_out_of_all_bounds(path):
+    file = Gltf()
+    nodes = [{"scale": [1e9, 1, 1], "children": [1]}, {"name": "in", "scale": [9, 1, 1], "mesh": 0}]
+    file.save(path, meshes=[{"primitives": [file.triangle()]}], nodes=nodes)
+
+
+def animated(path, turns):
+    file = Gltf()
+    meshes = [{"primitives": [file.triangle()]}]
+    sampler = {"input": file.accessor([0.0, 1.0]), "output": file.accessor(turns)}
+    channel = {"sampler": 0, "target": {"node": 0, "path": "rotation"}}
+    spin = {"name": "spin", "channels": [channel], "samplers": [sampler]}
+    file.save(path, meshes=meshes, animations=[spin])
+
+
+def keys_that_are_no_numbers(path):
+    animated(path, [[0, 0, 0, 1], [0, 0, np.nan, 1]])
+
+
+def keys_without_a_turn(path):
+    animated(path, [[0, 0, 0, 1], [0, 0, 0, 0]])
+
+
+def texture_of_a_device(path):
+    surfaces(path, normalTexture={"index": 0})
+    root = json.loads(path.read_text())
+    path.write_text(
+        json.dumps(root | {"textures": [{"source": 0}], "images": [{"uri": "/dev/zero"}]})
+    )
+
+
 BROKEN = {
+    missing_material: r"meshes\[0\].primitives\[0\].material refers to number 3 of its materials",
+    unknown_alpha_mode: r"materials\[0\] \('wall'\).alphaMode should be 'OPAQUE', 'MASK'",
+    two_colours: r"baseColorFactor has 2 numbers, but needs 4; export",
+    colour_in_words: "baseColorFactor should be a list",
+    part_of_a_triangle: "mesh 'roof' has 2 corners, which are no whole triangles",
+    nested_deep: "nested too deep",
+    moved_nowhere: r"nodes\[0\] \('lid'\).translation\[1\] should be a finite number",
+    turned_by_nothing: r"nodes\[0\] \('lid'\).rotation has length 0",
+    scaled_out_of_all_bounds: "node 'in' is scaled or moved by more than 1e",
+    keys_that_are_no_numbers: "animation 'spin' has a number in accessor 2 that is not finite",
+    keys_without_a_turn: "animation 'spin' has a rotation of length 0",
+    texture_of_a_device: "needs the file '/dev/zero', which cannot be read",
     missing_mesh: "number 3 of its meshes, but has 1",
     missing_child: "number 7 of its nodes, but has 1",
     compressed_geometry: "needs KHR_draco_mesh_compression",

@@ -110,3 +110,9 @@ def test_levels_of_detail_change_with_the_heads_distance():
     np.testing.assert_allclose(depth, [3.0, 4.5, np.inf])
     near = Pose([0.0, 0.0, 2.0])
     assert ahead(scene, head=near) == pytest.approx(5.0)
+
+
+def test_what_is_scaled_to_nothing_is_not_hit():
+    hidden = Node("hidden", mesh=(0,), scale=np.zeros(3))
+    flat = Node("flat", mesh=(0,), scale=np.array([0.0, 1.0, 1.0]))
+    assert np.isinf(ahead(scene_of(hidden, flat, primitives=(quad(-3.0),))))

@@ -100,6 +100,11 @@ def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
             "'gone'",
         ),
         ("exposure = \n", 1, "not valid TOML"),
+        ("\nexposure = 1e39\n", 2, "exposure: should be less than or equal to"),
+        ("[spawn]\nposition = [0, 1e39, 0]\n", 2, "should be less than or equal to 1000000"),
+        ("sun = 3\n", 1, "sun: should be a table"),
+        ("exposure = " + "9" * 5000, None, "not valid TOML"),
+        ("exposure = " + "[" * 9999, None, "not valid TOML"),
     ],
 )
 def test_errors_name_the_line(tmp_path, text, line, reason):

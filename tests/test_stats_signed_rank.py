@@ -1,5 +1,7 @@
 """Against R: `sleep` (Student 1908) with coin, stats and exactRankTests; SSQ-like differences."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.stats import wilcoxon
 
 from vrcomfort.stats.effects import rank_biserial
-from vrcomfort.stats.ranks import as_integers
+from vrcomfort.stats.ranks import as_integers, fewest_for_interval
 from vrcomfort.stats.shift import hodges_lehmann, walsh_averages
 from vrcomfort.stats.signed_rank import EXACT_UP_TO, signed_rank
 from vrcomfort.stats.withdrawal import fisher_exact, worst_rank
@@ -63,6 +65,31 @@ def test_small_samples_have_a_shift_without_an_interval():
     shift = hodges_lehmann([1, 2, 3])
     assert (shift.estimate, shift.low, shift.high, shift.coverage) == (2, None, None, None)
     assert hodges_lehmann([0, 0], zeros_included=False) is None
+
+
+def test_small_samples_have_a_rank_biserial_without_an_interval():
+    effect = rank_biserial([-1, 2, 3, 4, 0, 0, 0])
+    assert (effect.estimate, effect.low, effect.high) == (0.8, None, None)
+    assert (rank_biserial([1, 2]).estimate, rank_biserial([1, 2]).low) == (1, None)
+    assert rank_biserial([-1, 2, 3, 4], confidence=0.8).low is not None
+
+
+@pytest.mark.parametrize("confidence", [0.75, 0.8, 0.9, 0.9375, 0.95, 0.99, 0.999])
+def test_an_interval_needs_as_many_differences_as_the_exact_test_to_reject(confidence):
+    fewest = fewest_for_interval(confidence)
+    assert signed_rank(np.arange(1, fewest + 1)).p <= 1 - confidence + 1e-12
+    assert signed_rank(np.arange(1, fewest)).p > 1 - confidence
+    assert hodges_lehmann(np.arange(1, fewest), confidence=confidence).low is None
+    enough = hodges_lehmann(np.arange(1, fewest + 1), confidence=confidence)
+    assert enough.low is not None
+    assert enough.coverage >= confidence - 1e-12
+
+
+@pytest.mark.parametrize(("n", "leaves_out_zero"), [(6, 0.16), (12, 0.08)])
+def test_how_often_the_interval_of_the_rank_biserial_leaves_out_zero(n, leaves_out_zero):
+    samples = [np.arange(1, n + 1) * signs for signs in product((-1, 1), repeat=n)]
+    left_out = [not (e.low <= 0 <= e.high) for e in map(rank_biserial, samples)]
+    assert np.mean(left_out) == pytest.approx(leaves_out_zero, abs=0.005)
 
 
 def test_nothing_but_zeros_is_no_evidence():

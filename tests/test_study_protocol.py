@@ -6,12 +6,13 @@ from typing import get_args
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import BaseModel
 from study_parts import PROTOCOL, tiny_protocol
 
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import load_protocol, parse_protocol
-from vrcomfort.protocol.conditions import DepthOfField, Focus
+from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
 
@@ -33,7 +34,10 @@ def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
         ("exposure_s = 10.0", "exposure_min = 10.0", (3, 1), "is in minutes"),
         ("exposure_s = 10.0", "exposure_s = '10'", (3, 1), "should be a number, got '10'"),
         ("exposure_s = 10.0", "exposure_s = true", (3, 1), "should be a number, got True"),
-        ("exposure_s = 10.0", "exposure_s = -1", (3, 1), "should be greater than 0, got -1"),
+        ("exposure_s = 10.0", "exposure_s = -1", (3, 1), "equal to 0.001, got -1"),
+        ("exposure_s = 10.0", "exposure_s = 1e300", (3, 1), "equal to 14400, got 1e+300"),
+        ("training_s = 1.0", "training_s = 1e300", (4, 1), "equal to 14400, got 1e+300"),
+        ("wait_s = 60.0", "wait_s = 1e308", (34, 1), "equal to 86400, got 1e+308"),
         ("exposure_s = 10.0", "exposure_s = nan", (3, 1), "exposure_s"),
         ("exposure_s = 10.0", "exposure_s = ", (3, 14), "not valid TOML"),
         ('title = "A tiny study"\n', "", (1, 1), "`title` is missing"),
@@ -214,6 +218,59 @@ def test_settings_that_do_nothing_are_refused(tmp_path, settings, says):
     with pytest.raises(InputError) as caught:
         tiny_protocol(tmp_path, text)
     assert says in caught.value.message
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        (
+            "focus = { infinity_m = 1e39 }",
+            "`infinity_m`: should be less than or equal to 1000000000",
+        ),
+        (
+            "focus = { infinity_m = 5e-324 }",
+            "`infinity_m`: should be greater than or equal to 0.001",
+        ),
+        ('focus = { method = "fixed", fixed_m = 1e-9 }', "`fixed_m`: should be greater than"),
+        ('focus = { law = "duration", duration_s = 1e308 }', "`duration_s`: should be less than"),
+        ("focus = { refocus_s = 5e-324 }", "`refocus_s`: should be greater than or equal to 0.001"),
+        ("motion_blur = { fade_with_turning = 3 }", "`fade_with_turning`: should be a table {"),
+        ("depth_of_field = { full_blur_m = 1e308 }", "`full_blur_m`: should be less than"),
+    ],
+)
+def test_what_cannot_be_seen_or_waited_for_is_refused_with_its_place(tmp_path, settings, says):
+    text = PROTOCOL.replace('name = "plain"\n', f'name = "plain"\n{settings}\n', 1)
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, text)
+    assert says in caught.value.message
+    assert caught.value.line == 9
+    assert caught.value.column == settings.rindex(" ", 0, settings.rindex("=") - 1) + 2
+
+
+@pytest.mark.parametrize(
+    ("value", "says"), [("9" * 5000, "not valid TOML"), ("[" * 9999, "nested too deep")]
+)
+def test_what_python_cannot_hold_is_refused(tmp_path, value, says):
+    with pytest.raises(InputError, match=says) as caught:
+        tiny_protocol(tmp_path, f"participants = {value}\n{PROTOCOL}")
+    assert caught.value.file == tmp_path / "tiny.toml"
+
+
+@pytest.mark.parametrize("model", [Condition, Protocol])
+def test_no_number_of_a_protocol_is_without_bounds(model):
+    """What has a least but no greatest value is accepted where nothing can show it."""
+    assert list(unbounded(model)) == []
+
+
+def unbounded(model):
+    for name, field in model.model_fields.items():
+        parts = [field.annotation, *get_args(field.annotation)]
+        for part in [*parts, *(inner for each in parts for inner in get_args(each))]:
+            if isinstance(part, type) and issubclass(part, BaseModel):
+                yield from unbounded(part)
+        limits = {side for limit in field.metadata for side in ("le", "lt") if hasattr(limit, side)}
+        if {int, float} & set(parts) and not limits:
+            yield f"{model.__name__}.{name}"
 
 
 def test_needs_name_settings_and_values_that_there_are():

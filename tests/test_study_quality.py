@@ -127,6 +127,14 @@ def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
         assert dial.figure_for(named, "nowhere", drawn) is None
 
 
+def test_blur_of_objects_alone_has_no_figures():
+    """The figures are of cameras that move."""
+    for mode, known in (("full", True), ("rotation_cancelled", True), ("objects_only", False)):
+        blurred = with_level("fast", motion_blur={"mode": mode})
+        figure = dial.figure_for(blurred, "temple", ["motion_blur"])
+        assert (figure is not None) is known
+
+
 @pytest.mark.parametrize("other", [{"views": 7}, {"kernel": "mip"}])
 def test_another_method_has_no_figures_of_ours(other):
     figure = dial.quality_table().figures[0]

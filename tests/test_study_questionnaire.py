@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import csv
+from decimal import Decimal
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ from hypothesis import strategies as st
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import INSTRUMENTS, LOADINGS, SSQ, read_sheets, score, score_ssq
+from vrcomfort.questionnaire.ssq import SsqScore
 
 NAMES = [item.name for item in SSQ.items]
 HEADINGS = [
@@ -49,6 +51,18 @@ def test_the_published_loadings_and_maxima():
     assert worst.oculomotor == pytest.approx(159.18, abs=1e-9)
     assert worst.disorientation == pytest.approx(292.32, abs=1e-9)
     assert worst.total == pytest.approx(235.62, abs=1e-9)
+
+
+def test_scores_are_the_decimals_that_they_are():
+    for raw in range(64):
+        scored = SsqScore(raw, raw, raw)
+        for found, weight in (
+            (scored.nausea, "9.54"),
+            (scored.oculomotor, "7.58"),
+            (scored.disorientation, "13.92"),
+            (scored.total, str(3 * Decimal("3.74"))),
+        ):
+            assert Decimal(repr(found)) == raw * Decimal(weight)
 
 
 def test_each_item_counts_where_kennedy_says():

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted, read_rows
+from study_parts import AheadHeadset, LateFocus, Scripted, read_rows, smoke_with
 
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
@@ -18,6 +18,8 @@ from vrcomfort.session import run
 
 WALK = data_folder("scenes") / "temple_walk.csv"
 MOUNTAIN_WALK = data_folder("scenes") / "mountain_walk.csv"
+FULL_S, SHOWN_S = 0.5, 0.2
+"""Of the protocol, and as it is shown."""
 
 
 def begin(
@@ -37,7 +39,7 @@ def begin(
         )
 
     outcome = run(
-        load_protocol("smoke"),
+        load_protocol(smoke_with(folder.parent, FULL_S)),
         participant,
         study=folder,
         load_scene=lambda source: source,
@@ -45,10 +47,15 @@ def begin(
         renderer=LateFocus(),
         respondent=Scripted(name=respondent),
         seed=7,
-        exposure_s=0.2,
+        exposure_s=SHOWN_S,
     )
     assert outcome.status == ("aborted" if interrupted else "completed")
     return folder
+
+
+def smoke_of(study: Path) -> Path:
+    """Return the protocol that `begin` wrote beside a study."""
+    return study.with_name("smoke.toml")
 
 
 @pytest.fixture
@@ -57,10 +64,13 @@ def study(tmp_path: Path) -> Path:
 
 
 def command(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: Any
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    study: Path,
+    *words: Any,
 ) -> tuple[int, str]:
-    first = ("run", "smoke", "--participant", "P01", "--respondent", "simulated")
-    return call(monkeypatch, capsys, *first, *words)
+    first = ("run", smoke_of(study), "--participant", "P01", "--respondent", "simulated")
+    return call(monkeypatch, capsys, *first, "--out", study, *words)
 
 
 def call(
@@ -78,14 +88,14 @@ def call(
 
 
 def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, monkeypatch, capsys):
-    code, said = command(monkeypatch, capsys, "--out", study)
+    code, said = command(monkeypatch, capsys, study)
     assert (code, said.count("\n")) == (2, 1)
     assert "--resume" in said
     for other in (["terminal"], ["panel", "--headset", "openxr"]):
-        refused = command(monkeypatch, capsys, "--out", study, "--resume", "--respondent", *other)
+        refused = command(monkeypatch, capsys, study, "--resume", "--respondent", *other)
         assert refused[0] == 2
         assert f"--respondent simulated, not {other[0]}; resume it with" in refused[1]
-    code, said = command(monkeypatch, capsys, "--out", study, "--resume")
+    code, said = command(monkeypatch, capsys, study, "--resume")
     assert code == 0, said
     folder = study / "sub-P01" / "ses-1"
     trials = read_rows(folder / "trials.csv")
@@ -98,16 +108,16 @@ def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, mon
     ]
     assert {row["frames"] for row in trials[2:]} == {"4"}
     manifest = json.loads((folder / "manifest.json").read_text())
-    assert (manifest["seed"], manifest["exposure_s"]) == (7, 0.2)
+    assert (manifest["seed"], manifest["exposure_s"]) == (7, SHOWN_S)
     assert [each["respondent"] for each in manifest["earlier_runs"]] == ["simulated"]
-    code, said = command(monkeypatch, capsys, "--out", study, "--resume", "--session", 1)
+    code, said = command(monkeypatch, capsys, study, "--resume", "--session", 1)
     assert code == 2
     assert "leave --resume out" in said
 
 
 def test_a_participant_who_is_being_run_is_refused(study, monkeypatch, capsys):
     with only_run(study, "P01"):
-        code, said = command(monkeypatch, capsys, "--out", study, "--resume")
+        code, said = command(monkeypatch, capsys, study, "--resume")
     assert (code, said.count("\n")) == (2, 1)
     assert "P01 is being run by process" in said
 
@@ -118,7 +128,7 @@ def statuses(study: Path) -> dict[str, str]:
 
 
 def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
-    simulate = ("simulate", "smoke", "--out", study, "--exposure-s", 0.2, "-n")
+    simulate = ("simulate", smoke_of(study), "--out", study, "--exposure-s", SHOWN_S, "-n")
     first = (study / "sub-P01" / "ses-1" / "frames.csv").read_text()
     code, said = call(monkeypatch, capsys, *simulate, 2)
     assert (code, said) == (0, "")
@@ -129,7 +139,7 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     assert code == 2
     assert "all sessions of all 2 participants are recorded" in said
     other = study.with_name("other.toml")
-    text = (data_folder("protocols") / "smoke.toml").read_text()
+    text = smoke_of(study).read_text()
     other.write_text(text.replace('name = "smoke"', 'name = "other"', 1))
     code, said = call(monkeypatch, capsys, "simulate", other, "--out", study, "-n", 2)
     assert code == 2
@@ -148,10 +158,10 @@ def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     ("others", "words"),
     [
         (["--exposure-s", 0.3], "with exposures of 0.2 s, not 0.3 s;"),
-        ([], "with exposures of 0.2 s, not 0.1 s;"),
-        (["--exposure-s", 0.2, "--size", "20x16"], "with --size 16x16;"),
-        (["--exposure-s", 0.2, "--refresh-hz", 10], "with frames at 20 Hz, not 10 Hz;"),
-        (["--exposure-s", 0.2, "--trace", MOUNTAIN_WALK], "with another head trace;"),
+        ([], "with exposures of 0.2 s, not 0.5 s;"),
+        (["--exposure-s", SHOWN_S, "--size", "20x16"], "with --size 16x16;"),
+        (["--exposure-s", SHOWN_S, "--refresh-hz", 10], "with frames at 20 Hz, not 10 Hz;"),
+        (["--exposure-s", SHOWN_S, "--trace", MOUNTAIN_WALK], "with another head trace;"),
     ],
 )
 @pytest.mark.parametrize("interrupted", [False, True])
@@ -161,7 +171,9 @@ def test_simulate_goes_on_with_the_same_options_alone(
     study = begin(tmp_path / "study", "simulated", interrupted=interrupted)
     set_status(study, "P01", "withdrawn")  # nothing is left to simulate of them
     before = {file: file.read_bytes() for file in study.rglob("*") if file.is_file()}
-    code, said = call(monkeypatch, capsys, "simulate", "smoke", "--out", study, "-n", 2, *others)
+    code, said = call(
+        monkeypatch, capsys, "simulate", smoke_of(study), "--out", study, "-n", 2, *others
+    )
     assert (code, said.count("\n")) == (2, 1)
     assert f"ses-1: this session was begun {words} go on with the same, or choose" in said
     assert {file: file.read_bytes() for file in study.rglob("*") if file.is_file()} == before
@@ -169,23 +181,22 @@ def test_simulate_goes_on_with_the_same_options_alone(
 
 def test_simulate_goes_on_with_the_same_text_of_a_protocol(tmp_path, monkeypatch, capsys):
     study = begin(tmp_path / "study", "simulated", interrupted=False)
-    changed = tmp_path / "smoke.toml"
-    text = (data_folder("protocols") / "smoke.toml").read_text()
-    changed.write_text(text + "\n# changed\n")
-    options = ("--exposure-s", 0.2, "-n", 2, "--out", study)
+    changed = tmp_path / "changed.toml"
+    changed.write_text(smoke_of(study).read_text() + "\n# changed\n")
+    options = ("--exposure-s", SHOWN_S, "-n", 2, "--out", study)
     code, said = call(monkeypatch, capsys, "simulate", changed, *options)
     assert code == 2
     assert "begun with another text of this protocol; go on with the same" in said
     manifest = study / "sub-P01" / "ses-1" / "manifest.json"
     manifest.write_text('{"status": "completed", "respondent": "simulated"}')
-    code, said = call(monkeypatch, capsys, "simulate", "smoke", *options)
+    code, said = call(monkeypatch, capsys, "simulate", smoke_of(study), *options)
     assert code == 2
     assert "manifest.json: this manifest is damaged; restore it" in said
 
 
 def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypatch, capsys):
     study = begin(tmp_path / "study", "simulated", "P001")
-    simulate = ("simulate", "smoke", "--out", study, "--exposure-s", 0.2, "-n")
+    simulate = ("simulate", smoke_of(study), "--out", study, "--exposure-s", SHOWN_S, "-n")
     code, _ = call(monkeypatch, capsys, *simulate, 1)
     assert code == 0
     assert list(statuses(study)) == ["P001"]  # and no P01
@@ -194,7 +205,31 @@ def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypat
 def test_simulate_leaves_people_alone(tmp_path, monkeypatch, capsys):
     study = begin(tmp_path / "study", "terminal")
     recorded = {file: file.read_bytes() for file in study.rglob("*") if file.is_file()}
-    code, said = call(monkeypatch, capsys, "simulate", "smoke", "-n", 2, "--out", study)
+    code, said = call(monkeypatch, capsys, "simulate", smoke_of(study), "-n", 2, "--out", study)
     assert (code, said.count("\n")) == (2, 1)
     assert "begun with --respondent terminal; choose another --out" in said
     assert {file: file.read_bytes() for file in recorded} == recorded
+
+
+def test_an_exposure_can_only_be_shortened(tmp_path, monkeypatch, capsys):
+    smoke = smoke_with(tmp_path, FULL_S)
+    out = tmp_path / "made"
+    run_p01 = ("run", smoke, "--participant", "P01", "--respondent", "simulated", "--out", out)
+    for words in (run_p01, ("simulate", smoke, "-n", 1, "--out", out)):
+        for longer_s, shown in (("0.6", "0.6"), ("1e300", "1e+300"), ("inf", "inf")):
+            code, said = call(monkeypatch, capsys, *words, "--exposure-s", longer_s)
+            assert (code, said.count("\n")) == (2, 1)
+            assert f"an exposure of {shown} s cannot be shown: protocol smoke has" in said
+            assert "exposures of 0.5 s, which can only be shortened" in said
+            assert not out.exists()
+
+
+def test_a_session_with_longer_exposures_than_the_protocols_is_not_continued(
+    study, monkeypatch, capsys
+):
+    file = study / "sub-P01" / "ses-1" / "manifest.json"
+    manifest = json.loads(file.read_text())
+    file.write_text(json.dumps({**manifest, "exposure_s": 5.0}))
+    code, said = command(monkeypatch, capsys, study, "--resume")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "an exposure of 5 s cannot be shown: protocol smoke has exposures of 0.5 s" in said

@@ -165,7 +165,7 @@ def test_sessions_are_not_repeated(tmp_path):
         go(tmp_path, Scripted(), sessions=[3])
 
 
-@pytest.mark.parametrize("exposure_s", [0.0, -1.0, math.inf, math.nan])
+@pytest.mark.parametrize("exposure_s", [0.0, -1.0, 10.1, math.inf, math.nan])
 def test_an_exposure_that_cannot_be_shown_is_refused_before_anything_is_recorded(
     tmp_path, exposure_s
 ):

@@ -113,7 +113,22 @@ def test_each_dial_is_told_by_itself():
     ]
 
 
+def test_equal_errors_have_no_slope_of_rounding():
+    rows = [*ROWS, *(row(f"ours {n} taps", "ours", 9.0 * n, 0.07, step=n) for n in (6, 12, 24))]
+    found = results.compared(results.means(rows))
+    assert abs(found["dials"][1]["slope"]) < 1e-9
+    assert tables.dials(found)[1].endswith(": error does not change with taps = 6…24.")
+
+
+def test_a_slope_says_that_it_rests_on_rows_that_do_not_count():
+    sure, unsure = row("ours 1 view", "ours", 9.0, 0.02, step=1), {"step": 4, "counts": False}
+    rows = [*ROWS, sure, row("ours 4 views", "ours", 90.0, 0.008, **unsure)]
+    line = tables.dials(results.compared(results.means(rows)))[1]
+    assert line.endswith("(R1 counts at 1 alone: the slope rests on rows that do not).")
+
+
 def test_both_eyes_are_compared_with_r2_and_with_the_sources(found):
-    (line,) = tables.both_eyes(found)
+    line, hint = tables.both_eyes(found)
     assert "rivalry of *ours 2 rings* is 1.2 × that of R2 and 0.80 × the least" in line
-    assert "shower door -0.50" in line
+    assert "shower door -0.50 (R2 -0.50)" in line
+    assert "at this size" in hint

@@ -97,9 +97,23 @@ class CsvTable:
         return InputError(message, file=self.file, line=line, column=column)
 
 
+def plain_digits(cell: str) -> str:
+    """Return the text of a number without spaces around it.
+
+    Raises
+    ------
+    ValueError
+        If it has what Python takes for digits and tables do not: ``1_000``, other scripts' digits.
+    """
+    text = cell.strip()
+    if "_" in text or not text.isascii():
+        raise ValueError(f"{text!r} is not written in plain digits")
+    return text
+
+
 def _is_number(cell: str) -> bool:
     try:
-        return math.isfinite(float(cell))
+        return math.isfinite(float(plain_digits(cell)))
     except ValueError:
         return False
 

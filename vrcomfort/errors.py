@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 
@@ -34,6 +35,23 @@ class InputError(ValueError):
         if column is not None:
             place.append(f"column {column}")
         super().__init__(f"{', '.join(place)}: {message}" if place else message)
+
+
+def spare(sources: Iterable[Path | None], outputs: Iterable[Path]) -> None:
+    """Make sure that writing `outputs` replaces none of the files that are read.
+
+    Two paths are one file also where one is a link to the other.
+
+    Raises
+    ------
+    InputError
+        Names the file.
+    """
+    read = [source for source in sources if source is not None and source.exists()]
+    for output in outputs:
+        if output.exists() and any(output.samefile(source) for source in read):
+            message = "is read here, and would be overwritten; choose another --out"
+            raise InputError(message, file=output)
 
 
 class RuntimeLostError(InputError):

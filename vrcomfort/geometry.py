@@ -29,6 +29,7 @@ from vrcomfort.rotations import (
 )
 
 __all__ = [
+    "FARTHEST_M",
     "Array",
     "Fov",
     "Gaze",
@@ -48,6 +49,10 @@ __all__ = [
     "unit_quaternion",
     "yaw_pitch_roll",
 ]
+
+FARTHEST_M = 1e6
+"""No position is further: no scene has anything there, and squares of distances leave single
+precision."""
 
 
 def _frozen(values: ArrayLike, size: int) -> Array:

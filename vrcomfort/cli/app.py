@@ -26,6 +26,7 @@ from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
 
 EXIT_BAD_INPUT = 2
+STOPPED = "stopped; what was already written stays"
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
     errno.EDQUOT: "your disk quota is used up; what was already written stays",
@@ -39,12 +40,18 @@ FAULTS_OF_THE_MACHINE = {
 
 
 class OneSentence(TyperGroup):
-    """Tells a value that an option or argument cannot take like all other bad input."""
+    """Tells a value that no option takes like all other bad input, and that Ctrl-C was heard.
+
+    Typer ends the program without a word on a KeyboardInterrupt that it meets.
+    """
 
     def invoke(self, ctx: Any) -> Any:  # typer keeps its type of context to itself
         """Run the command whose values `ctx` holds."""
         try:
             return super().invoke(ctx)
+        except KeyboardInterrupt:
+            complain(STOPPED)
+            raise typer.Exit(EXIT_INTERRUPTED) from None
         except typer.BadParameter as error:
             words = " ".join(error.format_message().split()).rstrip(".")
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
@@ -87,7 +94,7 @@ def _options(
 def main() -> None:
     """Run the command line; bad input ends with one sentence and exit code 2."""
     try:
-        app()
+        app(prog_name="vrcomfort")
     except InputError as error:
         complain(str(error))
         sys.exit(EXIT_BAD_INPUT)
@@ -95,8 +102,8 @@ def main() -> None:
         # The reader (`| head`) has gone: nothing to say, and nobody to say it to.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
-    except KeyboardInterrupt:
-        complain("stopped; what was already written stays")
+    except KeyboardInterrupt:  # before a command began
+        complain(STOPPED)
         sys.exit(EXIT_INTERRUPTED)
     except OSError as error:
         if error.errno not in FAULTS_OF_THE_MACHINE:

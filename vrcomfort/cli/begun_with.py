@@ -27,7 +27,7 @@ class BegunWith:
     def __init__(self, protocol: Protocol, playback: PlaybackIn, exposure_s: float | None) -> None:
         self._protocol = protocol
         self._playback = playback
-        self._exposure_s = exposure_s or protocol.exposure_s
+        self._exposure_s = protocol.shown_s(exposure_s)
 
     def ends(self, study: Path, name: str) -> list[str]:
         """Return how each recorded session of a participant ended.

@@ -37,6 +37,11 @@ class StudyLab:
     ----------
     playback
         Where there is no live headset.
+
+    Raises
+    ------
+    InputError
+        If exposures would be longer than the protocol's.
     """
 
     def __init__(
@@ -51,6 +56,7 @@ class StudyLab:
         self._study = study
         self._playback = playback
         self._seed = seed
+        protocol.shown_s(exposure_s)  # refuses a longer one before anything is made
         self._exposure_s = exposure_s
         self._rendering: tuple[StereoRenderer, Machine] | None = None
         self._load_scene = lru_cache(maxsize=None)(_load_scene)

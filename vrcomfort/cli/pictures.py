@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.playing import play_trace
+from vrcomfort.cli.playing import WRITTEN, play_trace
 from vrcomfort.cli.still import PoseText, still
 from vrcomfort.cli.terminal import (
     Quiet,
@@ -16,6 +16,7 @@ from vrcomfort.cli.terminal import (
     console,
     output_file,
     output_folder,
+    output_path,
     parse_size,
     warn,
 )
@@ -25,12 +26,19 @@ from vrcomfort.cli.wiring import (
     pick_condition,
     require_recorded_gaze,
 )
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, spare
 
 SceneOption = Annotated[
     str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
 ]
-Out = Annotated[Path, typer.Option(help="Folder for the results; earlier ones are replaced.")]
+Out = Annotated[
+    Path,
+    typer.Option(
+        parser=output_path,
+        metavar="PATH",
+        help="Folder for the results; earlier ones are replaced.",
+    ),
+]
 ProtocolOption = Annotated[
     str | None, typer.Option(help="Protocol (file or name) that defines the condition.")
 ]
@@ -135,6 +143,7 @@ def play(
     study, shown = pick_condition(protocol, condition)
     played = open_trace(trace, trial=trial, gaze=gaze)
     require_recorded_gaze([shown], played)
+    spare([trace, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
         study.scene_source(scene) if study else scene,
@@ -152,11 +161,25 @@ def play(
 
 def import_trace(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
-    out: Annotated[Path, typer.Option(help="The trace to write (CSV).")],
-    format: Annotated[str, typer.Option(help="unity-euler")] = "unity-euler",  # noqa: A002
+    out: Annotated[
+        Path, typer.Option(parser=output_path, metavar="PATH", help="The trace to write (CSV).")
+    ],
+    format: Annotated[str, typer.Option(help="What wrote it: unity-euler.")] = "unity-euler",  # noqa: A002
     quiet: Quiet = False,
 ) -> None:
     """Turn another program's head log into a trace.
+
+    `unity-euler` is text: a first line `Time x y z alpha beta gamma`, then one row for each sample,
+    with commas between its seven numbers and points as decimals, such as `0.5,0,1.6,0,10,90,0`.
+
+    - Time in seconds, each later than the one before.
+    - x, y, z: the head's position in metres, in Unity's left-handed frame (x right, y up,
+      z forward).
+    - alpha, beta, gamma: Unity's Euler angles in degrees about x (positive looks down), y (positive
+      turns right) and z (positive tips to the left), as eulerAngles gives them: it turns about z
+      first, then x, then y.
+
+    The trace has OpenXR's right-handed frame (z backwards) and quaternions.
 
     - `vrcomfort import-trace log.txt --format unity-euler --out trace.csv`
     """
@@ -168,5 +191,5 @@ def import_trace(
     trace = read(file, format="unity-euler")
     for warning in trace.warnings:
         warn(warning)
-    write_trace(trace, output_file(out))
+    write_trace(trace, output_file(out, file))
     console(quiet).print(f"{len(trace)} samples over {trace.duration_s:.1f} s: {out}")

@@ -13,9 +13,12 @@ from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.protocol.quality import Figure, Measured, figure_for, level_of, quality_table
 
 if TYPE_CHECKING:
+    from vrcomfort.render.blur_limit import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.plan import PlannedPass
     from vrcomfort.render.scene_data import Scene
+
+UNKNOWN = "?"
 
 
 @dataclass(frozen=True)
@@ -43,11 +46,20 @@ class Planned:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """All conditions in all scenes; `no_opengl` says why memory is not known."""
+    """All conditions in all scenes.
+
+    Parameters
+    ----------
+    no_opengl
+        Why memory is not known.
+    beyond
+        By condition, where views show more blur than the limit on the radius.
+    """
 
     size_px: tuple[int, int]
     rows: list[Planned]
     no_opengl: str | None
+    beyond: dict[str, Unlimited]
 
     def as_data(self) -> dict[str, Any]:
         """Return what JSON gets: passes, costs, and where the figures come from."""
@@ -56,6 +68,7 @@ class StudyPlan:
         return {
             "passes": [name | asdict(step) for row, name in names for step in row.passes],
             "costs": [name | self._cost(row) for row, name in names],
+            "no_limit": [_beyond_as_data(name, beyond) for name, beyond in self.beyond.items()],
             "measured": measured.model_dump() if measured else None,
         }
 
@@ -71,8 +84,14 @@ class StudyPlan:
         }
 
 
+def _beyond_as_data(condition: str, beyond: Unlimited) -> dict[str, Any]:
+    ranges = [each._asdict() for each in beyond.ranges]
+    return {"condition": condition, **beyond._asdict(), "ranges": ranges}
+
+
 def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
     """Plan every condition of a study in every scene, for eyes of this size."""
+    from vrcomfort.render.blur_limit import unlimited
     from vrcomfort.render.gltf import load_scene
 
     renderer, no_opengl = _renderer(size_px)
@@ -82,7 +101,8 @@ def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions
     ]
-    return StudyPlan(size_px, rows, no_opengl)
+    beyond = {each.name: found for each in study.conditions if (found := unlimited(each))}
+    return StudyPlan(size_px, rows, no_opengl, beyond)
 
 
 def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | None]:
@@ -135,6 +155,8 @@ def show(found: StudyPlan, study: Protocol) -> None:
     for condition in study.conditions:
         rows = [row for row in found.rows if row.condition == condition.name]
         console(wrap=True).print(_passes_table(condition, rows))
+        if beyond := found.beyond.get(condition.name):
+            console(wrap=True).print(f"No limit: {beyond.text}", style="yellow")
     console(wrap=True).print(_cost_table(found))
     for note in _notes(found):
         console(wrap=True).print(note, style="dim")
@@ -155,11 +177,11 @@ def _passes_table(condition: Condition, rows: list[Planned]) -> Table:
 
 def _cost_table(found: StudyPlan) -> Table:
     width, height = found.size_px
-    table = _table(f"Expected cost and error; GPU memory at 2 × {width}×{height}")
+    table = _table(f"Cost and error of each quality level; GPU memory at 2 × {width}×{height}")
     for column in ("condition", "scene", "quality"):
         table.add_column(column, overflow="fold")
-    for column in ("× plain", "PSNR dB", "FLIP", "GPU MB", "scene's MB"):
-        table.add_column(column, justify="right")
+    for column in ("× plain", "dB", "FLIP", "MB", "of scene"):
+        table.add_column(column, justify="right", no_wrap=True)
     for row in found.rows:
         memory = row.megabytes
         loaded = memory and memory["image"] + memory["buffer"]
@@ -168,8 +190,8 @@ def _cost_table(found: StudyPlan) -> Table:
             row.scene,
             row.quality if row.draws_effects else "-",
             *_expected(row),
-            f"{memory['total']:.0f}" if memory else "?",
-            f"{loaded:.0f}" if loaded else "?",
+            f"{memory['total']:.0f}" if memory else UNKNOWN,
+            f"{loaded:.0f}" if loaded else UNKNOWN,
         )
     return table
 
@@ -178,32 +200,38 @@ def _expected(row: Planned) -> tuple[str, str, str]:
     if not row.draws_effects:
         return "1", "-", "-"
     if row.figure is None:
-        return "not measured", "", ""
+        return UNKNOWN, UNKNOWN, UNKNOWN
     psnr_db, flip = row.figure.psnr_db, row.figure.flip
     return (
         f"{row.figure.cost_ratio:.2f}",
-        "not measured" if psnr_db is None else f"{psnr_db:.1f}",
-        "not measured" if flip is None else f"{flip:.3f}",
+        UNKNOWN if psnr_db is None else f"{psnr_db:.1f}",
+        UNKNOWN if flip is None else f"{flip:.3f}",
     )
 
 
 def _notes(found: StudyPlan) -> list[str]:
     measured = quality_table().measured
     memory = found.no_opengl and f"GPU memory is not known: {found.no_opengl}."
+    told = [_about_figures(measured)] if measured and any(row.figure for row in found.rows) else []
+    if any(row.draws_effects and row.figure is None for row in found.rows):
+        told.append(
+            f"{UNKNOWN}: not measured. Figures are kept of the levels of `quality` in the shipped "
+            "scenes, with depth of field, motion blur of a moving camera, or both."
+        )
     return [
-        _about_figures(measured),
+        *told,
         memory
-        or "GPU memory is the sum of the textures and buffers just allocated here, those of the "
-        "scene included; swapchains belong to the runtime and are not counted.",
+        or "GPU memory (MB) is the sum of the textures and buffers just allocated here, those of "
+        "the scene included; swapchains belong to the runtime and are not counted.",
     ]
 
 
-def _about_figures(measured: Measured | None) -> str:
-    if measured is None:
-        return "Cost and error have not been measured."
+def _about_figures(measured: Measured) -> str:
     return (
-        f"Cost and error were measured on {measured.device}, {measured.date} ({measured.how}), "
-        "not at your strengths, on your device or at your size: take them as a guide."
+        f"× plain (frames without effects), PSNR and FLIP are those of the quality level: measured "
+        f"on {measured.device}, {measured.date} ({measured.how}), not with the laws, modes and "
+        "strengths of your conditions, on your device or at your size: take them as a guide. A "
+        "focus that is looked for, and locomotion, are not in them."
     )
 
 

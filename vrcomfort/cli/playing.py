@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Row
 
+LOG, FILM, SETTINGS = WRITTEN = ("frames.csv", "video.mp4", "meta.json")
+"""Files in the folder of results, beside the pictures."""
+
 
 def play_trace(
     trace: Trace,
@@ -61,14 +64,14 @@ def _draw(headset: Any, renderer: Any, out: Path, *, video: bool, total: int, qu
 
     pictures = out / "frames"
     pictures.mkdir(exist_ok=True)
-    for old in pictures.glob("*.png"):
+    for old in pictures.glob("[0-9]" * 6 + ".png"):
         old.unlink()
     film: Any = nullcontext()
     if video:
-        film = VideoWriter(out / "video.mp4", frames_per_s=headset.refresh_hz)
+        film = VideoWriter(out / FILM, frames_per_s=headset.refresh_hz)
     count, start_ns = 0, None
     with (
-        _rows(out / "frames.csv") as rows,
+        _rows(out / LOG) as rows,
         film,
         progress_bar("frames", total, quiet=quiet) as advance,
     ):
@@ -124,4 +127,4 @@ def _write_settings(
         "refresh_hz": headset.refresh_hz,
         "ipd_m": headset.ipd_m,
     }
-    (out / "meta.json").write_text(json.dumps(settings, indent=2) + "\n", encoding="utf-8")
+    (out / SETTINGS).write_text(json.dumps(settings, indent=2) + "\n", encoding="utf-8")

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.begun_with import BegunWith
 from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
@@ -69,7 +68,7 @@ def simulate(
         console(quiet).print(sentence(outcome, out))
     if outcomes[-1].status == "aborted":
         warn("the same command goes on where this was stopped")
-        raise typer.Exit(EXIT_INTERRUPTED)
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
 
 
 def simulate_study(
@@ -97,11 +96,11 @@ def simulate_study(
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
-    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
-    outcomes: list[Outcome] = []
     playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     lab = StudyLab(protocol, out, playback, seed, exposure_s)
     now = BegunWith(protocol, playback, exposure_s)
+    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
+    outcomes: list[Outcome] = []
     ends = {name: now.ends(out, name) for name in _names(out, participants)}
     with progress_bar("participants", participants, quiet=quiet) as advance:
         for name, ended in ends.items():

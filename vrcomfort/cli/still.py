@@ -13,7 +13,7 @@ import numpy as np
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.cli.wiring import EYE_HEIGHT_M, make_renderer
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Pose, View, yaw_pitch_roll
+from vrcomfort.geometry import FARTHEST_M, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol import Condition
 
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 
 PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""
-
-FARTHEST_M = 1e6
-"""Beyond it no scene has anything, and squares of distances leave single precision."""
 
 EYES = ("left", "right")
 

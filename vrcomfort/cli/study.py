@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli import EXIT_INTERRUPTED
 from vrcomfort.cli.desktop import desktop_lab
 from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning, usual_respondent
 from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
@@ -168,7 +167,7 @@ def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
         warn(warning)
     console(quiet).print(sentence(outcome, out))
     if outcome.status == "aborted":
-        raise typer.Exit(EXIT_INTERRUPTED)
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
 
 
 def next_session(study: Path, participant: str) -> int:

@@ -20,7 +20,7 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import InputError, spare
 
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
 Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
@@ -35,14 +35,39 @@ Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's imag
 ProtocolArgument = Annotated[
     str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
 ]
+
+
+def output_path(text: str | Path) -> Path:
+    """Return where results go; an empty text, such as that of an unset variable, is no place.
+
+    Raises
+    ------
+    typer.BadParameter
+        Which the command line tells with the option's name.
+    """
+    if not str(text).strip():
+        raise typer.BadParameter("it is empty; write where the results go, . for this folder")
+    return Path(text)
+
+
 StudyFolder = Annotated[
-    Path, typer.Option("--out", help="The study folder; made if it is not there.")
+    Path,
+    typer.Option(
+        "--out",
+        parser=output_path,
+        metavar="PATH",
+        help="The study folder; made if it is not there.",
+    ),
 ]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
 ]
 ExposureOption = Annotated[
-    float | None, typer.Option(help="Shorten every exposure to this; recorded.", min=0.001)
+    float | None,
+    typer.Option(
+        help="Shorten every exposure to this, at most the protocol's exposure_s; recorded.",
+        min=0.001,
+    ),
 ]
 RefreshRate = Annotated[
     float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
@@ -98,15 +123,15 @@ def parse_size(text: str) -> tuple[int, int]:
     InputError
         If it is not two positive whole numbers, or larger than any headset's eye.
     """
-    width, _, height = text.lower().partition("x")
-    if not (width.isdecimal() and height.isdecimal() and int(width) and int(height)):
-        raise InputError(f"--size {text!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
-    size = int(width), int(height)
-    if max(size) > 8192:
+    width, _, height = (side.lstrip("0") for side in text.lower().partition("x"))
+    given = text if len(text) <= 40 else f"{text[:40]}…"
+    if not (width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {given!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
+    if max(len(width), len(height)) > 4 or max(int(width), int(height)) > 8192:
         raise InputError(
-            f"--size {text!r} has a side of more than 8192 pixels; choose a smaller one"
+            f"--size {given!r} has a side of more than 8192 pixels; choose a smaller one"
         )
-    return size
+    return int(width), int(height)
 
 
 def output_folder(path: Path) -> Path:
@@ -126,15 +151,16 @@ def output_folder(path: Path) -> Path:
     return path
 
 
-def output_file(path: Path) -> Path:
-    """Return `path` for a result that can be made again; an old one is replaced.
+def output_file(path: Path, source: Path) -> Path:
+    """Return `path` for what is made of `source` and can be made again; an old one is replaced.
 
     Raises
     ------
     InputError
-        If it would lie among recordings.
+        If it would lie among recordings, or is the source itself.
     """
-    _refuse_recordings(path.parent)
+    _refuse_recordings(path.resolve().parent)  # where a link leads
+    spare([source], [path])
     return path
 
 

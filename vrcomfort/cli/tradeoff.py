@@ -10,7 +10,14 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from vrcomfort.cli.terminal import Quiet, console, output_folder, parse_size, progress_bar
+from vrcomfort.cli.terminal import (
+    Quiet,
+    console,
+    output_folder,
+    output_path,
+    parse_size,
+    progress_bar,
+)
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
@@ -24,7 +31,14 @@ def register(app: typer.Typer) -> None:
 
 
 def tradeoff(
-    out: Annotated[Path, typer.Option(help="Folder for the results; earlier ones are replaced.")],
+    out: Annotated[
+        Path,
+        typer.Option(
+            parser=output_path,
+            metavar="PATH",
+            help="Folder for the results; earlier ones are replaced.",
+        ),
+    ],
     scenes: Annotated[
         str | None, typer.Option(metavar="NAME,…", help="Shipped scenes; without it, all.")
     ] = None,
@@ -53,7 +67,12 @@ def tradeoff(
     ] = None,
     poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
     samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
-    rounds: Annotated[int | None, typer.Option(help="Timed frames of each method.", min=1)] = None,
+    rounds: Annotated[
+        int | None,
+        typer.Option(
+            help="Timed frames of each method; else 300 on a GPU, 20 without, 3 if quick.", min=1
+        ),
+    ] = None,
     jobs: Annotated[
         int | None, typer.Option(help="Processes; without it, one for each core.", min=1)
     ] = None,
@@ -63,7 +82,11 @@ def tradeoff(
     ] = None,
     cache: Annotated[
         Path | None,
-        typer.Option(help="Folder where finished work is kept; without it, the user's own."),
+        typer.Option(
+            parser=output_path,
+            metavar="PATH",
+            help="Folder where finished work is kept; without it, the user's own.",
+        ),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
@@ -93,7 +116,7 @@ def tradeoff(
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,
         methods=tuple(name.strip() for name in methods.split(",")) if methods else None,
-        rounds=rounds or (3 if quick else Scope.rounds),
+        rounds=rounds,
     )
     with ExitStack() as bars:
 

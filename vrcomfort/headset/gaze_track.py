@@ -91,7 +91,7 @@ def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
     kept = np.flatnonzero(valid).tolist()
     rows, lines = tuple(table.rows[i] for i in kept), tuple(table.lines[i] for i in kept)
     part = replace(table, rows=rows, lines=lines)
-    rays = part.floats([*ORIGIN, *DIRECTION])
+    rays = np.hstack([part.positions(ORIGIN), part.floats(DIRECTION)])
     lengths = np.linalg.norm(rays[:, 3:], axis=1)
     bad = np.flatnonzero(np.abs(lengths - 1) > 1e-3)
     if len(bad):

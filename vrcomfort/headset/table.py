@@ -11,9 +11,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import FARTHEST_M, Array
 
 Number = TypeVar("Number", int, float)
 
@@ -33,11 +33,11 @@ class Table(CsvTable):
 
     def integers(self, column: str) -> NDArray[np.int64]:
         """Return (n,) int64 of one column; raise InputError at the first cell that is none."""
-        return np.array(self._numbers(column, int64, "a whole number"), dtype=np.int64)
+        return np.array(self._numbers(column, _whole, "a whole number"), dtype=np.int64)
 
     def floats(self, columns: Sequence[str]) -> Array:
         """Return (n, columns) float64; raise InputError at the first cell that is not finite."""
-        parsed = [self._numbers(column, float, "a finite number") for column in columns]
+        parsed = [self._numbers(column, _real, "a finite number") for column in columns]
         table = np.array(parsed, dtype=np.float64).T
         bad = np.argwhere(~np.isfinite(table))
         if len(bad):
@@ -45,6 +45,19 @@ class Table(CsvTable):
             raise self.error(
                 row, columns[column], self._not_a("a finite number", row, columns[column])
             )
+        return table
+
+    def positions(self, columns: Sequence[str]) -> Array:
+        """Return (n, columns) metres; raise InputError at the first that is nowhere near a scene.
+
+        That is the limit of poses on the command line.
+        """
+        table = self.floats(columns)
+        far = np.argwhere(np.abs(table) > FARTHEST_M)
+        if len(far):
+            row, column = far[0]
+            message = f"{table[row, column]:g} m is more than {FARTHEST_M / 1e3:.0f} km away"
+            raise self.error(row, columns[column], f"{message}; positions are metres")
         return table
 
     def quaternions(self, columns: Sequence[str]) -> Array:
@@ -88,9 +101,16 @@ class Table(CsvTable):
         return f"{cell.strip()!r} is not {kind}"
 
 
-def int64(cell: str | int) -> int:
-    """Return a whole number; raise ValueError if it is none or needs more than 64 bits."""
-    number = int(cell)
+def _real(cell: str) -> float:
+    return float(plain_digits(cell))
+
+
+def _whole(cell: str) -> int:
+    return int64(int(plain_digits(cell)))
+
+
+def int64(number: int) -> int:
+    """Return a whole number; raise ValueError if it needs more than 64 bits."""
     if not -(2**63) <= number < 2**63:
         raise ValueError(f"{number} needs more than 64 bits")
     return number

@@ -17,6 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.headset.gaze_track import GazeTrack, read_gaze
@@ -179,8 +180,9 @@ def write_trace(trace: Trace, path: str | Path) -> None:
 def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
     """Read a head trace that another program wrote.
 
-    `unity-euler`: a header separated by spaces (``Time x y z alpha beta gamma``), rows separated
-    by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed frame.
+    `unity-euler`: a header separated by spaces or commas (``Time x y z alpha beta gamma``), rows
+    separated by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed
+    frame, applied in Unity's order: z, x, y.
 
     Raises
     ------
@@ -200,7 +202,7 @@ def _import_unity(path: str | Path) -> Trace:
     return Trace(
         time_ns=table.rising("Time", time_ns),
         head=PoseTrack(
-            positions_from_unity(table.floats(UNITY_HEADER[1:4])),
+            positions_from_unity(table.positions(UNITY_HEADER[1:4])),
             orientations_from_unity(table.floats(UNITY_HEADER[4:])),
         ),
         cuts=cuts,
@@ -215,7 +217,7 @@ def _nanoseconds(table: Table, row: int) -> int:
     # Decimal keeps what the file says: a float64 of seconds since 1970 is 200 ns coarse.
     cell = table.rows[row][0]
     try:
-        return int64(int((Decimal(cell) * 10**9).to_integral_value()))
+        return int64(int((Decimal(plain_digits(cell)) * 10**9).to_integral_value()))
     except (InvalidOperation, ValueError, OverflowError):
         raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
 

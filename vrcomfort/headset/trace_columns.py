@@ -21,7 +21,7 @@ UNITY_HEADER = ["Time", "x", "y", "z", "alpha", "beta", "gamma"]
 
 def require_trace(table: Table) -> None:
     """Raise InputError if a required column is missing, or if this is another program's log."""
-    if list(table.header) == UNITY_HEADER:
+    if _words(table) == UNITY_HEADER:
         raise table.fault(
             "this looks like a Unity log; convert it first with "
             "`vrcomfort import-trace FILE --format unity-euler --out TRACE.csv`",
@@ -31,10 +31,18 @@ def require_trace(table: Table) -> None:
 
 
 def require_unity(table: Table) -> None:
-    """Raise InputError if this is not a Unity log."""
-    if list(table.header) != UNITY_HEADER:
-        needed = " ".join(UNITY_HEADER)
+    """Raise InputError if this is not a Unity log: names on its first line, commas in its rows."""
+    needed = " ".join(UNITY_HEADER)
+    if _words(table) != UNITY_HEADER:
         raise table.fault(f"this is not a Unity log: its first line must be {needed!r}", 1)
+    if list(table.header) != UNITY_HEADER:
+        message = f"the rows below {needed!r} must be seven numbers with commas between them"
+        raise table.fault(f"{message}, like 0.5,0,1.6,0,10,90,0", table.lines[0])
+
+
+def _words(table: Table) -> list[str]:
+    """Return the names of a header that has spaces in place of commas, too."""
+    return table.header[0].split() if len(table.header) == 1 else list(table.header)
 
 
 def has_group(table: Table, columns: tuple[str, ...]) -> bool:
@@ -49,7 +57,7 @@ def has_group(table: Table, columns: tuple[str, ...]) -> bool:
 
 def track_of(table: Table, columns: tuple[str, ...]) -> PoseTrack:
     """Return the poses in seven columns."""
-    return PoseTrack(table.floats(columns[:3]), table.quaternions(columns[3:]))
+    return PoseTrack(table.positions(columns[:3]), table.quaternions(columns[3:]))
 
 
 def cuts_of(table: Table, trial: tuple[str, ...] | None) -> NDArray[np.bool_]:

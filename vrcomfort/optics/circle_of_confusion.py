@@ -31,6 +31,15 @@ def max_radius_px(percent: float, width_px: int) -> float:
     return percent / 100 * width_px
 
 
+def limit_distances_m(focus_m: float, limit_dioptre: float) -> tuple[float, float]:
+    """Return between which distances the defocus from `focus_m` is less than this.
+
+    The second is infinite where not even the sky is so far out of focus.
+    """
+    behind = 1 / focus_m - limit_dioptre
+    return 1 / (1 / focus_m + limit_dioptre), 1 / behind if behind > 0 else math.inf
+
+
 def head_depth_slope(fov: Fov, head_forward_in_view: ArrayLike, uv: ArrayLike, /) -> Array:
     """Return (...,) metres along the head's forward axis per metre along the eye's own axis.
 

@@ -14,8 +14,13 @@ from pydantic_core import PydanticCustomError
 from vrcomfort.protocol.quality import Quality, filled
 from vrcomfort.protocol.settings_file import Name
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Distance = Annotated[float, Field(ge=0.001, le=1e9)]
+"""Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""
+Seconds = Annotated[float, Field(ge=0.001, le=3600)]
+Dioptres = Annotated[float, Field(ge=0, le=1000)]
+"""Up to those of 1 mm."""
+Arcmin = Annotated[float, Field(ge=0, le=10_800)]
+"""Up to half a turn."""
 Weight = Annotated[float, Field(ge=0.001, le=1)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
@@ -43,16 +48,16 @@ class Focus(Settings):
     """
 
     method: Literal["nine_ray", "autofocus_zone", "gaze", "fixed"] = "nine_ray"
-    fixed_m: Positive = 2.0
+    fixed_m: Distance = 2.0
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
     """In which unit distances are averaged (nine rays and autofocus zone)."""
-    outlier_mad: Positive = 3.0
+    outlier_mad: Annotated[float, Field(ge=0.001, le=1e6)] = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
-    outlier_floor_fraction: NotNegative = 0.02
+    outlier_floor_fraction: Annotated[float, Field(ge=0, le=1000)] = 0.02
     """No ray nearer to the median than this fraction of it is dropped (mean in metres)."""
-    outlier_floor_dioptre: NotNegative = 0.02
+    outlier_floor_dioptre: Dioptres = 0.02
     """No ray nearer to the median than this is dropped (mean in dioptres)."""
     zone_ratio: Annotated[float, Field(ge=0.01, le=1)] = 0.25
     """Side of the autofocus zone over that of the image: its area is the square of it."""
@@ -76,15 +81,15 @@ class Focus(Settings):
         "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
     ] = "linear"
     """How focus moves to its target: see `vrcomfort.optics.refocus`."""
-    refocus_s: Positive = 0.5
+    refocus_s: Seconds = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
-    cutoff_hz: Positive = 5.0
+    cutoff_hz: Annotated[float, Field(ge=0.001, le=10_000)] = 5.0
     """Cut-off of `low_pass` and `low_pass_backward_euler`."""
-    duration_s: Positive = 0.37
+    duration_s: Seconds = 0.37
     """Time of every change of focus with `duration`."""
-    refixation_dioptre: NotNegative = 0.1
+    refixation_dioptre: Dioptres = 0.1
     """With `duration`, a target that moves less is followed; further away, a new change begins."""
-    infinity_m: Positive = 30_000.0
+    infinity_m: Distance = 30_000.0
     """Distance taken for the sky (the paper's d_max)."""
 
     @model_validator(mode="after")
@@ -103,7 +108,7 @@ class Peripheral(Settings):
 
     exponent: Annotated[float, Field(ge=1, le=8)] = 2.0
     """n of Eq. 5."""
-    unit_diameter_arcmin: NotNegative = 59.0
+    unit_diameter_arcmin: Arcmin = 59.0
     """Diameter at 60°, where 1/cos θ − 1 is 1: the paper's largest one, 11 px of 1280 over 90°."""
 
 
@@ -117,20 +122,20 @@ class DepthOfField(Settings):
     defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
-    full_blur_m: Positive = 10.0
+    full_blur_m: Distance = 10.0
     """Defocus at which the `linear` law reaches r_max (the paper gives no constant). A focus
     farther than this takes its place."""
-    full_blur_dioptre: Positive = 2.0
+    full_blur_dioptre: Annotated[float, Field(ge=0.001, le=1000)] = 2.0
     """Defocus at which the `dioptre` law reaches r_max."""
-    aperture_m: NotNegative = 0.007
+    aperture_m: Annotated[float, Field(ge=0, le=1)] = 0.007
     """Diameter of the opening of `thin_lens`."""
-    focal_length_m: Positive = 0.017
+    focal_length_m: Annotated[float, Field(ge=0.001, le=1)] = 0.017
     """Focal length of `thin_lens` (ours: that of the eye; no source prints it)."""
-    distance_offset_m: NotNegative = 0.0
+    distance_offset_m: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """How far `thin_lens` is behind the head centre: added to the distances of focus and point."""
     pupil_mm: Annotated[float, Field(ge=0, le=20)] = 4.0
     """Diameter of the pupil of `eye`."""
-    max_diameter_arcmin: Positive | None = None
+    max_diameter_arcmin: Annotated[float, Field(ge=0.001, le=10_800)] | None = None
     """Largest diameter as an angle in the middle of the image; r_max is the smaller of this and
     `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
@@ -145,10 +150,12 @@ class DepthOfField(Settings):
     says."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
-    the views are blurred a little and averaged; r_max does not limit what lies between them."""
+    the views are blurred a little and averaged. The mean has no largest radius: what would reach
+    `max_radius_percent` in one view is blurred more. `vrcomfort plan` says where that is."""
     over_blur: Annotated[float, Field(ge=0, le=4)] = 1.0
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
-    and 0.97 of it with up to eleven (`views` from 2 on). Less than 1 px per dioptre is left out."""
+    and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
+    dioptre, in an image 90° wide, is left out."""
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:
@@ -170,8 +177,8 @@ class DepthOfField(Settings):
 class TurnRamp(Settings):
     """Grows from 0 at one speed of turning to 1 at another, linearly."""
 
-    from_deg_s: NotNegative
-    to_deg_s: Positive
+    from_deg_s: Annotated[float, Field(ge=0, le=100_000)]
+    to_deg_s: Annotated[float, Field(ge=0.001, le=100_000)]
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -182,8 +189,8 @@ class TurnRamp(Settings):
 class MoveRamp(Settings):
     """Grows from 0 at one speed of moving to 1 at another, linearly."""
 
-    from_m_s: NotNegative
-    to_m_s: Positive
+    from_m_s: Annotated[float, Field(ge=0, le=10_000)]
+    to_m_s: Annotated[float, Field(ge=0.001, le=10_000)]
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:

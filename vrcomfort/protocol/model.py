@@ -9,11 +9,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field, PrivateAttr
 
-from vrcomfort.protocol.conditions import Condition, NotNegative, Positive, Settings
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.conditions import Condition, Seconds, Settings
 from vrcomfort.protocol.settings_file import Name, Word
 
 InstrumentName = Literal["ssq", "fms", "misc"]
 Probability = Annotated[float, Field(ge=0, le=1)]
+Rest = Annotated[float, Field(ge=0, le=86_400)]
+"""Seconds, up to a day."""
+Coefficient = Annotated[float, Field(ge=0, le=1e6)]
+PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
 class Headset(Settings):
@@ -25,7 +30,7 @@ class Headset(Settings):
 class Locomotion(Settings):
     """How participants move through a scene."""
 
-    walking_speed_m_s: Positive = 1.4
+    walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
     """Total speed, stairs included: climbing takes from the horizontal part."""
 
 
@@ -57,7 +62,7 @@ class Order(Settings):
     """
 
     rule: Literal["explicit", "williams", "full", "random"]
-    sessions: Annotated[int, Field(ge=1)] = 1
+    sessions: Annotated[int, Field(ge=1, le=1000)] = 1
     """Sessions over which the generated rules deal the trials; explicit sequences say it."""
     assignment: Literal["in_turn", "shuffled"] = "in_turn"
     """Among equally filled sequences take the first, or one drawn with the study's seed."""
@@ -70,7 +75,7 @@ class Ask(Settings):
     instrument: InstrumentName = "ssq"
     timepoint: Word
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
-    wait_s: NotNegative = 0.0
+    wait_s: Rest = 0.0
     """Rest without the headset before asking."""
 
 
@@ -78,8 +83,8 @@ class Ratings(Settings):
     """A single-item scale answered during exposure."""
 
     instrument: Literal["fms", "misc"] = "fms"
-    every_s: Positive = 60.0
-    timeout_s: Positive = 15.0
+    every_s: Seconds = 60.0
+    timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
     stop_at: Annotated[int, Field(ge=1, le=20)] | None = None
     """An answer this high ends the exposure and the participant's study."""
@@ -92,20 +97,20 @@ class Simulation(Settings):
     and decays with time constant `recovery_min`.
     """
 
-    susceptibility_sigma: NotNegative = 0.7
+    susceptibility_sigma: Coefficient = 0.7
     """Standard deviation of the logarithm of susceptibility (median 1)."""
-    rate_per_min: NotNegative = 0.06
-    recovery_min: Positive = 20.0
-    habituation: Positive = 0.85
-    condition_effects: dict[str, NotNegative] = Field(default_factory=dict)
-    scene_effects: dict[str, NotNegative] = Field(default_factory=dict)
-    baseline_sd: NotNegative = 0.45
+    rate_per_min: Coefficient = 0.06
+    recovery_min: PositiveCoefficient = 20.0
+    habituation: PositiveCoefficient = 0.85
+    condition_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    scene_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    baseline_sd: Coefficient = 0.45
     """Spread of stable item levels: most people do not start at zero."""
-    noise_sd: NotNegative = 0.3
+    noise_sd: Coefficient = 0.3
     """Spread of one answer around its latent value."""
-    hazard_per_min: NotNegative = 0.05
+    hazard_per_min: Coefficient = 0.05
     """Withdrawal rate per minute and unit of sickness above `tolerance`."""
-    tolerance: NotNegative = 0.8
+    tolerance: Coefficient = 0.8
     refusal: Probability = 0.5
     """Chance that somebody who withdrew refuses the questionnaire that follows."""
     question_hazard: Probability = 0.0005
@@ -119,12 +124,13 @@ class Protocol(Settings):
     name: Name
     title: str
     citation: str = ""
-    participants: Annotated[int, Field(ge=1)] | None = None
+    participants: Annotated[int, Field(ge=1, le=10_000)] | None = None
     """Planned number of participants."""
-    exposure_s: Positive
-    training_s: NotNegative = 0.0
+    exposure_s: Annotated[float, Field(ge=0.001, le=14_400)]
+    """Up to four hours."""
+    training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
-    break_s: NotNegative = 0.0
+    break_s: Rest = 0.0
     """Rest between two exposures of a session."""
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
     """Share of dropped frames above which a trial is flagged; its data stay as they are."""
@@ -155,6 +161,25 @@ class Protocol(Settings):
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
         return hashlib.sha256(self._text.encode()).hexdigest()
+
+    def shown_s(self, shortened_s: float | None) -> float:
+        """Return how long each exposure is shown: as the protocol says, or shortened.
+
+        Raises
+        ------
+        InputError
+            If `shortened_s` is longer, or no time: what people were told is never exceeded.
+        """
+        if shortened_s is None:
+            return self.exposure_s
+        if not 0 < shortened_s <= self.exposure_s:
+            raise InputError(
+                f"an exposure of {shortened_s:g} s cannot be shown: protocol {self.name} has "
+                f"exposures of {self.exposure_s:g} s, which can only be shortened; for longer ones "
+                "change exposure_s in a copy of the protocol",
+                file=self._file,
+            )
+        return shortened_s
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`; loading made sure that trials name real ones."""

@@ -1,7 +1,9 @@
 """The dial `quality`: levels of settings, and what each was measured to cost and to get wrong.
 
-Levels and figures are in ``analysis/measured/quality.toml``. A level says how blur is sampled,
-never how strong it is: the same stimulus, faster or closer to the reference.
+Levels and figures are in ``analysis/measured/quality.toml``. A level says how blur is sampled, not
+how strong it is: the same stimulus, faster or closer to the reference, up to the largest radius.
+One view has that limit; levels with views through the lens have none, and show more blur where it
+would act (`vrcomfort.render.blur_limit` says where that is).
 """
 
 from __future__ import annotations
@@ -171,13 +173,18 @@ def effects_of(drawn: Collection[str]) -> Effects | None:
 
 
 def figure_for(condition: Condition, scene: str, drawn: Collection[str]) -> Figure | None:
-    """Return the shipped figures of a condition in a scene; None: not measured.
+    """Return the shipped figures of a condition's level in a scene; None: not measured.
+
+    They are those of a camera that moves: where only objects are blurred, nothing was measured.
 
     Parameters
     ----------
     drawn
         Names of the passes that are drawn.
     """
+    blur = condition.motion_blur
+    if blur is not None and blur.mode == "objects_only":
+        return None
     wanted = level_of(condition, drawn), effects_of(drawn), scene
     found = (
         figure

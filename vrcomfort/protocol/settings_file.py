@@ -91,7 +91,9 @@ def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> Inp
 def _toml(text: str, file: Path | None) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise InputError("this TOML is nested too deep; write it flatter", file=file) from None
+    except ValueError as error:  # TOMLDecodeError is one, and so are numbers of 5000 digits
         message = str(error)
         place = _PLACE.search(message)
         line, column = (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, None)
@@ -123,7 +125,7 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
     given = detail["input"]
     got = f", got {given!r}" if isinstance(given, str | int | float | bool) else ""
     name = next((part for part in reversed(path) if isinstance(part, str)), "this file")
-    return Problem(path, f"`{name}`: {_in_words(detail)}{got}")
+    return Problem(path, f"`{name}`: {in_words(detail)}{got}")
 
 
 def _inside(parent: list[str | int]) -> str:
@@ -131,10 +133,13 @@ def _inside(parent: list[str | int]) -> str:
     return f" in [{'.'.join(names)}]" if names else ""
 
 
-def _in_words(detail: ErrorDetails) -> str:
+def in_words(detail: ErrorDetails) -> str:
+    """Return pydantic's finding in the words of TOML; it follows the name of a key."""
     if detail["type"] == "too_short":
         return f"needs at least {detail['ctx']['min_length']}"
-    if detail["type"] == "tuple_type":
+    if detail["type"] in ("model_type", "model_attributes_type", "dict_type"):
+        return "should be a table { key = value, ... }"
+    if detail["type"] in ("tuple_type", "list_type"):
         return "should be a list [...]"
     if detail["type"] == "string_pattern_mismatch":
         return _PATTERNS[detail["ctx"]["pattern"]]

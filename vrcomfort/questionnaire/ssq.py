@@ -35,6 +35,11 @@ LOADINGS: Mapping[str, str] = {
 WEIGHTS: Mapping[str, float] = {"N": 9.54, "O": 7.58, "D": 13.92, "T": 3.74}
 
 
+def weighted(raw_sum: int, outcome: str) -> float:
+    """Return the score of a raw sum: the float64 nearest to the exact product (two decimals)."""
+    return raw_sum * round(100 * WEIGHTS[outcome]) / 100
+
+
 @dataclass(frozen=True)
 class SsqScore:
     """Raw sums of one questionnaire and, from them, its scores.
@@ -57,22 +62,22 @@ class SsqScore:
     @property
     def nausea(self) -> float:
         """Return N, 0 to 200.34."""
-        return WEIGHTS["N"] * self.nausea_raw
+        return weighted(self.nausea_raw, "N")
 
     @property
     def oculomotor(self) -> float:
         """Return O, 0 to 159.18."""
-        return WEIGHTS["O"] * self.oculomotor_raw
+        return weighted(self.oculomotor_raw, "O")
 
     @property
     def disorientation(self) -> float:
         """Return D, 0 to 292.32."""
-        return WEIGHTS["D"] * self.disorientation_raw
+        return weighted(self.disorientation_raw, "D")
 
     @property
     def total(self) -> float:
         """Return the total severity, 0 to 235.62: 3.74 × the raw sums, not × the subscales."""
-        return WEIGHTS["T"] * self.total_raw
+        return weighted(self.total_raw, "T")
 
 
 def score(answers: Mapping[str, int | None]) -> SsqScore | None:

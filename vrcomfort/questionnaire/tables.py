@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.instruments import SSQ, Instrument, Item
 
@@ -101,7 +101,7 @@ def _answer(
     if not text:
         return None
     try:
-        number = float(text)
+        number = float(plain_digits(text))
     except ValueError:
         number = float("nan")
     if not number.is_integer():

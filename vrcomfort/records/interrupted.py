@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
@@ -107,7 +108,7 @@ def _rows(folder: Path, row_type: type[Row]) -> Iterator[dict[str, str]]:
 
 def _reads_as(kind: type[int | float], cell: str) -> bool:
     try:
-        kind(cell)
+        kind(plain_digits(cell))
     except ValueError:
         return False
     return True

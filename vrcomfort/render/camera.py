@@ -12,6 +12,9 @@ from vrcomfort.geometry import Array, Fov, Pose, clip_from_view, rotation_matrix
 LensLaw = Literal["linear", "dioptre"]
 """Radius per metre of defocus, or per dioptre (all lenses)."""
 
+NEAR_M = 0.02
+"""Distance of the near plane, where nothing else is said."""
+
 
 @dataclass(frozen=True)
 class Lens:
@@ -58,7 +61,7 @@ class EyeCamera:
 
     world_from_eye: Pose
     fov: Fov
-    near_m: float = 0.02
+    near_m: float = NEAR_M
     world_from_head: Pose | None = None
     lens: Lens | None = None
 

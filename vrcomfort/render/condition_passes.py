@@ -17,7 +17,6 @@ from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focu
 from vrcomfort.render.focus_probes import screen_tangents
 from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
-from vrcomfort.render.lens_radius import radius_limit_px
 from vrcomfort.render.lens_views import LensViews, blur_of_one_view
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes
@@ -75,7 +74,6 @@ class ConditionPasses:
         self._depth_of_field: DepthOfFieldPass | None = None
         self._motion_blur: MotionBlurPass | None = None
         self._speed_blur: SpeedBlurPass | None = None
-        self.max_blur_px = 0.0
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
@@ -114,7 +112,6 @@ class ConditionPasses:
             self.scene.lens_focus = self.focus.texture
             self._lens_views = LensViews(self._ctx, self.colour, settings, focus.infinity_m)
             self.colour = self._lens_views.target
-        self.max_blur_px = max(self.max_blur_px, radius_limit_px(settings, self._size_px))
 
     def _add_motion_blur(self, condition: Condition) -> None:
         settings = condition.motion_blur
@@ -130,7 +127,6 @@ class ConditionPasses:
             size_px=self._size_px,
         )
         self.colour = self._motion_blur.target
-        self.max_blur_px = max(self.max_blur_px, self._motion_blur.limit_px)
 
     def _add_speed_blur(self, condition: Condition) -> None:
         settings = condition.speed_blur
@@ -147,11 +143,20 @@ class ConditionPasses:
             if effect is not None:
                 effect.warm_up()
 
+    @property
+    def max_blur_px(self) -> float | None:
+        """Return the largest radius or half streak there can be; None: views have no limit."""
+        if self._lens_views is not None:
+            return None
+        effects = self._depth_of_field, self._motion_blur
+        return max((effect.limit_px for effect in effects if effect is not None), default=0.0)
+
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
         lens = self._depth_of_field.clamps() if self._depth_of_field else ()
         if self._lens_views is not None:
-            lens = tuple(f"{clamp} in each of {self._lens_views.views} views" for clamp in lens)
+            views = f"in each of {self._lens_views.views} views through the lens"
+            lens = tuple(f"{clamp} {views}; their mean has no limit" for clamp in lens)
         return lens + (self._motion_blur.clamps() if self._motion_blur else ())
 
     def forget(self) -> None:
@@ -226,9 +231,6 @@ class ConditionPasses:
             self._depth_of_field.render(
                 fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
             )
-            if self._lens_views is None:
-                streak_px = self._motion_blur.limit_px if self._motion_blur else 0.0
-                self.max_blur_px = max(self._depth_of_field.limit_px, streak_px)
 
     def _blur_motion(self, eye: PlacedEye) -> None:
         if self._motion_blur is not None:

@@ -19,11 +19,11 @@ from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render import gl, shaders
 from vrcomfort.render.focus_probes import GazeRays, NineRays, Probe, Sight
-from vrcomfort.render.focus_readback import LATENCY, FocusSample, Readback
+from vrcomfort.render.focus_readback import FocusSample, Readback
 from vrcomfort.render.focus_zone import AutofocusZone
 from vrcomfort.render.gpu_scene import GpuScene
 
-__all__ = ["LATENCY", "FixedFocus", "FocusPass", "FocusSample", "make_focus_pass", "step_size"]
+__all__ = ["FixedFocus", "FocusPass", "FocusSample", "make_focus_pass", "step_size"]
 
 AT_ONCE = 3e38
 """A step of any refocus law that reaches everything."""

@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array
 from vrcomfort.optics.focus import RAYS
 from vrcomfort.render import gl
-
-LATENCY = 2
-"""Frames between drawing and reading: the CPU never waits for the frame it has just sent."""
+from vrcomfort.render.gl import LATENCY
 
 _NO_RAYS = np.full(RAYS, np.nan)
 

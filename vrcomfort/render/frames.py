@@ -25,6 +25,10 @@ class FrameToRender(Protocol):
         """When it is seen."""
 
     @property
+    def period_ns(self) -> int:
+        """Time between frames of which none is dropped."""
+
+    @property
     def head_pose(self) -> Pose:
         """stage-from-head."""
 
@@ -80,7 +84,8 @@ class RenderedFrame:
     focus_samples
         Those that arrived during this frame; each carries its own frame index.
     max_blur_px
-        Largest radius (or half streak) that the condition allows at this image size.
+        Largest radius (or half streak) that the condition allows at this image size; None where
+        views through the lens have no limit.
     draws, triangles
         Draw calls for geometry, and triangles sent, of all views including shadow and focus.
     passes
@@ -93,7 +98,7 @@ class RenderedFrame:
 
     eyes: tuple[moderngl.Texture, moderngl.Texture]
     focus_samples: tuple[FocusSample, ...]
-    max_blur_px: float
+    max_blur_px: float | None
     draws: int
     triangles: int
     passes: tuple[str, ...]

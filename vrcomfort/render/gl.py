@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import sys
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -23,6 +24,10 @@ MINIMUM_VERSION = 450
 DEPTH_FUNC = ">"
 """Nearer is greater, everywhere in `render` (shadow maps too)."""
 
+LATENCY = 4
+"""Frames between drawing and reading something back: more than drivers queue, so that the CPU does
+not wait. Nothing that is read back is shown."""
+
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
@@ -30,7 +35,7 @@ _SRGB8_ALPHA8, _TEXTURE_SAMPLES = 0x8C43, 0x9106
 
 
 def create_context() -> moderngl.Context:
-    """Return a context without a window, in reverse-Z clip space; objects die with their owner.
+    """Return a context without a window, in reverse-Z clip space.
 
     Raises
     ------
@@ -50,10 +55,23 @@ def create_context() -> moderngl.Context:
 
 
 def prepare(ctx: moderngl.Context) -> moderngl.Context:
-    """Set the clip space that `geometry.clip_from_view` assumes, on any context."""
-    ctx.gc_mode = "auto"
+    """Set the clip space that `geometry.clip_from_view` assumes, on any context.
+
+    Objects that die wait for :func:`collect`: their names may be those of others in the context
+    that is current then.
+    """
+    ctx.gc_mode = "context_gc"
+    weakref.finalize(ctx, ctx.mglo.release).atexit = False
     function(ctx, "glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, _ZERO_TO_ONE)
     return ctx
+
+
+def collect(ctx: moderngl.Context) -> None:
+    """Release all objects that have died; the context is the current one."""
+    while ctx.objects:
+        dead = ctx.objects.popleft()
+        if not isinstance(dead, moderngl.InvalidObject):  # released by hand
+            dead.release()
 
 
 def function(

@@ -5,10 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from vrcomfort.errors import InputError
 from vrcomfort.render.gltf_file import STRUCTURE_ERRORS, read_gltf_file
 from vrcomfort.render.gltf_graph import read_graph, refuse_compressed
 from vrcomfort.render.gltf_mesh import read_materials, read_meshes
+from vrcomfort.render.gltf_parts import FARTHEST
 from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_defaults import with_defaults
 from vrcomfort.render.side_car import apply_side_car
@@ -48,6 +51,8 @@ def find_scene(name_or_path: str | Path) -> Path:
     """Return the path of a scene file given by name or path."""
     path = Path(name_or_path)
     if path.suffix.lower() in SUFFIXES:
+        if path.is_dir():
+            raise InputError("is a folder; a scene is a .glb or .gltf file", file=path)
         if not path.is_file():
             raise InputError("there is no such scene file; check the path", file=path)
         return path
@@ -76,8 +81,21 @@ def _read(path: Path) -> tuple[Scene, dict[str, tuple[int, ...]]]:
         )
     nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
     scene = Scene(path.stem, nodes, primitives, materials, images, animations)
+    _check_places(scene, path)
     scene = replace(scene, environment=replace(scene.environment, point_lights=lights))
     return replace(scene, warnings=_warning(path, unsupported)), stand_ins
+
+
+def _check_places(scene: Scene, path: Path) -> None:
+    """Refuse what single precision cannot place: matrices multiply along a branch."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        world = scene.world_from_node(0.0)
+        placed = (np.abs(world) <= FARTHEST).all(axis=(1, 2))
+    for node in np.array(scene.nodes)[~placed][:1]:
+        message = (
+            f"node {node.name!r} is scaled or moved by more than {FARTHEST:g} with those above"
+        )
+        raise InputError(f"{message} it; export the file again in metres", file=path)
 
 
 def _warning(path: Path, unsupported: set[str]) -> tuple[str, ...]:

@@ -11,6 +11,7 @@ import io
 import json
 import struct
 import urllib.parse
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,9 +22,12 @@ from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 from vrcomfort.errors import InputError
+from vrcomfort.render.gltf_schema import check_structure
 
 COMPONENT = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+MOST_ZEROS = 2**24
+"""An accessor without data is zeros that the file does not pay for: no more of them than this."""
 _GLB_MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
 _BINARY_CHUNK = 0x004E4942
@@ -39,13 +43,11 @@ class GltfFile:
 
     def item(self, key: str, index: int) -> dict[str, Any]:
         """Return one item of the file's list called `key`."""
-        items = self.items(key)
-        if not 0 <= index < len(items):
-            raise InputError(
-                f"refers to number {index} of its {key}, but has {len(items)}; export it again",
-                file=self.path,
-            )
-        return items[index]
+        return self.items(key)[index]
+
+    def fault(self, what: str, wrong: str) -> InputError:
+        """Return the error of a named part of the file."""
+        return InputError(f"{what} {wrong}; export the file again", file=self.path)
 
     def items(self, key: str) -> list[dict[str, Any]]:
         """Return the file's list called `key`, empty where there is none."""
@@ -74,15 +76,20 @@ class GltfFile:
     def _fetch(self, uri: str) -> bytes:
         """Return the bytes behind a data URI or a path relative to the file."""
         if uri.startswith("data:"):
-            return base64.b64decode(uri.partition(",")[2], validate=True)
+            try:
+                return base64.b64decode(uri.partition(",")[2], validate=True)
+            except ValueError:
+                raise self.fault("a data URI", "is not base64") from None
         target = self.path.parent / urllib.parse.unquote(uri)
         try:
-            return target.read_bytes()
+            if target.is_file():  # a device may never end
+                return target.read_bytes()
         except OSError:
-            raise InputError(
-                f"needs the file {uri!r}, which cannot be read; keep it beside the scene",
-                file=self.path,
-            ) from None
+            pass
+        raise InputError(
+            f"needs the file {uri!r}, which cannot be read; keep it beside the scene",
+            file=self.path,
+        )
 
     def view(self, index: int) -> tuple[memoryview, int | None]:
         """Return the bytes of a buffer view and its stride."""
@@ -91,16 +98,36 @@ class GltfFile:
         data = memoryview(self.buffers[item["buffer"]])[start : start + item["byteLength"]]
         return data, item.get("byteStride")
 
-    def accessor(self, index: int) -> NDArray[Any]:
-        """Return an accessor as (count, width), float64 where it is normalised."""
+    def accessor(self, index: int, what: str, kinds: Sequence[str]) -> NDArray[Any]:
+        """Return an accessor as (count, width), float64 where it is normalised.
+
+        Parameters
+        ----------
+        what
+            The part of the file that it belongs to, for messages.
+        kinds
+            The types that it may have, such as ``VEC3``.
+
+        Raises
+        ------
+        InputError
+            If it has another type, reaches beyond its data, or has a number that is not finite.
+        """
         item = self.item("accessors", index)
+        if item["type"] not in kinds:
+            needed = " or ".join(kinds)
+            raise self.fault(what, f"needs {needed} in accessor {index}, which has {item['type']}")
         width, dtype = WIDTH[item["type"]], np.dtype(COMPONENT[item["componentType"]])
         if "bufferView" in item:
             values = self._elements(item, dtype, item["count"], width).copy()
+        elif item["count"] > MOST_ZEROS:
+            raise self.fault(what, f"has accessor {index} of {item['count']} rows without data")
         else:
             values = np.zeros((item["count"], width), dtype)
         if "sparse" in item:
             self._apply_sparse(item["sparse"], values)
+        if not np.isfinite(values).all():
+            raise self.fault(what, f"has a number in accessor {index} that is not finite")
         return _denormalise(values) if item.get("normalized") else values
 
     def _elements(
@@ -117,6 +144,9 @@ class GltfFile:
         count = sparse["count"]
         dtype = np.dtype(COMPONENT[sparse["indices"]["componentType"]])
         rows = self._elements(sparse["indices"], dtype, count, 1)[:, 0]
+        if rows.max() >= len(values):
+            message = "a sparse accessor has rows out of range; export the file again"
+            raise InputError(message, file=self.path)
         values[rows] = self._elements(sparse["values"], values.dtype, count, values.shape[1])
 
     def image(self, index: int) -> NDArray[np.uint8]:
@@ -128,7 +158,13 @@ class GltfFile:
         try:
             with PillowImage.open(io.BytesIO(data)) as picture:
                 return np.asarray(picture.convert("RGBA"))
-        except (OSError, SyntaxError, ValueError):
+        except (
+            SyntaxError,
+            EOFError,
+            OSError,
+            PillowImage.DecompressionBombError,
+            *STRUCTURE_ERRORS,
+        ):
             raise InputError(
                 f"image {item.get('name', index)!r} cannot be decoded; use PNG or JPEG",
                 file=self.path,
@@ -152,8 +188,12 @@ def read_gltf_file(path: Path) -> GltfFile:
         root = json.loads(text.decode("utf-8-sig"))
     except ValueError:
         raise InputError("is not glTF: no GLB header and no JSON text", file=path) from None
+    except RecursionError:
+        message = "is not glTF: its JSON is nested too deep; export it again"
+        raise InputError(message, file=path) from None
     if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
         raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
+    check_structure(root, path)
     return GltfFile(path, root, binary)
 
 

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import normalize
+from vrcomfort.geometry import Array, normalize
 from vrcomfort.render.animation import Animation, Channel
 from vrcomfort.render.gltf_file import GltfFile
 from vrcomfort.render.gltf_mesh import Meshes
+from vrcomfort.render.gltf_parts import FARTHEST, SHORTEST_QUATERNION
 from vrcomfort.render.scene_data import Node, PointLight, parent_from_node
 
 Graph = tuple[
@@ -37,7 +38,7 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
     items = file.items("nodes")
     nodes = [
-        _node(file, file.item("nodes", index), -1 if parent < 0 else place[parent], meshes, index)
+        _node(file.item("nodes", index), -1 if parent < 0 else place[parent], meshes, index)
         for index, parent in order
     ]
     animations = _animations(file, place, unsupported)
@@ -45,7 +46,7 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     marked = _mark_moving(nodes, moving)
     lights = _lights(file, place, marked, unsupported)
     stand_ins = {
-        item.get("name", f"node {index}"): _mesh(file, meshes, item)
+        item.get("name", f"node {index}"): _mesh(meshes, item)
         for index, item in enumerate(items)
         if index not in place and "mesh" in item
     }
@@ -80,7 +81,8 @@ def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:
     while waiting:
         index, parent = waiting.pop()
         if index in seen:
-            raise ValueError(f"node {index} has two parents")
+            name = items[index].get("name", f"node {index}")
+            raise file.fault(f"node {name!r}", "has two parents, or is its own")
         seen.add(index)
         yield index, parent
         waiting += [
@@ -88,15 +90,11 @@ def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:
         ]
 
 
-def _mesh(file: GltfFile, meshes: Meshes, item: dict[str, Any]) -> tuple[int, ...]:
-    if "mesh" not in item:
-        return ()
-    index: int = item["mesh"]
-    file.item("meshes", index)
-    return meshes[index]
+def _mesh(meshes: Meshes, item: dict[str, Any]) -> tuple[int, ...]:
+    return meshes[item["mesh"]] if "mesh" in item else ()
 
 
-def _node(file: GltfFile, item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node:
+def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node:
     matrix = item.get("matrix")
     return Node(
         name=item.get("name", f"node {index}"),
@@ -106,7 +104,7 @@ def _node(file: GltfFile, item: dict[str, Any], parent: int, meshes: Meshes, ind
         scale=np.array(item.get("scale", (1, 1, 1)), np.float64).reshape(3),
         # Column-major in the file.
         matrix=None if matrix is None else np.array(matrix, np.float64).reshape(4, 4).T,
-        mesh=_mesh(file, meshes, item),
+        mesh=_mesh(meshes, item),
     )
 
 
@@ -123,14 +121,14 @@ def _animations(
 ) -> tuple[Animation, ...]:
     animations = []
     for index, item in enumerate(file.items("animations")):
+        name = item.get("name", f"animation {index}")
         channels = [
-            _channel(file, item["samplers"][channel["sampler"]], channel["target"], place)
+            _channel(file, name, item["samplers"][channel["sampler"]], channel["target"], place)
             for channel in item["channels"]
             if _animates(channel["target"], place, unsupported)
         ]
         if channels:
             duration_s = max(float(channel.times_s[-1]) for channel in channels)
-            name = item.get("name", f"animation {index}")
             animations.append(Animation(name, tuple(channels), duration_s))
     return tuple(animations)
 
@@ -143,16 +141,34 @@ def _animates(target: dict[str, Any], place: dict[int, int], unsupported: set[st
 
 
 def _channel(
-    file: GltfFile, sampler: dict[str, Any], target: dict[str, Any], place: dict[int, int]
+    file: GltfFile,
+    name: str,
+    sampler: dict[str, Any],
+    target: dict[str, Any],
+    place: dict[int, int],
 ) -> Channel:
-    times_s = file.accessor(sampler["input"])[:, 0].astype(np.float64)
-    values = file.accessor(sampler["output"]).astype(np.float64)
+    what, path = f"animation {name!r}", target["path"]
+    times_s = file.accessor(sampler["input"], what, ["SCALAR"])[:, 0].astype(np.float64)
+    kind = "VEC4" if path == "rotation" else "VEC3"
+    values = file.accessor(sampler["output"], what, [kind]).astype(np.float64)
     interpolation = sampler.get("interpolation", "LINEAR")
-    if interpolation == "CUBICSPLINE":
-        values = values.reshape(-1, 3, values.shape[1])
-    if len(values) != len(times_s) or (np.diff(times_s) < 0).any():
-        raise ValueError("an animation's times do not rise or do not match its values")
-    return Channel(place[target["node"]], target["path"], times_s, values, interpolation)
+    parts = 3 if interpolation == "CUBICSPLINE" else 1
+    if len(values) != parts * len(times_s):
+        raise file.fault(what, f"has {len(values)} values for {len(times_s)} key frames")
+    if (np.diff(times_s) < 0).any():
+        raise file.fault(what, "has times that do not rise")
+    if np.abs(values).max() > FARTHEST:
+        raise file.fault(what, f"has a value of more than {FARTHEST:g}")
+    keys = values.reshape(-1, parts, values.shape[1])
+    if path == "rotation" and (_lengths(keys[:, parts // 2]) < SHORTEST_QUATERNION).any():
+        raise file.fault(what, "has a rotation of length 0, which is none")
+    return Channel(
+        place[target["node"]], path, times_s, keys if parts > 1 else values, interpolation
+    )
+
+
+def _lengths(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=-1))
 
 
 def _lights(

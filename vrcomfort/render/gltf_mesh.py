@@ -8,10 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.render.gltf_file import GltfFile
+from vrcomfort.render.gltf_parts import FARTHEST
 from vrcomfort.render.scene_data import Image, Material, Primitive
 
 Meshes = list[tuple[int, ...]]
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_UNSIGNED = (5121, 5123, 5125)
+_MOST_HALF = 65_504.0
+"""Greatest number of half precision, in which the GPU has normals and colours."""
 _REPEATS = {10497: True, 33071: False, 33648: True}
 _USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"}
 #: Material extensions that are honoured here; any other is named as unsupported.
@@ -99,7 +103,8 @@ def read_meshes(file: GltfFile, unsupported: set[str]) -> tuple[tuple[Primitive,
     for mesh in file.items("meshes"):
         first = len(primitives)
         for item in mesh["primitives"]:
-            primitive = _primitive(file, item, default_material, unsupported)
+            what = f"mesh {mesh.get('name', len(meshes))!r}"
+            primitive = _primitive(file, item, what, default_material, unsupported)
             if primitive is not None:
                 primitives.append(primitive)
         meshes.append(tuple(range(first, len(primitives))))
@@ -107,7 +112,11 @@ def read_meshes(file: GltfFile, unsupported: set[str]) -> tuple[tuple[Primitive,
 
 
 def _primitive(
-    file: GltfFile, item: dict[str, Any], default_material: int, unsupported: set[str]
+    file: GltfFile,
+    item: dict[str, Any],
+    what: str,
+    default_material: int,
+    unsupported: set[str],
 ) -> Primitive | None:
     _name_unsupported(item, unsupported)
     mode = item.get("mode", _TRIANGLES)
@@ -117,11 +126,11 @@ def _primitive(
     position = item["attributes"].get("POSITION")
     if position is None or "bufferView" not in file.item("accessors", position):
         return None
-    positions = file.accessor(position).astype(np.float32)
-    indices = _triangles(file, item, len(positions), mode)
-    if not np.isfinite(positions).all() or (len(indices) and indices.max() >= len(positions)):
-        raise ValueError("a mesh has positions that are not finite or indices out of range")
-    return _assembled(file, item, positions, indices, item.get("material", default_material))
+    positions = file.accessor(position, what, ["VEC3"]).astype(np.float32)
+    if np.abs(positions).max() > FARTHEST:
+        raise file.fault(what, f"has a position of more than {FARTHEST:g}")
+    indices = _triangles(_corners(file, item, what, len(positions), mode), mode)
+    return _assembled(file, item, what, positions, indices, item.get("material", default_material))
 
 
 def _name_unsupported(item: dict[str, Any], unsupported: set[str]) -> None:
@@ -133,15 +142,27 @@ def _name_unsupported(item: dict[str, Any], unsupported: set[str]) -> None:
     unsupported.update(item.get("extensions", {}))
 
 
-def _triangles(file: GltfFile, item: dict[str, Any], count: int, mode: int) -> NDArray[np.uint32]:
+def _corners(
+    file: GltfFile, item: dict[str, Any], what: str, count: int, mode: int
+) -> NDArray[np.uint32]:
+    """Return the (n,) vertices of which triangles are made, in the file's order."""
+    if "indices" not in item:
+        flat = np.arange(count, dtype=np.uint32)
+    elif file.item("accessors", item["indices"])["componentType"] not in _UNSIGNED:
+        raise file.fault(what, "has indices that are not unsigned whole numbers")
+    else:
+        flat = file.accessor(item["indices"], what, ["SCALAR"])[:, 0].astype(np.uint32)
+    if flat.max() >= count:
+        raise file.fault(what, f"has indices out of range: {flat.max()} of {count} vertices")
+    if len(flat) < 3 or (mode == _TRIANGLES and len(flat) % 3):
+        raise file.fault(what, f"has {len(flat)} corners, which are no whole triangles")
+    return flat
+
+
+def _triangles(flat: NDArray[np.uint32], mode: int) -> NDArray[np.uint32]:
     """Return (m, 3) indices of a list, a strip or a fan of triangles."""
-    flat = (
-        file.accessor(item["indices"])[:, 0].astype(np.uint32)
-        if "indices" in item
-        else np.arange(count, dtype=np.uint32)
-    )
     if mode == _TRIANGLES:
-        return flat[: len(flat) // 3 * 3].reshape(-1, 3)
+        return flat.reshape(-1, 3)
     if mode == _FAN:
         return np.stack([np.full(len(flat) - 2, flat[0]), flat[1:-1], flat[2:]], axis=1)
     strip = np.stack([flat[:-2], flat[1:-1], flat[2:]], axis=1)
@@ -152,16 +173,26 @@ def _triangles(file: GltfFile, item: dict[str, Any], count: int, mode: int) -> N
 def _assembled(
     file: GltfFile,
     item: dict[str, Any],
+    what: str,
     positions: NDArray[np.float32],
     indices: NDArray[np.uint32],
     material: int,
 ) -> Primitive:
     attributes = item["attributes"]
 
-    def read(name: str) -> NDArray[np.float32] | None:
-        return file.accessor(attributes[name]).astype(np.float32) if name in attributes else None
+    def read(name: str, *kinds: str, most: float) -> NDArray[np.float32] | None:
+        if name not in attributes:
+            return None
+        values = file.accessor(attributes[name], what, kinds)
+        if len(values) != len(positions):
+            raise file.fault(what, f"has {len(values)} {name} for {len(positions)} POSITION")
+        if np.abs(values).max() > most:
+            raise file.fault(what, f"has a number of more than {most:g} in {name}")
+        return values.astype(np.float32)
 
-    normals, uvs, colors = read("NORMAL"), read("TEXCOORD_0"), read("COLOR_0")
+    normals = read("NORMAL", "VEC3", most=_MOST_HALF)
+    uvs = read("TEXCOORD_0", "VEC2", most=FARTHEST)
+    colors = read("COLOR_0", "VEC3", "VEC4", most=_MOST_HALF)
     if uvs is None:
         uvs = np.zeros((len(positions), 2), np.float32)
     if colors is not None and colors.shape[1] == 3:

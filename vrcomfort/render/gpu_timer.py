@@ -8,19 +8,23 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
+from functools import partial
+from typing import NamedTuple, TypeAlias
 
 import moderngl
 
 from vrcomfort.render import gl
-
-LATENCY = 4
-"""Frames between timing and reading: no driver queues more, so reading never waits."""
+from vrcomfort.render.gl import LATENCY
 
 SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software", "basic render")
-"""Rasterisers without a GPU: their timer queries say when commands were taken, not drawn."""
+"""Rasterisers without a GPU, in lower case. Their timer queries say when commands were taken, not
+drawn, and anisotropic filtering costs them more than all other shading (3 × measured)."""
 
 _TIME_ELAPSED, _TIMESTAMP, _QUERY_RESULT = 0x88BF, 0x8E28, 0x8866
+
+
+Lap: TypeAlias = Callable[[], float]
+"""Tells the seconds between two time stamps, once they have arrived."""
 
 
 class GpuTime(NamedTuple):
@@ -37,11 +41,7 @@ class GpuTimer:
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = (ctypes.c_uint * (LATENCY + 1))()
-        count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
-        gl.function(ctx, "glGenQueries", *count_and_names)(len(names), names)
-        delete = gl.function(ctx, "glDeleteQueries", *count_and_names)
-        weakref.finalize(self, delete, len(names), names).atexit = False
+        names = _queries(ctx, self, LATENCY + 1)
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
@@ -77,46 +77,73 @@ class GpuTimer:
 
 
 class Stopwatch:
-    """Times what is drawn, and waits for it: for benchmarks, also inside a frame that is timed.
+    """Times what is drawn: for benchmarks, also inside a frame that is timed.
 
-    Time stamps of the GPU, or the wall clock between two ``finish`` where those mean nothing.
+    Time stamps of the GPU, or the wall clock between two ``finish`` where those mean nothing. Time
+    stamps are put into the queue with what is drawn between them, and nobody waits before a time is
+    asked for. Still they tell how fast commands are sent where the GPU is done with them sooner.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
         self.on_gpu = not is_software(ctx)
+        self._free: list[tuple[int, ...]] = []
         if self.on_gpu:
-            names = (ctypes.c_uint * 2)()
-            count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
-            gl.function(ctx, "glGenQueries", *count_and_names)(2, names)
-            delete = gl.function(ctx, "glDeleteQueries", *count_and_names)
-            weakref.finalize(self, delete, 2, names).atexit = False
-            self._names = tuple(names)
             self._stamp = gl.function(ctx, "glQueryCounter", ctypes.c_uint, ctypes.c_uint)
             result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
             self._result = gl.function(ctx, "glGetQueryObjectui64v", *result)
 
-    def seconds(self, draw: Callable[[], object]) -> float:
-        """Return how long drawing takes."""
+    def lap(self, draw: Callable[[], object]) -> Lap:
+        """Draw, and return what tells the seconds that it takes: asked once, it may wait then."""
         if self.on_gpu:
-            return self._gpu_seconds(draw)
+            return self._gpu_lap(draw)
         self._ctx.finish()
         start_s = time.perf_counter()
         draw()
         self._ctx.finish()
-        return time.perf_counter() - start_s
+        seconds = time.perf_counter() - start_s
+        return lambda: seconds
 
-    def _gpu_seconds(self, draw: Callable[[], object]) -> float:
-        start, end = self._names
-        self._stamp(start, _TIMESTAMP)
+    def seconds(self, draw: Callable[[], object]) -> float:
+        """Return how long drawing takes; waits for it."""
+        return self.lap(draw)()
+
+    def _gpu_lap(self, draw: Callable[[], object]) -> Lap:
+        pair = self._free.pop() if self._free else _queries(self._ctx, self, 2)
+        self._stamp(pair[0], _TIMESTAMP)
         draw()
-        self._stamp(end, _TIMESTAMP)
-        return (self._time_ns(end) - self._time_ns(start)) / 1e9
+        self._stamp(pair[1], _TIMESTAMP)
+        return partial(self._between, pair)
+
+    def _between(self, pair: tuple[int, ...]) -> float:
+        seconds = (self._time_ns(pair[1]) - self._time_ns(pair[0])) / 1e9
+        self._free.append(pair)
+        return seconds
 
     def _time_ns(self, name: int) -> int:
         time_ns = ctypes.c_uint64()
         self._result(name, _QUERY_RESULT, ctypes.byref(time_ns))
         return time_ns.value
+
+
+class _Queries(NamedTuple):
+    """Names of queries, which :func:`gl.collect` releases."""
+
+    delete: Callable[..., object]
+    names: ctypes.Array[ctypes.c_uint]
+
+    def release(self) -> None:
+        self.delete(len(self.names), self.names)
+
+
+def _queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
+    """Return the names of new queries, which die with their owner."""
+    names = (ctypes.c_uint * count)()
+    count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)
+    gl.function(ctx, "glGenQueries", *count_and_names)(count, names)
+    dead = _Queries(gl.function(ctx, "glDeleteQueries", *count_and_names), names)
+    weakref.finalize(owner, ctx.objects.append, dead).atexit = False
+    return tuple(names)
 
 
 def is_software(ctx: moderngl.Context) -> bool:

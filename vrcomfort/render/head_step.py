@@ -12,7 +12,8 @@ class HeadStep(NamedTuple):
     """The head and the stage in two frames that follow each other.
 
     `head` is stage-from-head, `avatar` world-from-stage, `seconds` the time between the two
-    predicted display times.
+    predicted display times, and `periods` that time in frame periods: more than one where frames
+    were dropped.
     """
 
     head_before: Pose
@@ -20,6 +21,7 @@ class HeadStep(NamedTuple):
     avatar_before: Pose
     avatar: Pose
     seconds: float
+    periods: int = 1
 
     def turn_deg_s(self, of: Literal["head", "avatar", "both"]) -> float:
         """Return the speed of turning of the tracked head, of locomotion, or of their sum."""

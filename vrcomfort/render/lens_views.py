@@ -13,40 +13,59 @@ from collections.abc import Callable
 import moderngl
 
 from vrcomfort.geometry import Fov, focal_length_px
-from vrcomfort.optics.view_points import view_points, view_radius
+from vrcomfort.optics.view_points import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render import gl, shaders
+from vrcomfort.render.blur_limit import radius_per_dioptre_px
 from vrcomfort.render.camera import Lens
+from vrcomfort.render.kernels.small_discs import WIDEST_PX
 from vrcomfort.render.lens_radius import lens, radius_limit_px
 
-LEAST_BLUR_PX = 1.0
+LEAST_BLUR_PX = 0.75
 """Radius of a view's blur at one dioptre of defocus, which most of a room is within, below which
-views without a blur are closer to the reference: 256 of 320 px width by 2 dB in the temple."""
+twelve views or more are closer to the reference without a blur: at 0.7 px (256 views at 320 px
+width) by 2 dB in the temple. At 0.9 px (16 views) they are closer by 3 to 5 dB with focus at 1.5 m,
+but farther by 6 dB at 0.5 m, where the temple is 1.5 dioptres out of focus and they stand apart."""
 
 
 def part_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> float:
     """Return the radius over which each view is blurred, in parts of the lens; 0 for not at all."""
     part = view_radius(settings.views, settings.over_blur)
-    dioptres = max(settings.full_blur_dioptre, 1.0) if settings.law == "dioptre" else 1.0
-    small = part * radius_limit_px(settings, size_px) < LEAST_BLUR_PX * dioptres
-    return 0.0 if small and settings.views > 1 else part
+    small = _at_one_dioptre_px(settings, part, size_px) < LEAST_BLUR_PX
+    return 0.0 if small and settings.views >= FEW else part
 
 
 def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthOfField | None:
     """Return the settings by which one of the views is blurred; None where it is not.
 
-    For one view they are these settings.
+    For one view they are these settings. The largest radius of a view is that of the lens, so that
+    none is cut before the lens's is `1 / part` times as large; or what small discs can have.
     """
     if settings.views == 1:
         return settings
     part = part_of_one_view(settings, size_px)
-    diameter = settings.max_diameter_arcmin
+    if not part:
+        return None
+    limit_px = radius_limit_px(settings, size_px)
+    kept = _limit_of_one_view_px(settings, part, size_px) / limit_px if limit_px else 1.0
     update = {
-        "max_radius_percent": part * settings.max_radius_percent,
-        "max_diameter_arcmin": diameter and part * diameter,
+        "max_radius_percent": kept * settings.max_radius_percent,
+        "full_blur_dioptre": kept / part * settings.full_blur_dioptre,
         "pupil_mm": part * settings.pupil_mm,
     }
-    return settings.model_copy(update=update) if part else None
+    return settings.model_copy(update=update)
+
+
+def _at_one_dioptre_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
+    """Return the radius of a view's blur at one dioptre of defocus: what the law gives."""
+    return part * radius_per_dioptre_px(settings, size_px)
+
+
+def _limit_of_one_view_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
+    """Return the largest radius: that of small discs where they draw what is within a dioptre."""
+    ours = settings.views >= FEW and settings.kernel == "vrcomfort" and settings.taps is None
+    small = _at_one_dioptre_px(settings, part, size_px) <= WIDEST_PX
+    return WIDEST_PX if ours and small else radius_limit_px(settings, size_px)
 
 
 class LensViews:

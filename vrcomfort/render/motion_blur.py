@@ -31,11 +31,16 @@ class _Sampling(NamedTuple):
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
-    """Return what all streaks are multiplied by, for how fast the head turns: 1 to 0."""
-    fade = settings.fade_with_turning
-    if fade is None or step is None:
+    """Return what all streaks are multiplied by: 1 to 0.
+
+    The shutter is open for a part of one period, also where the frame before lies further back;
+    and streaks may fade for how fast the head turns.
+    """
+    if step is None:
         return 1.0
-    return 1 - ramp(step.turn_deg_s("head"), fade.from_deg_s, fade.to_deg_s)
+    fade = settings.fade_with_turning
+    faded = ramp(step.turn_deg_s("head"), fade.from_deg_s, fade.to_deg_s) if fade else 0.0
+    return (1 - faded) / step.periods
 
 
 class MotionBlurPass:

@@ -20,8 +20,8 @@ import moderngl
 
 from vrcomfort.geometry import Pose, View
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import gpu_memory
-from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render import gl, gpu_memory
+from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
 from vrcomfort.render.focus import FocusSample
@@ -41,8 +41,6 @@ __all__ = [
     "StereoRenderer",
     "plan_passes",
 ]
-
-NEAR_M = 0.02
 
 
 class _Before(NamedTuple):
@@ -164,6 +162,7 @@ class StereoRenderer:
         on_eye: Callable[[int, EyeImages], None] | None,
     ) -> RenderedFrame:
         start_s = time.perf_counter()
+        gl.collect(self.ctx)
         passes = self._built()
         passes.scene.gpu.draws = 0
         before = None if frame.discontinuity else self._before
@@ -209,6 +208,7 @@ class StereoRenderer:
         self._passes = None
         self._before = None
         self._timer = None
+        gl.collect(self.ctx)
 
     def _built(self) -> ConditionPasses:
         if self._passes is None:
@@ -223,10 +223,7 @@ class StereoRenderer:
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
         if before is None:
             return PlacedEye(head_from_eye, camera, None)
-        seconds = (frame.predicted_display_time_ns - before.display_time_ns) / 1e9
-        step = HeadStep(
-            before.head_pose, frame.head_pose, before.avatar_pose, frame.avatar_pose, seconds
-        )
+        step = _step(before, frame)
         blur = self._condition.motion_blur
         if blur is None:
             return PlacedEye(head_from_eye, camera, None, step)
@@ -239,3 +236,16 @@ class StereoRenderer:
             previous_stage_from_head=before.head_pose,
         )
         return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s), step)
+
+
+def _step(before: _Before, frame: FrameToRender) -> HeadStep:
+    elapsed_ns = frame.predicted_display_time_ns - before.display_time_ns
+    return HeadStep(
+        before.head_pose,
+        frame.head_pose,
+        before.avatar_pose,
+        frame.avatar_pose,
+        seconds=elapsed_ns / 1e9,
+        # A runtime's predictions waver about whole periods.
+        periods=max(round(elapsed_ns / frame.period_ns), 1),
+    )

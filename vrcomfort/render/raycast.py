@@ -81,11 +81,14 @@ def _cast_primitive(
     scene: Scene, item: int, world_from_node: Array, origins: Array, directions: Array
 ) -> Array:
     """Return the (n,) distances to one primitive; rays are taken into its node's frame."""
-    node_from_world = np.linalg.inv(world_from_node)
+    nearest = np.full(len(origins), np.inf)
+    try:
+        node_from_world = np.linalg.inv(world_from_node)
+    except np.linalg.LinAlgError:  # scaled to nothing, as animations hide things
+        return nearest
     primitive = scene.primitives[item]
     local_origins = origins @ node_from_world[:3, :3].T + node_from_world[:3, 3]
     local_directions = directions @ node_from_world[:3, :3].T
-    nearest = np.full(len(origins), np.inf)
     rays = np.flatnonzero(_meets_box(primitive, local_origins, local_directions))
     if not len(rays):
         return nearest

@@ -16,7 +16,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
+from vrcomfort.protocol.settings_file import in_words
 from vrcomfort.render.scene_data import (
     Environment,
     LodLevel,
@@ -27,10 +28,10 @@ from vrcomfort.render.scene_data import (
     WalkableArea,
 )
 
-Finite = Annotated[float, Field(allow_inf_nan=False)]
+Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Share = Annotated[float, Field(ge=0, le=1)]
-NotNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NotNegative = Annotated[float, Field(ge=0, le=1e9)]
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 Color = tuple[NotNegative, NotNegative, NotNegative]
 Point = tuple[Finite, Finite, Finite]
 
@@ -182,9 +183,9 @@ def read_side_car(path: Path) -> SideCar:
         first = error.errors()[0]
         place = ".".join(str(part) for part in first["loc"])
         raise InputError(
-            f"{place}: {first['msg']}", file=path, line=_line_of(text, first["loc"])
+            f"{place}: {in_words(first)}", file=path, line=_line_of(text, first["loc"])
         ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:
         at = re.search(r"line (\d+), column (\d+)", str(error))
         line, column = (int(at[1]), int(at[2])) if at else (None, None)
         raise InputError(

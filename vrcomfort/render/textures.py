@@ -5,13 +5,11 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.render import gl
+from vrcomfort.render.gpu_timer import is_software
 from vrcomfort.render.scene_data import Image
 
 ANISOTROPY = 8.0
 """Samples along the steep axis of a slanted surface, at most, where the hardware does it."""
-
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "SwiftShader")
-"""Renderers on which anisotropic filtering costs more than all other shading (3 × measured)."""
 
 
 class TextureStore:
@@ -39,11 +37,8 @@ class TextureStore:
 
 
 def anisotropy(ctx: moderngl.Context) -> float:
-    """Return the anisotropy that textures get on this driver; 1 is none."""
-    renderer = str(ctx.info["GL_RENDERER"])
-    if any(name in renderer for name in SOFTWARE):
-        return 1.0
-    return min(ANISOTROPY, float(ctx.max_anisotropy))
+    """Return the anisotropy that textures get on this driver; 1 is none, as without a GPU."""
+    return 1.0 if is_software(ctx) else min(ANISOTROPY, float(ctx.max_anisotropy))
 
 
 def _upload(

@@ -24,6 +24,7 @@ class WarmUpFrame:
     head_pose: Pose
     index: int = -1
     predicted_display_time_ns: int = LATEST_NS
+    period_ns: int = 1
     discontinuity: bool = True
 
     @property

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.errors import InputError
+from vrcomfort.errors import spare
 from vrcomfort.report.figures import (
     exposure_figure,
     paired_figure,
@@ -19,6 +19,7 @@ from vrcomfort.report.results import analyse, to_json
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.words import headline
+from vrcomfort.report.writing import file_name, write_report
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -38,7 +39,7 @@ class ReportSummary:
     plan
         Name of the analysis plan.
     participants, analysed, withdrawn
-        Numbers of people; `analysed` of the first contrast.
+        Numbers of people; `analysed` are in at least one test.
     headlines
         One sentence per test.
     warnings
@@ -68,25 +69,27 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
         An analysis plan; without one, the shipped plan of the study's protocol or the default.
     out
         Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
+        Tables and figures of an earlier report that this one does not have are removed.
 
     Raises
     ------
     InputError
-        If the study or the plan cannot be read, or `out` cannot be written.
+        If the study or the plan cannot be read, or `out` cannot be written, or that would
+        overwrite what is read.
     """
     study = read_study(Path(source))
     chosen = load_plan(plan, protocol=study.protocol)
     results, scored = analyse(study, chosen)
     figures = draw_figures(study, results, scored)
-    tables = all_tables(results, scored)
     files = {
         "index.html": render_page(results, figures),
-        "results.json": to_json(results),
-        **{f"tables/{name}": text for name, text in tables.items()},
-        **{f"figures/{name}.svg": text for name, text in figures.items()},
+        **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
+        **{f"figures/{file_name(name)}.svg": text for name, text in figures.items()},
     }
-    _write(Path(out), files)
-    return _summary(Path(out), results, tuple(tables), tuple(figures))
+    results["files"] = ["results.json", *files]
+    spare([Path(source), plan], [Path(out) / name for name in results["files"]])
+    write_report(Path(out), {"results.json": to_json(results), **files})
+    return _summary(Path(out), results)
 
 
 def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
@@ -111,19 +114,7 @@ def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -
     return {name: svg for name, svg in drawn.items() if svg}
 
 
-def _write(out: Path, files: dict[str, str]) -> None:
-    try:
-        for name, text in files.items():
-            path = out / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8", newline="\n")
-    except OSError as error:
-        raise InputError(f"cannot write the report: {error.strerror}", file=out) from error
-
-
-def _summary(
-    out: Path, results: dict[str, Any], tables: tuple[str, ...], figures: tuple[str, ...]
-) -> ReportSummary:
+def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
     labels = {c["name"]: c["label"] for c in results["conditions"]}
     quality = results["quality"]
     excluded = [
@@ -133,8 +124,8 @@ def _summary(
     return ReportSummary(
         index=out / "index.html",
         results=out / "results.json",
-        tables=tuple(out / "tables" / name for name in tables),
-        figures=tuple(out / "figures" / f"{name}.svg" for name in figures),
+        tables=tuple(out / name for name in results["files"] if name.startswith("tables/")),
+        figures=tuple(out / name for name in results["files"] if name.startswith("figures/")),
         plan=results["plan"]["name"],
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.descriptives import describe
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up, planned_exposures
 from vrcomfort.report.plan import Contrast
@@ -19,7 +20,6 @@ from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
     import pandas as pd
-    from numpy.typing import NDArray
 
     from vrcomfort.report.pairs import Pairs
     from vrcomfort.report.plan import Plan
@@ -129,26 +129,10 @@ def describe_test(test: SignedRank) -> dict[str, Any]:
     return {**found, "p": test.p, "method": test.method}
 
 
-def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, float]]:
+def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, float | None]]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points."""
     series = {contrast.a: pairs.a, contrast.b: pairs.b, "difference": pairs.differences}
     return {name: describe(values * pairs.unit) for name, values in series.items()}
-
-
-def describe(values: NDArray[np.floating[Any]]) -> dict[str, float]:
-    """Return n, mean, SD, quartiles and range."""
-    q1, median, q3 = np.percentile(values, [25, 50, 75])
-    spread = float(np.std(values, ddof=1)) if values.size > 1 else 0.0
-    return {
-        "n": int(values.size),
-        "mean": float(values.mean()),
-        "sd": spread,
-        "median": float(median),
-        "q1": float(q1),
-        "q3": float(q3),
-        "minimum": float(values.min()),
-        "maximum": float(values.max()),
-    }
 
 
 def sensitivity(

@@ -16,6 +16,7 @@ from matplotlib.ticker import MaxNLocator
 from scipy.stats import t as t_distribution
 
 from vrcomfort.questionnaire import SSQ
+from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up, planned_exposures
 
@@ -117,7 +118,7 @@ def subscale_figure(
             np.atleast_1d(figure.subplots(1, len(outcomes), sharey=True)), outcomes, strict=True
         ):
             for place, condition in enumerate(conditions):
-                chosen = analysed[analysed["condition"] == condition["name"]]
+                chosen = _of_condition(analysed, results, condition["name"], outcome)
                 means = chosen.groupby("participant")[outcome].mean() * weights[outcome]
                 _mean_and_points(axes, place, means.to_numpy(dtype=float))
             axes.set_title(NAMES[outcome], fontsize=9.5)
@@ -125,6 +126,15 @@ def subscale_figure(
             _zero_line(axes, results["score_basis"])
         figure.axes[0].set_ylabel(f"SSQ, {score_label(results['score_basis'])}")
     return text[0]
+
+
+def _of_condition(
+    table: pd.DataFrame, results: dict[str, Any], condition: str, outcome: str
+) -> pd.DataFrame:
+    """Return the exposures of those tested under a condition; of all if nothing is compared."""
+    if results["tests"]:
+        return of_the_tested(table, results["tests"], condition, outcome)
+    return table[table["condition"] == condition]
 
 
 def _name_conditions(axes: Axes, conditions: list[dict[str, str]]) -> None:

@@ -8,8 +8,10 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from vrcomfort.report import words
+from vrcomfort.report.descriptives import PRIMARY
 from vrcomfort.report.figures import NAMES
 from vrcomfort.resources import data_folder
+from vrcomfort.stats.ranks import fewest_for_interval
 
 TEMPLATE = "report.html.j2"
 
@@ -44,7 +46,8 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         figures={name: inline_svg(svg, name) for name, svg in figures.items()},
         methods=words.methods(results),
         basis=words.basis_sentence(results["score_basis"]),
-        described=_described(results["tests"]),
+        described=_described(results),
+        fewest=fewest_for_interval(results["plan"]["confidence"]),
         headlines=[words.headline(t, labels) for t in _most_wanted(results)],
     )
 
@@ -60,17 +63,17 @@ def _most_wanted(results: dict[str, Any]) -> list[dict[str, Any]]:
     return [test for test in tests if test["outcome"] == results["plan"]["outcomes"][0]]
 
 
-def _described(tests: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return each condition's statistics once per score; differences if there is one contrast."""
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    single = len({(test["a"], test["b"]) for test in tests}) == 1
-    for test in tests:
-        for key, values in (test.get("descriptives") or {}).items():
-            if key != "difference" or single:
-                found.setdefault((test["outcome"], key), values)
-    order = list(dict.fromkeys(test["outcome"] for test in tests))
-    rows = [{"outcome": o, "key": key, "values": v} for (o, key), v in found.items()]
-    return sorted(rows, key=lambda row: order.index(row["outcome"]))
+def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the rows of who is tested under each condition; differences if one pair is."""
+    tests = results["tests"]
+    rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
+    if len({(test["a"], test["b"]) for test in tests}) == 1:
+        rows += [
+            {"outcome": test["outcome"], "condition": None, **test["descriptives"]["difference"]}
+            for test in tests
+            if not test["not_tested"]
+        ]
+    return sorted(rows, key=lambda row: results["plan"]["outcomes"].index(row["outcome"]))
 
 
 def inline_svg(svg: str, name: str) -> str:

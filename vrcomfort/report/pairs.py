@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import lcm
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,6 +46,16 @@ def planned_exposures(table: pd.DataFrame) -> dict[str, int]:
     """Return how many exposures a condition has for those who had the most."""
     counts = table.groupby(["participant", "condition"]).size().groupby("condition").max()
     return {str(name): int(count) for name, count in counts.items()}
+
+
+def in_a_test(tests: list[dict[str, Any]], condition: str, outcome: str | None = None) -> set[str]:
+    """Return who is in any test of a condition (of one outcome), whomever it compares with."""
+    return {
+        person
+        for test in tests
+        if condition in (test["a"], test["b"]) and outcome in (None, test["outcome"])
+        for person in test["participants"]
+    }
 
 
 def pair_up(

@@ -12,11 +12,11 @@ from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.contrasts import (
     conditions_of,
     contrasts_of,
-    describe,
     run_tests,
     sensitivity,
 )
-from vrcomfort.report.exposures import ITEMS, score_exposures, unused_timepoints
+from vrcomfort.report.descriptives import describe_all, describe_recovery, mean_answers
+from vrcomfort.report.exposures import score_exposures, unused_timepoints
 from vrcomfort.report.models import (
     check_levels,
     run_anova,
@@ -31,9 +31,9 @@ from vrcomfort.report.withdrawals import (
     count_withdrawals,
     everybody,
     find_withdrawals,
-    left_out,
     lost_signs,
     sequences,
+    why_not,
 )
 
 if TYPE_CHECKING:
@@ -65,6 +65,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     found = find_withdrawals(study)
     tests = run_tests(scored.table, plan, contrasts)
     analysed = _analysed(tests, scored.table)
+    reasons = why_not(study, scored, found, in_every_test=_in_every_test(tests, analysed))
     results = {
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
@@ -76,15 +77,16 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "participants": {
             "n": len(everybody(study)),
             "analysed": analysed,
-            "left_out": left_out(study, scored, found, analysed),
+            "left_out": [row for row in reasons if row["participant"] not in analysed],
+            "in_some_tests": [row for row in reasons if row["participant"] in analysed],
             "exposures_per_condition": planned_exposures(scored.table),
             "sequences": sequences(study, analysed, found),
         },
         "tests": tests,
         "sensitivity": _sensitivity(scored.table, plan, tests, found),
-        "descriptives": _descriptives(scored.table, plan, conditions),
-        "recovery": _recovery(scored.recovery, plan),
-        "items": _items(scored.table, conditions, analysed),
+        "descriptives": describe_all(scored.table, plan, conditions, tests),
+        "recovery": describe_recovery(scored.recovery, plan),
+        "items": mean_answers(scored.table, conditions, tests),
         **_models(scored.table, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, unused_timepoints(study, plan)),
@@ -135,39 +137,9 @@ def _analysed(tests: list[dict[str, Any]], table: pd.DataFrame) -> list[str]:
     return sorted(tested if tests else table["participant"].unique(), key=natural)
 
 
-def _descriptives(table: pd.DataFrame, plan: Plan, conditions: list[str]) -> list[dict[str, Any]]:
-    """Describe all scored exposures by condition, then also by scene, position and session."""
-    parts = [("all", "", table)]
-    for by in ("scene", "position", "session"):
-        levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
-        parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
-    return [
-        {"outcome": outcome, "by": by, "level": level, "condition": condition,
-         **_described(part[part["condition"] == condition], outcome)}
-        for outcome in plan.outcomes
-        for by, level, part in parts
-        for condition in conditions
-        if (part["condition"] == condition).any()
-    ]  # fmt: skip
-
-
-def _described(part: pd.DataFrame, outcome: str) -> dict[str, float]:
-    return describe(part[outcome].to_numpy(dtype=float) * WEIGHTS[outcome])
-
-
-def _recovery(table: pd.DataFrame, plan: Plan) -> list[dict[str, Any]]:
-    """Describe the scores after recovery, of everybody who was asked."""
-    return [{"outcome": o, **_described(table, o)} for o in plan.outcomes if len(table)]
-
-
-def _items(table: pd.DataFrame, conditions: list[str], analysed: list[str]) -> list[dict[str, Any]]:
-    """Mean answer of each symptom by condition, of the analysed (of everybody, if nobody is)."""
-    part = table[table["participant"].isin(analysed)] if analysed else table
-    found = part.groupby("condition")[list(ITEMS)].mean().to_dict("index")
-    return [
-        {"item": item, **{c: float(found[c][item]) for c in conditions if c in found}}
-        for item in ITEMS
-    ]
+def _in_every_test(tests: list[dict[str, Any]], analysed: list[str]) -> set[str]:
+    """Who of the analysed is in every test that anybody is in."""
+    return set(analysed).intersection(*(t["participants"] for t in tests if t["participants"]))
 
 
 def plain(value: Any) -> Any:

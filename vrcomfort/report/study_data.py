@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import SSQ
 from vrcomfort.report.ordering import natural
@@ -230,7 +230,7 @@ def _answer(text: str, file: Path, line: int) -> int | None:
     if not text:
         return None
     try:
-        number = float(text)
+        number = float(plain_digits(text))
     except ValueError:
         number = float("nan")
     if not number.is_integer() or not SSQ.low <= number <= SSQ.high:

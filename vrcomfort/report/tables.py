@@ -35,6 +35,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
         "withdrawals": results["withdrawals"]["list"],
         "left_out": results["participants"]["left_out"],
+        "in_some_tests": results["participants"]["in_some_tests"],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}

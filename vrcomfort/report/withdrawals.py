@@ -153,10 +153,10 @@ def everybody(study: StudyData) -> list[str]:
     return sorted(names, key=natural)
 
 
-def left_out(
-    study: StudyData, scored: Exposures, found: list[Withdrawal], analysed: list[str]
+def why_not(
+    study: StudyData, scored: Exposures, found: list[Withdrawal], *, in_every_test: set[str]
 ) -> list[dict[str, str]]:
-    """Return everybody who is not in the primary analysis, with all known reasons."""
+    """Return everybody else, who is in no test or not in all, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for each in found:
         reasons[each.participant].append(_in_words(each))
@@ -172,7 +172,7 @@ def left_out(
     return [
         {"participant": name, "reason": "; ".join(reasons.get(name) or default)}
         for name in everybody(study)
-        if name not in analysed
+        if name not in in_every_test
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from vrcomfort.report.figures import NAMES
+from vrcomfort.stats.ranks import fewest_for_interval
 
 MINUS = "−"
 NONE = "–"
@@ -102,10 +103,10 @@ def _testing(plan: dict[str, Any]) -> str:
     family = ", ".join(NAMES[outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
-        f"every exposure. Ranks were taken on integer raw sums, so ties are exact; {zeros}; p is "
-        "from the exact permutation distribution given the ties; Z is tie-corrected, without "
-        f"continuity correction. p values were adjusted with Holm’s method over {family} and all "
-        "contrasts."
+        "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
+        f"exact; {zeros}; p is from the exact permutation distribution given the ties; Z is "
+        "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
+        f"method over {family} and all contrasts."
     )
 
 
@@ -123,7 +124,18 @@ def _effects(plan: dict[str, Any]) -> str:
         f"difference; its {percent} interval is bounded by the Walsh averages at the critical "
         "ranks of the signed-rank distribution without ties, on the conservative side. r is the "
         "matched-pairs rank-biserial correlation over non-zero differences, with a Fisher-z "
-        f"interval whose standard error uses {n}."
+        f"interval whose standard error uses {n}. {_limits_of_intervals(plan)}"
+    )
+
+
+def _limits_of_intervals(plan: dict[str, Any]) -> str:
+    confidence = plan["confidence"]
+    return (
+        f"Neither has an interval below {fewest_for_interval(confidence)} differences (r: that are "
+        "not zero), because no fewer can reach an exact two-sided "
+        f"p\u00a0≤\u00a0{fraction(1 - confidence, 3).rstrip('0')}. The interval of r is "
+        "approximate and has no width at ±1; in small samples it may leave out 0 where the exact "
+        "test does not reject. Whether there is a difference, p says."
     )
 
 
@@ -147,13 +159,27 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     a, b, name = labels[test["a"]], labels[test["b"]], NAMES[test["outcome"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
-    shift, effect = test["shift"], test["effect"]
+    effect = test["effect"]
     if effect is None:
         return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
+    shift, r, n = _estimates(test, a)
     return (
-        f"{name}, {a} minus {b}: shift {number(shift['estimate'])} points "
-        f"{interval(shift)}, Z\u00a0=\u00a0{number(test['z'])}, {p_equals(test['p'])} "
-        f"({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
-        f"r\u00a0=\u00a0{fraction(effect['estimate'])} {interval(effect, bounded=True)}, "
-        f"n\u00a0=\u00a0{test['n']}."
+        f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
+        f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
+        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}."
     )
+
+
+def _estimates(test: dict[str, Any], a: str) -> tuple[str, str, str]:
+    """Return shift, r and n with the intervals, or with the reason why there is none."""
+    shift, effect, n = test["shift"], test["effect"], str(test["n"])
+    points, r = f"{number(shift['estimate'])} points", fraction(effect["estimate"])
+    percent = f"{100 * effect['confidence']:g}\u00a0%"
+    if shift["low"] is None:
+        return points, r, f"{n} (too few for {percent} intervals)"
+    points = f"{points} {interval(shift)}"
+    if effect["low"] is not None:
+        return points, f"{r} {interval(effect, bounded=True)}", n
+    few = test["n"] - test["zeros"] < fewest_for_interval(effect["confidence"])
+    reason = "too few differences other than 0" if few else f"{a} has no score but 0"
+    return points, f"{r} (no {percent} interval: {reason})", n

@@ -8,6 +8,7 @@ from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
+from vrcomfort.render.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.parts import HeadsetFor
 
@@ -101,7 +102,9 @@ def limits(protocol: StudyProtocol) -> list[str]:
     for condition in protocol.conditions:
         if blur := condition.depth_of_field:
             radius = f"{blur.max_radius_percent:g} % of one eye's image width"
-            found.append(f"{condition.name}: circle of confusion at most {radius} (radius)")
+            beyond = unlimited(condition)
+            limit = beyond.text if beyond else f"circle of confusion at most {radius} (radius)"
+            found.append(f"{condition.name}: {limit}")
             if condition.focus.method == "gaze" and condition.focus.without_gaze == "nine_ray":
                 found.append(f"{condition.name}: without an eye tracker nine rays ahead find focus")
         if motion := condition.motion_blur:

@@ -62,7 +62,7 @@ class RenderedFrame(Protocol):
 
     @property
     def max_blur_px(self) -> float | None:
-        """Return the largest blur radius that the condition allows at this size."""
+        """Return the largest blur radius that the condition allows at this size; None: no limit."""
 
     @property
     def cpu_ms(self) -> float | None:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from vrcomfort.design import Design, build_design
-from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import Machine, enrol, enrolled, only_run, open_study
 from vrcomfort.respondent import Respondent
@@ -48,7 +46,7 @@ def reserve(
     sessions
         Which; default: all that are left.
     exposure_s
-        Overrides the protocol's exposure (training is shortened alike), for demonstrations; the
+        Shortens the protocol's exposure (and training alike), for demonstrations; the
         respondent's time is stretched back to the protocol's. Recorded.
     resume
         Continue a session that was interrupted: at the first exposure after the last completed
@@ -58,10 +56,10 @@ def reserve(
     ------
     InputError
         If the participant or session cannot be run: another program runs them, a session is
-        unfinished or on disk, the folder holds another study.
+        unfinished or on disk, the folder holds another study; or if exposures would be longer
+        than the protocol's.
     """
-    if exposure_s is not None and not 0 < exposure_s < math.inf:
-        raise InputError(f"an exposure of {exposure_s} s cannot be shown; give a positive number")
+    protocol.shown_s(exposure_s)  # refused before anything is made
     kept_seed = open_study(study, protocol, seed=seed)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)
@@ -70,7 +68,7 @@ def reserve(
         earlier = Earlier(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
         earlier.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
-        shown_s = earlier.exposure_s(exposure_s) or protocol.exposure_s
+        shown_s = protocol.shown_s(earlier.exposure_s(exposure_s))
         yield Reservation(protocol, participant, study, design, shown_s, chosen.numbers, earlier)
 
 

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ncfdtr
 from scipy.stats import norm
 
-from vrcomfort.stats.ranks import doubled_midranks
+from vrcomfort.stats.ranks import doubled_midranks, fewest_for_interval
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Effect:
-    """An effect size and its interval."""
+    """An effect size and its interval, None where the sample is too small for one."""
 
     estimate: float
-    low: float
-    high: float
+    low: float | None
+    high: float | None
     confidence: float
 
 
@@ -34,8 +34,13 @@ def rank_biserial(
     """Matched-pairs rank-biserial correlation (Kerby 2014): (W+ − W−)/(W+ + W−).
 
     Ranks are those of the non-zero differences. The interval is Fisher-z with the null standard
-    error of the signed-rank sum, as in R's ``effectsize``:
+    error of the signed-rank sum, as in R's ``effectsize`` (Ben-Shachar et al. 2020):
     SE = sqrt(n(n+1)(2n+1)/6) / (n(n+1)/2).
+
+    It is approximate, and narrower than the exact test: where the null hypothesis holds, the 95 %
+    interval leaves out 0 in 16 % of samples of 6 differences, in 8 % of 12 (without ties). So it
+    says how large an effect is, and p whether there is one. Where the exact test can never reject
+    (fewer non-zero differences than `ranks.fewest_for_interval`) there is no interval.
 
     Parameters
     ----------
@@ -49,15 +54,18 @@ def rank_biserial(
     Returns
     -------
     Effect or None
-        None if every difference is zero. At ±1 the interval has no width.
+        None if every difference is zero. At ±1 the interval has no width, which says nothing of
+        the precision. There is none where `interval_n` is 0.
     """
     values = np.asarray(differences, dtype=np.int64)
     values = values[values != 0]
     n = values.size if interval_n is None else interval_n
-    if values.size == 0 or n < 1:
+    if values.size == 0:
         return None
     ranks = doubled_midranks(np.abs(values))
     estimate = float(np.sum(np.sign(values) * ranks) / ranks.sum())
+    if values.size < fewest_for_interval(confidence) or n < 1:
+        return Effect(estimate, None, None, confidence)
     if abs(estimate) == 1:
         return Effect(estimate, estimate, estimate, confidence)
     error = np.sqrt(n * (n + 1) * (2 * n + 1) / 6) / (n * (n + 1) / 2)

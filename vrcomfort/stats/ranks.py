@@ -5,6 +5,7 @@ Ranks are kept doubled, so that midranks are integers and sums of ranks compare 
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,6 +58,16 @@ def tied_count(values: ArrayLike) -> int:
     """Return how many of `values` share their value with another."""
     _, sizes = np.unique(np.asarray(values), return_counts=True)
     return int(sizes[sizes > 1].sum())
+
+
+def fewest_for_interval(confidence: float) -> int:
+    """Return the fewest differences that allow a two-sided interval: six at 95 %.
+
+    Fewer than that cannot reject at 1 − `confidence` even if all have one sign (p = 2 · 2^−n),
+    so that no interval that agrees with the exact test has a bound (Hollander, Wolfe & Chicken
+    2014, section 3.3).
+    """
+    return math.ceil(1 - math.log2(1 - confidence))
 
 
 def sign_flip_distribution(doubled_ranks: ArrayLike) -> Floats:

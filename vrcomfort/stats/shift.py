@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.stats.ranks import sign_flip_distribution
+from vrcomfort.stats.ranks import fewest_for_interval, sign_flip_distribution
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -67,8 +67,8 @@ def hodges_lehmann(
     Returns
     -------
     Shift or None
-        None without any difference to average. An interval needs a sample large enough for the
-        confidence (six differences at 95 %) and is None below it.
+        None without any difference to average. Below `ranks.fewest_for_interval` there is no
+        interval.
     """
     values = np.asarray(differences, dtype=np.int64)
     values = values if zeros_included else values[values != 0]
@@ -76,7 +76,7 @@ def hodges_lehmann(
         return None
     averages = walsh_averages(values) * unit
     rank, coverage = _order_statistic(values.size, confidence)
-    wide_enough = coverage >= confidence
+    wide_enough = values.size >= fewest_for_interval(confidence)
     return Shift(
         estimate=float(np.median(averages)),
         low=float(averages[rank - 1]) if wide_enough else None,

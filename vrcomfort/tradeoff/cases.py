@@ -33,7 +33,7 @@ class Scope:
     methods
         Only these (and no blur); None for all.
     rounds
-        Timed frames of each method.
+        Timed frames of each method; None for as many as the device is given.
     """
 
     scenes: tuple[str, ...] = SCENES
@@ -44,7 +44,7 @@ class Scope:
     samples: int = 2048
     quick: bool = False
     methods: tuple[str, ...] | None = None
-    rounds: int = 7
+    rounds: int | None = None
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,8 @@ from vrcomfort.tradeoff.walk import MOTIONS, SCENES
 
 CSV_COLUMNS = (
     "scene", "effect", "pose", "motion", "method", "family", "step",
-    "effect_to_copy", "effect_ms", "frame_ms", "frame_to_plain", "rounds",
+    "effect_to_copy", "effect_ms", "effect_p95_ms", "effect_p99_ms",
+    "frame_ms", "frame_to_plain", "rounds",
     "rms", "psnr_db", "flip", "ssim",
     "filter_rms", "filter_psnr_db", "filter_flip", "filter_ssim",
     "rivalry", "shower_door", "coc_mismatch_px", "seen_by_both",

@@ -30,10 +30,10 @@ MEANS = (
     "coc_mismatch_px",
 )
 QUADRATIC = ("rms", "reference_rms", "filter_rms")
+COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
+PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 SAME_COST = 1.1
 """What draws the same picture is on the front together up to this ratio of cost, or noise's."""
-
-COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
 
 
 def results(
@@ -85,7 +85,7 @@ def _noise(copies: Sequence[Row]) -> tuple[float, float]:
 def _rows(measured: Sequence[Measured], times: Sequence[CaseTime]) -> list[Row]:
     """Return one row for each case and method, errors and costs side by side."""
     costs = {(each.case, one.method): one._asdict() for each in times for one in each.methods}
-    blank = dict.fromkeys((*COSTS, "passes_ms", "effect_to_copy_interval", "rounds"))
+    blank = dict.fromkeys((*COSTS, *PERCENTILES, "passes_ms", "effect_to_copy_interval", "rounds"))
     rows = []
     for each in measured:
         for row in each.rows:

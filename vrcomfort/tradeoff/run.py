@@ -19,7 +19,7 @@ from vrcomfort.tradeoff.methods import effects_with
 from vrcomfort.tradeoff.results import results
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import Store, scene_and_hash
-from vrcomfort.tradeoff.timing import CaseTime, time_case
+from vrcomfort.tradeoff.timing import CaseTime, rounds_of, time_case
 from vrcomfort.tradeoff.truth import Drawn, draw_reference
 from vrcomfort.tradeoff.workers import Work, workers
 
@@ -64,6 +64,7 @@ def tradeoff(
             _check_shared(work, store)
         drawn = _draw(work, todo, scope, store, progress)
         measured = _measure(work, todo, scope, store, progress)
+    scope = replace(scope, rounds=rounds_of(scope, context()))
     times = _time(todo, scope, progress)
     facts = describe(context())
     found = results(scope, measured, times, f"{facts['renderer']}, {facts['version']}", _timer())
@@ -109,7 +110,7 @@ def _measure_one(scope: Scope, store: Store, case: Case) -> Measured:
 
 def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
     """Time in this process alone, one case after the other: nothing else disturbs."""
-    advance = progress("times", len(todo) * (scope.rounds + 1))
+    advance = progress("times", len(todo) * (rounds_of(scope, context()) + 1))
     return [time_case(case, scope, advance) for case in todo]
 
 

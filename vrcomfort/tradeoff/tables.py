@@ -7,9 +7,15 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from vrcomfort.tradeoff.measure import SCATTER
+from vrcomfort.tradeoff.timing import LONGEST_S, P95_ROUNDS, P99_ROUNDS, SLOW_S
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 
 Row = dict[str, Any]
+
+
+def _signed(value: float | None) -> str:
+    return "–" if value is None else f"{value:+.2f}"
+
 
 COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
     ("method", "method", str),
@@ -22,12 +28,21 @@ COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
     ("PSNR R2 dB", "filter_psnr_db", lambda v: number(v, 3)),
     ("FLIP R2", "filter_flip", lambda v: number(v, 2)),
     ("rivalry", "rivalry", lambda v: number(v, 2)),
-    ("shower door", "shower_door", lambda v: "–" if v is None else f"{v:+.2f}"),
+    ("shower door", "shower_door", _signed),
     ("CoC mismatch px", "coc_mismatch_px", lambda v: number(v, 2)),
     ("split-half", "split_half", lambda v: number(v, 2)),
     ("counts", "counts", lambda v: "yes" if v else "no"),
 )
 """Heading, key and format of each column of the main table."""
+
+
+AT_THIS_SIZE = (
+    "These figures hold at this size of image: at another, shower door may have the other sign, "
+    "that of R2 too."
+)
+
+FLAT = 1e-9
+"""Slopes nearer to 0 are what rounding makes of equal errors."""
 
 
 def number(value: float | None, digits: int) -> str:
@@ -81,6 +96,10 @@ def notes(found: dict[str, Any]) -> list[str]:
         "where it is at most 0.1.",
         "effect ÷ copy: all passes after the scene's first drawing, in times of copying the "
         "stereo frame (RGBA16F, read once and written once) in the same run.",
+        f"Times are medians of {scope['rounds']} frames; a method whose frames take more than "
+        f"{SLOW_S:g} s is timed once, and one whose frames have taken {LONGEST_S:g} s no more. "
+        f"`tradeoff.csv` has the 95th percentile of the effect's time from {P95_ROUNDS} frames on "
+        f"and the 99th from {P99_ROUNDS}.",
         *_again(found["copy"]),
     ]
 
@@ -156,16 +175,17 @@ def both_eyes(found: dict[str, Any]) -> list[str]:
         if not ours:
             continue
         best = min(ours, key=lambda row: row["rms"])
-        ideal = next(row["rivalry"] for row in rows if row["method"] == SCATTER)
-        ratios = [f"{number(_ratio(best['rivalry'], ideal), 2)} × that of R2"]
+        ideal = next(row for row in rows if row["method"] == SCATTER)
+        ratios = [f"{number(_ratio(best['rivalry'], ideal['rivalry']), 2)} × that of R2"]
         if theirs:
             least = _ratio(best["rivalry"], min(theirs))
             ratios.append(f"{number(least, 2)} × the least of the sources' methods")
         lines.append(
             f"{title(*key)}: rivalry of *{best['method']}* is {' and '.join(ratios)}; shower door "
-            f"{best['shower_door']:+.2f}, CoC mismatch {number(best['coc_mismatch_px'], 2)} px."
+            f"{_signed(best['shower_door'])} (R2 {_signed(ideal['shower_door'])}), CoC mismatch "
+            f"{number(best['coc_mismatch_px'], 2)} px."
         )
-    return lines
+    return [*lines, *([AT_THIS_SIZE] if lines else [])]
 
 
 def _ratio(a: float, b: float) -> float | None:
@@ -174,19 +194,23 @@ def _ratio(a: float, b: float) -> float | None:
 
 def dials(found: dict[str, Any]) -> list[str]:
     """Return one sentence for each dial."""
-    lines = []
-    for row in found["dials"]:
-        steps = f"{row['steps'][0]}…{row['steps'][-1]}"
-        falls = "falls at every step" if row["falls"] else "does not fall at every step"
-        line = (
-            f"{title(row['scene'], row['effect'])}: error {falls} of {row['dial']} = {steps}; "
-            f"log-log slope {number(row['slope'], 2)}"
-        )
-        if row["steps_that_count"] != row["steps"] and row["slope_that_counts"] is not None:
-            last = row["steps_that_count"][-1]
-            line += f" ({number(row['slope_that_counts'], 2)} up to {last}, where R1 counts)"
-        lines.append(f"{line}.")
-    return lines
+    return [f"{title(row['scene'], row['effect'])}: {_dial(row)}." for row in found["dials"]]
+
+
+def _dial(row: Row) -> str:
+    steps = f"{row['dial']} = {row['steps'][0]}…{row['steps'][-1]}"
+    if row["slope"] is not None and abs(row["slope"]) < FLAT:
+        return f"error does not change with {steps}"
+    falls = "falls at every step" if row["falls"] else "does not fall at every step"
+    line = f"error {falls} of {steps}; log-log slope {number(row['slope'], 2)}"
+    sure = row["steps_that_count"]
+    if sure == row["steps"]:
+        return line
+    if row["slope_that_counts"] is None:
+        where = f"at {sure[0]} alone" if sure else "nowhere"
+        return f"{line} (R1 counts {where}: the slope rests on rows that do not)"
+    slope = 0.0 if abs(row["slope_that_counts"]) < FLAT else row["slope_that_counts"]
+    return f"{line} ({number(slope, 2)} up to {sure[-1]}, where R1 counts)"
 
 
 def _table(rows: Sequence[Row]) -> list[str]:

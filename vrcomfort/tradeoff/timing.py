@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, NamedTuple, TypeAlias
@@ -10,11 +9,12 @@ from typing import Any, NamedTuple, TypeAlias
 import moderngl
 import numpy as np
 
+from vrcomfort.geometry import Array
 from vrcomfort.headset.base import Frame
 from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.fullscreen_pass import FullscreenPass
 from vrcomfort.render.gl import color_texture
-from vrcomfort.render.gpu_timer import Stopwatch
+from vrcomfort.render.gpu_timer import Lap, Stopwatch, is_software
 from vrcomfort.render.lens_views import LensViews
 from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.pipeline import StereoRenderer
@@ -42,8 +42,20 @@ COPIES = 32
 SLOW_S = 1.0
 """A frame that takes longer is timed once, pass by pass."""
 
+LONGEST_S = 30.0
+"""A method whose timed frames have taken so long together is not timed again."""
+
+GPU_ROUNDS, SOFTWARE_ROUNDS, QUICK_ROUNDS = 300, 20, 3
+"""Timed frames of each method; the last, on a software rasteriser, of a quick run."""
+
+P95_ROUNDS, P99_ROUNDS = 20, 100
+"""Fewest frames of which a 95th or 99th percentile is told: of fewer it would be the slowest."""
+
 Timed: TypeAlias = dict[str, tuple[float, int]]
 """Seconds and calls of each pass in one frame."""
+
+Laps: TypeAlias = dict[str, list[Lap]]
+"""What tells the seconds of each pass in one frame, call by call."""
 
 
 Pair: TypeAlias = tuple[Frame | None, Frame]
@@ -74,11 +86,16 @@ class CopyFloor:
 
 
 class MethodTime(NamedTuple):
-    """What a method costs in a case, per stereo frame: medians over rounds and their 5–95 %."""
+    """What a method costs in a case, per stereo frame: medians over rounds and their 5–95 %.
+
+    Percentiles (nearest ranks) are None where rounds are too few for them.
+    """
 
     method: str
     frame_ms: float
     effect_ms: float
+    effect_p95_ms: float | None
+    effect_p99_ms: float | None
     passes_ms: dict[str, float]
     effect_to_copy: float
     effect_to_copy_interval: tuple[float, float]
@@ -99,32 +116,56 @@ class CaseTime(NamedTuple):
     methods: list[MethodTime]
 
 
+def rounds_of(scope: Scope, ctx: moderngl.Context) -> int:
+    """Return how many frames of each method are timed."""
+    if scope.rounds is not None:
+        return scope.rounds
+    if not is_software(ctx):
+        return GPU_ROUNDS
+    return QUICK_ROUNDS if scope.quick else SOFTWARE_ROUNDS
+
+
 def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime:
-    """Time all methods of a case in turn, round by round, on the same frame."""
+    """Time all methods of a case in turn, round by round, on the same frame.
+
+    What a GPU draws in a round is queued as a whole, and its time stamps are read afterwards.
+    """
     ctx = context()
     clock, copy = Stopwatch(ctx), CopyFloor(ctx, scope.size_px)
     todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
     renderers = {method.name: _renderer(case, scope, method) for method in todo}
     plain = renderers[next(method.name for method in todo if method.family == "none")]
     pair = frames(case, scope) if case.motion != "still" else (None, frames(case, scope)[1])
-    rounds: dict[str, list[tuple[float, Timed]]] = defaultdict(list)
+    rounds: dict[str, list[tuple[float, Timed]]] = {method.name: [] for method in todo}
     floors: list[tuple[float, float]] = []
     plains: list[tuple[float, float]] = []
-    for turn in range(scope.rounds + 1):  # the first warms up
-        floor = clock.seconds(copy.render), clock.seconds(copy.render)
-        twice = _frame_s(clock, plain, pair), _frame_s(clock, plain, pair)
+    for turn in range(rounds_of(scope, ctx) + 1):  # the first warms up
+        floor = clock.lap(copy.render), clock.lap(copy.render)
+        twice = _frame_lap(clock, plain, pair), _frame_lap(clock, plain, pair)
+        queued = {
+            name: _queue(clock, renderers[name], pair, warm=not turn)
+            for name, known in rounds.items()
+            if not _enough(known)
+        }
+        copy_s, plain_s = [lap() / COPIES for lap in floor], [lap() for lap in twice]
         if turn:
-            floors.append((floor[0] / COPIES, floor[1] / COPIES))
-            plains.append(twice)
-        for method in todo:
-            known = rounds[method.name]
-            if known and known[0][0] > SLOW_S:
-                continue
-            found = _times(clock, renderers[method.name], pair)
+            floors.append((copy_s[0], copy_s[1]))
+            plains.append((plain_s[0], plain_s[1]))
+        for name, found in ((name, tell()) for name, tell in queued.items()):
             if turn or found[0] > SLOW_S:
-                known.append(found)
+                rounds[name].append(found)
         advance()
-    copy_s, plain_s = np.array(floors), np.array(plains)
+    return _case_time(case, np.array(floors), np.array(plains), rounds)
+
+
+def _enough(known: list[tuple[float, Timed]]) -> bool:
+    frame_s = [seconds for seconds, _ in known]
+    return max(frame_s, default=0.0) > SLOW_S or sum(frame_s) > LONGEST_S
+
+
+def _case_time(
+    case: Case, copy_s: Array, plain_s: Array, rounds: dict[str, list[tuple[float, Timed]]]
+) -> CaseTime:
     return CaseTime(
         case,
         float(np.median(copy_s) * 1e3),
@@ -142,18 +183,31 @@ def _renderer(case: Case, scope: Scope, method: Method) -> StereoRenderer:
     return renderer
 
 
-def _frame_s(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> float:
+def _frame_lap(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> Lap:
     _render_before(renderer, pair)
-    return clock.seconds(lambda: renderer.render(pair[1], time_s(pair[1])))
+    return clock.lap(lambda: renderer.render(pair[1], time_s(pair[1])))
 
 
-def _times(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> tuple[float, Timed]:
-    """Return the seconds of a frame and of its passes: of two frames, unless they are slow."""
+def _queue(
+    clock: Stopwatch, renderer: StereoRenderer, pair: Pair, *, warm: bool
+) -> Callable[[], tuple[float, Timed]]:
+    """Draw two frames, and return what tells the seconds of one and of the other's passes.
+
+    When `warm`-ing up, a slow frame is drawn once, and its passes are the frame.
+    """
     _render_before(renderer, pair)
-    with clocked_passes(clock) as timed:
+    with clocked_passes(clock) as laps:
         renderer.render(pair[1], time_s(pair[1]))
-    whole_s = sum(seconds for seconds, _ in timed.values())
-    return (whole_s if whole_s > SLOW_S else _frame_s(clock, renderer, pair)), timed
+    timed = told(laps) if warm else None
+    if timed and (whole_s := sum(seconds for seconds, _ in timed.values())) > SLOW_S:
+        return lambda: (whole_s, timed)
+    frame = _frame_lap(clock, renderer, pair)
+    return lambda: (frame(), timed or told(laps))
+
+
+def told(laps: Laps) -> Timed:
+    """Return the seconds and calls of each pass; waits for the GPU."""
+    return {name: (sum(lap() for lap in each), len(each)) for name, each in laps.items()}
 
 
 def _render_before(renderer: StereoRenderer, pair: Pair) -> None:
@@ -163,9 +217,9 @@ def _render_before(renderer: StereoRenderer, pair: Pair) -> None:
 
 
 @contextmanager
-def clocked_passes(clock: Stopwatch) -> Iterator[dict[str, tuple[float, int]]]:
+def clocked_passes(clock: Stopwatch) -> Iterator[Laps]:
     """Clock the passes that are drawn inside; passes within passes count as the outer one's."""
-    timed: dict[str, tuple[float, int]] = {}
+    laps: Laps = {}
     kept = [(owner, owner.render) for owner in PASSES]
     depth = [0]
 
@@ -175,11 +229,10 @@ def clocked_passes(clock: Stopwatch) -> Iterator[dict[str, tuple[float, int]]]:
                 return method(*arguments, **options)
             depth[0] += 1
             try:
-                seconds = clock.seconds(lambda: method(*arguments, **options))
+                lap = clock.lap(lambda: method(*arguments, **options))
             finally:
                 depth[0] -= 1
-            before_s, calls = timed.get(name, (0.0, 0))
-            timed[name] = before_s + seconds, calls + 1
+            laps.setdefault(name, []).append(lap)
             return None
 
         return render
@@ -187,7 +240,7 @@ def clocked_passes(clock: Stopwatch) -> Iterator[dict[str, tuple[float, int]]]:
     for owner, method in kept:
         owner.render = clocked(method, PASSES[owner])
     try:
-        yield timed
+        yield laps
     finally:
         for owner, method in kept:
             owner.render = method
@@ -212,12 +265,20 @@ def _summary(name: str, timed: list[tuple[float, Timed]], copy_s: Any, plain_s: 
         name,
         float(np.median(frame_s) * 1e3),
         float(np.median(effects_s) * 1e3),
+        _percentile_ms(effects_s, 95, P95_ROUNDS),
+        _percentile_ms(effects_s, 99, P99_ROUNDS),
         {each: float(np.median([p[each][0] for _, p in timed]) * 1e3) for each in names},
         float(np.median(effects_s / copies)),
         _interval(effects_s / copies),
         float(np.median(frame_s) / np.median(plain_s)),
         len(timed),
     )
+
+
+def _percentile_ms(seconds: Array, percent: float, least: int) -> float | None:
+    if len(seconds) < least:
+        return None
+    return float(np.percentile(seconds, percent, method="inverted_cdf") * 1e3)
 
 
 def _interval(ratios: Any) -> tuple[float, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
@@ -48,7 +49,8 @@ def workers(jobs: int, cluster: str | None) -> Iterator[Work]:
 def _spread(
     executor: Executor, function: Callable[[Item], Result], items: Iterable[Item]
 ) -> Iterator[Result]:
-    futures = [executor.submit(function, item) for item in items]
+    with _ctrl_c_later():
+        futures = [executor.submit(function, item) for item in items]
     try:
         for future in as_completed(futures):
             yield future.result()
@@ -58,12 +60,26 @@ def _spread(
 
 
 @contextmanager
+def _ctrl_c_later() -> Iterator[None]:
+    """Hold Ctrl-C back. Processes that start meanwhile never hear it: this one ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
 def _processes(jobs: int) -> Iterator[ProcessPoolExecutor]:
     # OpenGL does not survive a fork. Each process rasterises with its share of the cores.
     os.environ.setdefault("LP_NUM_THREADS", str(max(1, (os.cpu_count() or 1) // jobs)))
     pool = ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn"))
     try:
         yield pool
+    except BaseException:
+        for process in multiprocessing.active_children():
+            process.terminate()  # what it has not finished is begun again: nobody waits for it
+        raise
     finally:
         os.environ.pop("LP_NUM_THREADS", None)
         pool.shutdown(cancel_futures=True)

@@ -37,7 +37,8 @@ def make_kernel(
 ) -> BlurKernel:
     """Return the kernel that `settings` name, reading `colour` and the points of `defocus`.
 
-    Ours has two: one for an image of its own, one for each of many views whose blur is small.
+    Ours has two: one for an image of its own, one for each of many views whose blur is small: those
+    that :func:`vrcomfort.render.lens_views.blur_of_one_view` has limited to small discs.
     """
     if settings.kernel == "vrcomfort" and settings.taps is not None:
         return TapsKernel(ctx, colour, defocus, settings.taps)

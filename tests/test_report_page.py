@@ -1,0 +1,135 @@
+"""What the page of a report says, and that it is what its captions and the tables say."""
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+from report_parts import Study, carnegie_like, foreign
+
+from vrcomfort.report import build_report
+
+UNEQUAL = {
+    "P1": {"a": 3, "b": 2, "c": 1},
+    "P2": {"a": 6, "b": 1, "c": 8},
+    "P3": {"b": 9, "c": 5},
+    "P4": {"c": 7},
+}
+"""P3 is only in the test of b and c, P4 in none."""
+
+
+def rows_of(page: str, caption: str) -> list[list[str]]:
+    """Return the cells of the table whose caption begins with these words."""
+    found = [t for t in re.findall(r"<table>.*?</table>", page, re.DOTALL) if f"</b>{caption}" in t]
+    (table,) = found
+    body = table[table.index("<tbody>") :]
+    lines = re.findall(r"<tr.*?>(.*?)</tr>", body, re.DOTALL)
+    return [re.findall(r"<td.*?>(.*?)</td>", line) for line in lines]
+
+
+def described(folder: Path, **chosen: str) -> list[dict[str, str]]:
+    with (folder / "tables" / "descriptives.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    return [row for row in rows if all(row[key] == value for key, value in chosen.items())]
+
+
+@pytest.fixture
+def unequal(tmp_path) -> tuple[dict, str, Path]:
+    """A report in which every pair of conditions has its own participants."""
+    out = tmp_path / "o"
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", UNEQUAL), out=out)
+    return json.loads(summary.results.read_text("utf-8")), summary.index.read_text("utf-8"), out
+
+
+def test_scores_are_of_everybody_in_a_test_of_the_condition(unequal):
+    _, page, out = unequal
+    rows = rows_of(page, "SSQ scores of the participants in the primary analysis: under each")
+    assert [(row[1], row[2]) for row in rows[:3]] == [("a", "2"), ("b", "3"), ("c", "3")]
+    expected = described(out, by="primary", outcome="T")
+    for row, line in zip(rows[:3], expected, strict=True):
+        assert [row[1], row[2]] == [line["condition"], line["n"]]
+        assert [float(cell) for cell in row[3:5]] == pytest.approx(
+            [float(line["mean"]), float(line["sd"])], abs=0.005
+        )
+    assert [line["n"] for line in described(out, by="all", outcome="T")] == ["2", "3", "4"]
+
+
+def test_who_is_in_some_tests_only_is_told(unequal):
+    results, page, _ = unequal
+    assert results["participants"]["analysed"] == ["P1", "P2", "P3"]
+    assert [row[0] for row in rows_of(page, "Not in the primary analysis")] == ["P4"]
+    some = rows_of(page, "In the primary analysis, but not in every test")
+    assert some == [["P3", "not every exposure has a questionnaire"]]
+
+
+def test_mean_answers_are_of_everybody_in_a_test_of_the_condition(unequal):
+    results, _, _ = unequal
+    first = results["items"][0]  # 3 points of every total that has them are in the first item
+    assert (first["a"], first["b"], first["c"]) == pytest.approx((3.0, 2.0, 7 / 3))
+
+
+def test_of_one_pair_the_scores_are_those_of_its_test(tmp_path):
+    carnegie_like(tmp_path / "study")
+    results = json.loads(
+        build_report(tmp_path / "study", out=tmp_path / "o").results.read_text("utf-8")
+    )
+    for test in results["tests"]:
+        for condition in ("dof_off", "dof_on"):
+            (row,) = (
+                row for row in results["descriptives"]
+                if (row["by"], row["condition"], row["outcome"])
+                == ("primary", condition, test["outcome"])
+            )  # fmt: skip
+            expected = test["descriptives"][condition]
+            assert {name: row[name] for name in expected} == pytest.approx(expected)
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    rows = rows_of(page, "SSQ scores of the participants in the primary analysis, mean per")
+    assert [(row[1], row[2]) for row in rows[:3]] == [
+        ("No blur", "6"), ("Blur", "6"), ("difference", "6"),
+    ]  # fmt: skip
+    assert "not in every test" not in page
+
+
+def test_one_score_has_no_standard_deviation(tmp_path):
+    study = Study(tmp_path / "s")
+    study.session("P1", 1, 0, [("a", "x", 4), ("b", "x", 2)])
+    study.session("P2", 1, 0, [("b", "x", 5), ("a", "x", 3)])
+    page = build_report(study.folder, out=tmp_path / "o").index.read_text("utf-8")
+    first = described(tmp_path / "o", by="position", level="1", condition="a", outcome="T")
+    assert [(row["n"], row["sd"]) for row in first] == [("1", "")]
+    rows = rows_of(page, "Total severity of all scored exposures")
+    assert [(row[2], row[4]) for row in rows] == [("1", "–")] * 4
+
+
+def test_estimates_without_an_interval_say_why(tmp_path):
+    scores = {f"P{i}": {"a": 9 - 2 * i, "b": 2 + 2 * i} for i in range(4)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    assert len(summary.headlines) == 4
+    for line in summary.headlines[:3]:  # nobody answered what is of D alone
+        assert re.search(r"shift \S+ points, Z", line)
+        assert re.search(
+            r"r\u00a0=\u00a0\S+, n\u00a0=\u00a04 \(too few for 95\u00a0% intervals\)", line
+        )
+        assert "–" not in line
+    page = summary.index.read_text("utf-8")
+    assert "An interval needs 6 differences" in page
+    assert "Neither has an interval below 6 differences" in page
+    assert "p\u00a0≤\u00a0.05." in page
+    (line,) = (row for row in rows_of(page, "Signed-rank tests") if row[0] == "Total severity")
+    assert (line[10], line[12]) == ("–", "–")
+
+
+def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
+    scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 3)} for i in range(8)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    line = summary.headlines[0]
+    assert re.search(r"points \[\S+,\u00a0\S+\], Z", line)
+    assert "r\u00a0=\u00a01.00 (no 95\u00a0% interval: too few differences other than 0)" in line
+
+
+def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
+    scores = {f"P{i}": {"a": 0, "b": 2 + i} for i in range(7)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    line = summary.headlines[0]
+    assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% interval: a has no score but 0)" in line

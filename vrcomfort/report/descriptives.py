@@ -1,0 +1,115 @@
+"""Scores and answers described by condition: n, mean, SD, quartiles and range."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.questionnaire import WEIGHTS
+from vrcomfort.report.exposures import ITEMS
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.pairs import in_a_test
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from vrcomfort.report.plan import Plan
+
+PRIMARY = "primary"
+
+
+def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
+    """Return n, mean, SD, quartiles and range; one value has no SD (None)."""
+    q1, median, q3 = np.percentile(values, [25, 50, 75])
+    return {
+        "n": int(values.size),
+        "mean": float(values.mean()),
+        "sd": float(np.std(values, ddof=1)) if values.size > 1 else None,
+        "median": float(median),
+        "q1": float(q1),
+        "q3": float(q3),
+        "minimum": float(values.min()),
+        "maximum": float(values.max()),
+    }
+
+
+def describe_all(
+    table: pd.DataFrame, plan: Plan, conditions: list[str], tests: list[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Describe the scores of each condition, in points.
+
+    Returns
+    -------
+    list of dict
+        `by` says of what: ``primary``, the participants in any test of the condition, each with
+        the mean over exposures; ``all``, every scored exposure, whoever's; ``scene``, ``position``
+        and ``session``, those of one `level` of it.
+    """
+    return [
+        {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
+        for outcome in plan.outcomes
+        for by, level, condition, found in (
+            *_primary(table, outcome, conditions, tests),
+            *_exposures(table, outcome, conditions),
+        )
+    ]
+
+
+_Described = list[tuple[str, str, str, dict[str, float | None]]]
+
+
+def _primary(
+    table: pd.DataFrame, outcome: str, conditions: list[str], tests: list[dict[str, Any]]
+) -> _Described:
+    found: _Described = []
+    for condition in conditions:
+        part = of_the_tested(table, tests, condition, outcome)
+        if len(part):
+            means = part.groupby("participant")[outcome].mean() * WEIGHTS[outcome]
+            found.append((PRIMARY, "", condition, describe(means.to_numpy(dtype=float))))
+    return found
+
+
+def _exposures(table: pd.DataFrame, outcome: str, conditions: list[str]) -> _Described:
+    parts = [("all", "", table)]
+    for by in ("scene", "position", "session"):
+        levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
+        parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
+    return [
+        (by, level, condition, _in_points(part[part["condition"] == condition], outcome))
+        for by, level, part in parts
+        for condition in conditions
+        if (part["condition"] == condition).any()
+    ]
+
+
+def of_the_tested(
+    table: pd.DataFrame, tests: list[dict[str, Any]], condition: str, outcome: str | None = None
+) -> pd.DataFrame:
+    """Return a condition's exposures of those who are in any test of it."""
+    people = in_a_test(tests, condition, outcome)
+    return table[(table["condition"] == condition) & table["participant"].isin(people)]
+
+
+def describe_recovery(table: pd.DataFrame, plan: Plan) -> list[dict[str, Any]]:
+    """Describe the scores after recovery, of everybody who was asked."""
+    return [{"outcome": o, **_in_points(table, o)} for o in plan.outcomes if len(table)]
+
+
+def _in_points(part: pd.DataFrame, outcome: str) -> dict[str, float | None]:
+    return describe(part[outcome].to_numpy(dtype=float) * WEIGHTS[outcome])
+
+
+def mean_answers(
+    table: pd.DataFrame, conditions: list[str], tests: list[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Mean answer of each symptom by condition, of those tested (of everybody, if nobody is)."""
+    tested = any(test["participants"] for test in tests)
+    found = {
+        c: of_the_tested(table, tests, c) if tested else table[table["condition"] == c]
+        for c in conditions
+    }
+    means = {c: part[list(ITEMS)].mean() for c, part in found.items() if len(part)}
+    return [{"item": item, **{c: float(mean[item]) for c, mean in means.items()}} for item in ITEMS]

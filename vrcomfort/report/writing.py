@@ -1,0 +1,68 @@
+"""Writes the files of a report in place of those of an earlier one."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from vrcomfort.errors import InputError
+
+RESULTS = "results.json"
+_REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.svg")
+_NOT_IN_FILE_NAMES = str.maketrans({sign: f"%{ord(sign):02X}" for sign in '/\\%:*?"<>|'})
+
+
+def file_name(name: str) -> str:
+    """Return a name as a file can have it: the conditions of a study may be called anything."""
+    return name.translate(_NOT_IN_FILE_NAMES)
+
+
+def write_report(out: Path, files: dict[str, str]) -> None:
+    """Write a report; remove the tables and figures of the one before that this does not have.
+
+    All texts are on the disk before the first file is removed or replaced, so a full disk or
+    Ctrl-C leaves the earlier report as it was. results.json, which says what there is to remove,
+    is replaced first: whenever the program is killed, it lists every file of a report in `out`.
+
+    Parameters
+    ----------
+    files
+        Path in `out` → text.
+
+    Raises
+    ------
+    InputError
+        If `out` cannot be written.
+    """
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with TemporaryDirectory(prefix=".report-", dir=out) as folder:
+            written = Path(folder)
+            for name, text in files.items():
+                _make_room(written / name)
+                (written / name).write_text(text, encoding="utf-8", newline="\n")
+            for name in _of_the_report_before(out) - files.keys():
+                (out / name).unlink(missing_ok=True)
+            for name in sorted(files, key=lambda name: name != RESULTS):
+                _make_room(out / name)
+                (written / name).replace(out / name)
+    except OSError as error:
+        raise InputError(f"cannot write the report: {error.strerror}", file=out) from error
+
+
+def _make_room(path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+
+
+def _of_the_report_before(out: Path) -> set[str]:
+    """Return the tables and figures that results.json lists, if it is that of a report."""
+    try:
+        found: Any = json.loads((out / RESULTS).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return set()
+    listed = found.get("files") if isinstance(found, dict) and "software" in found else None
+    names = listed if isinstance(listed, list) else []
+    return {name for name in names if isinstance(name, str) and _REMOVABLE.fullmatch(name)}
