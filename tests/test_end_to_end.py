@@ -154,3 +154,10 @@ def test_the_sun_in_the_picture_is_not_the_whole_error(
     assert found["left_out_px"] > 0
     told = f"left eye: PSNR {found['psnr_db']:.1f} dB"
     assert told in capsys.readouterr().out
+
+
+def test_a_single_sample_says_nothing_of_its_own_error(tmp_path: Path) -> None:
+    options = ("--size", "24x30", "--reference", 1, "--quiet", "--out", tmp_path)
+    vrcomfort("render", "--scene", "temple", *options)
+    meta = json.loads((tmp_path / "meta.json").read_text(encoding="utf-8"))
+    assert not meta["reference"]["left"]["counts"]

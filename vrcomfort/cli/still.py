@@ -206,7 +206,7 @@ def _reference(
             encoded = tone_mapped(image, exposure=scene.environment.exposure)
             rgb8 = np.round(encoded * 255).astype(np.uint8)
             output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
-            errors[name] = {**found._asdict(), "counts": found.counts}
+            errors[name] = {**found._asdict(), "counts": found.counts and samples > 1}
             if not math.isfinite(found.psnr_db):
                 errors[name]["psnr_db"] = None  # JSON has no infinity
             errors["samples"], errors["note"] = drawn.samples, truth.note
