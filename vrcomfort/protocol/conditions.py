@@ -142,9 +142,9 @@ class DepthOfField(Settings):
     """Peripheral blur on top; both together stay within the largest diameter."""
     rings: Annotated[int, Field(ge=1, le=8)] = 3
     """Speed against smoothness of `vrcomfort`: discs up to so many pixels (and 1.7; at least 3) are
-    summed over every pixel, wider ones have so many rings of samples, 8·k on ring k, up to 12 px (or
-    4·`rings`); still wider discs are summed on wider texels. The other kernels have the fixed numbers
-    of their sources."""
+    summed over every pixel, wider ones have so many rings of samples, 8·k on ring k, up to 12 px
+    (or 4·`rings`); still wider ones are summed on wider texels. The other kernels have the fixed
+    numbers of their sources."""
     taps: Annotated[int | None, Field(ge=2, le=64)] = None
     """Samples of each disc of `vrcomfort`, in place of `rings`: the fast way, a few spread evenly
     over the disc; below six, small discs are a cross-fade into half the image. Without it, `rings`
