@@ -29,7 +29,8 @@
 // paths are straight, and highlights go with the surface, though they stay where the light is.
 // Two directions for each tile: a front that goes a third way is found as far as it lies along
 // these, and one that goes within 12 degrees of the longest streak is taken to go along it. Fronts
-// that sweep over p at the same time add up, whichever hides the other.
+// that sweep over p at the same time add up, whichever hides the other. Where p is on the front
+// itself, what is seen behind its rim is blurred along the front's streak, not along its own.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; p's own direction and
 // the neighbourhood's as in Guertin et al. 2013, "A fast and stable feature-aware motion blur
