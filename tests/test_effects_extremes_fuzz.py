@@ -279,6 +279,7 @@ THROUGH = {
     "radius_at": "defocus.frag and defocus_range.frag (test_effects_lens_laws.py)",
     "velocity_at": "the shaders of motion blur (test_effects_motion_blur.py: extremes)",
     "half_streak_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",
+    "tolerance_px": "motion_blur_fronts.frag (test_effects_motion_blur.py: sweeps)",
     "add_peripheral_px": "defocus.frag (test_effects_lens_laws.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",
