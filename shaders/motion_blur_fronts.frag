@@ -2,7 +2,7 @@
 // Motion blur by gathering along streaks, with who hides whom: tiles of kind MIXED.
 //
 // Input:  colour (linear HDR, filtered), velocity (streak.glsl), depth (reverse-Z, 0 = sky),
-//         longest (streak_neighbours.frag).
+//         longest and crossing, by tile (streak_neighbours.frag).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
@@ -12,13 +12,29 @@
 //   a front  nearer points q whose streak is long enough to sweep over p. Each adds its share of
 //            the time, step / (2 |u_q|), to an opacity; the front goes over the back.
 //
-// Fronts are looked for along the longest streak around. Where that is p's own streak as well,
-// one walk serves both. What does not move does not bleed: its streak reaches no other pixel.
+// Fronts are looked for along the longest streak around and, where another one crosses it, along
+// that as well: a thing that goes up before a faster back that goes sideways sweeps over no pixel
+// beside it. Where one of them is p's own streak as well, one walk serves both. What does not move
+// does not bleed: its streak reaches no other pixel.
+//
+//          ^            A front q has the half streak u. By how far u lies along and beside the
+//          |            two lines, one share of its opacity counts in the walk along the first
+//    <---- p ----> 1    line, the rest in the walk along the second (share_along). The shares
+//          |            make 1, so that no front counts twice; one that goes along a line counts
+//       ___v___         there, in full.
+//      | q  ^ u|
+//      |____|__|  2
+//
 // Limits: one velocity for each pixel, so what is seen through holes or hidden by p stays unknown,
 // paths are straight, and highlights go with the surface, though they stay where the light is.
+// Two directions for each tile: a front that goes a third way is found as far as it lies along
+// these, and one that goes within 12 degrees of the longest streak is taken to go along it. Fronts
+// that sweep over p at the same time add up, whichever hides the other. Where p is on the front
+// itself, what is seen behind its rim is blurred along the front's streak, not along its own.
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
-// McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; two directions as in
-// Guertin et al. 2013, "A fast and stable feature-aware motion blur filter".
+// McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; p's own direction and
+// the neighbourhood's as in Guertin et al. 2013, "A fast and stable feature-aware motion blur
+// filter"; the crossing one and the shares are ours. NumPy twin: optics.motion.share_along.
 #include "velocity.glsl"
 #include "streak.glsl"
 #include "streak_kinds.glsl"
@@ -26,6 +42,7 @@
 uniform sampler2D colour;
 uniform sampler2D depth;
 uniform sampler2D longest;
+uniform sampler2D crossing;
 uniform int px_per_sample;
 
 out vec4 blurred;
@@ -41,7 +58,7 @@ vec3 point_at(ivec2 at) {
 vec3 p = point_at(pixel);
 
 vec4 back = vec4(0.0);   // rgb * weight, weight
-vec4 front = vec4(0.0);  // rgb * opacity, opacity
+vec4 front = vec4(0.0);  // rgb * opacity, opacity; of all walks
 
 // 0 where q is p's surface, behind it, or moves along with it; 1 where it is nearer by 4 % or more
 // and goes its own way. What moves together uncovers nothing: a plain average is exact there.
@@ -89,7 +106,8 @@ vec4 colour_at(vec2 at, bool whole_pixels) {
     return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
 }
 
-void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
+// other: the line of the other walk for fronts; 0 where there is one only.
+void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front, vec2 other) {
     vec2 at = vec2(pixel) + 0.5 + offset;
     // Between two pixels, the closer one.
     ivec2 pixel_there = ivec2(floor(at - offset * (0.01 / tap.along)));
@@ -100,7 +118,8 @@ void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
     // What sweeps over p: q does for the part of the time that its own streak is over p.
     float sweep = abs(dot(q.xy, walk.step)) * walk.per_square;
     float time = clamp(sweep + 0.5 - tap.first, 0.0, float(walk.stride));
-    float over = for_front ? is_front * time / max(2.0 * sweep, 1e-3) : 0.0;
+    float opacity = is_front * time / max(2.0 * sweep, 1e-3);
+    float over = for_front ? opacity * share_along(q.xy, walk.step, other) : 0.0;
     if (shown + over > 0.0) {
         vec4 c = colour_at(at, walk.whole_pixels);
         back += shown * c;
@@ -108,13 +127,19 @@ void gather_at(vec2 offset, Walk walk, Tap tap, bool for_back, bool for_front) {
     }
 }
 
-void gather(Walk walk, bool for_back, bool for_front) {
+void gather(Walk walk, bool for_back, bool for_front, vec2 other) {
     int j = 0, last_tap = taps(walk);
     do {
         Tap tap = tap_of(walk, ++j);
-        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front);
-        gather_at(tap.along * walk.step, walk, tap, for_back, for_front);
+        gather_at(-tap.along * walk.step, walk, tap, for_back, for_front, other);
+        gather_at(tap.along * walk.step, walk, tap, for_back, for_front, other);
     } while (j < last_tap);
+}
+
+// Whether p's own streak is about this one; a streak has two ends.
+bool is_own(vec2 half_streak) {
+    float apart = min(length(half_streak - p.xy), length(half_streak + p.xy));
+    return apart < 0.25 + 0.05 * length(half_streak);
 }
 
 void main() {
@@ -128,12 +153,22 @@ void main() {
     blurred = texelFetch(colour, pixel, 0);
     Walk own = walk_along(p.xy, stride, whole_pixels);
     back = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
-    float apart = min(length(around - p.xy), length(around + p.xy));  // a streak has two ends
-    bool together = moves && apart < 0.25 + 0.05 * reach;
+    vec2 across = texelFetch(crossing, pixel / TILE, 0).xy;
+    bool is_first = moves && is_own(around), is_second = moves && !is_first && is_own(across);
+    vec2 first = is_first ? p.xy : around, second = is_second ? p.xy : across;
     if (moves)
-        gather(own, true, together);
-    if (!together)
-        gather(walk_along(around, stride, whole_pixels), false, true);
+        gather(own, true, is_first || is_second, is_second ? first : second);
+    // The lines that are not p's own. As `do`, it goes through once where there is one.
+    bool both = !is_first && !is_second && across != vec2(0.0), again;
+    vec2 line = is_first ? second : first, other = is_first ? first : second;
+    do {
+        if (line != vec2(0.0))
+            gather(walk_along(line, stride, whole_pixels), false, true, other);
+        line = second;
+        other = first;
+        again = both;
+        both = false;
+    } while (again);
     if (front.a <= 0.0 && !moves)
         return;
     vec3 over = front.a > 0.0 ? front.rgb / front.a : vec3(0.0);

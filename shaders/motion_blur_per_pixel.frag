@@ -28,7 +28,7 @@ void main() {
     vec3 sum = vec3(0.0);
     for (int i = 0; i < SAMPLES; ++i) {
         float along = (2.0 * float(i) + 1.0) / float(SAMPLES) - 1.0;
-        sum += texture(colour, (gl_FragCoord.xy + along * half_streak) * texel).rgb;
+        sum += textureLod(colour, (gl_FragCoord.xy + along * half_streak) * texel, 0.0).rgb;
     }
     blurred.rgb = min(sum / float(SAMPLES), 65504.0);
 }

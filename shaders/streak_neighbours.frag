@@ -1,19 +1,25 @@
 #version 450 core
-// What can reach a tile (McGuire et al. 2012, NeighborMax): the longest half streak around it, of
-// those that are long enough to come here.
+// What can reach a tile (McGuire et al. 2012, NeighborMax): of the half streaks around it that are
+// long enough to come here, the longest and the one that crosses it.
 //
-// Input:  tiles (streak_tiles.frag); peak = the longest half streak of all frames so far, which
-//         says how far one has to look.
-// Output: xy = longest half streak that reaches this tile, at most radius_limit_px; z = which pass
-//         the tile needs (streak_kinds.glsl); w = steepness of the steepest tile within that reach.
+// Input:  tiles, tile_crossings (streak_tiles.frag); peak = the longest half streak of all frames
+//         so far, which says how far one has to look.
+// Output: longest: xy = longest half streak that reaches this tile, at most radius_limit_px;
+//         z = which pass the tile needs (streak_kinds.glsl); w = steepness of the steepest tile
+//         within that reach.
+//         crossing: in tiles of kind MIXED, of the half streaks that reach the tile the one whose
+//         end lies farthest beside the longest one's line, at most radius_limit_px; 0 where it
+//         does not go clearly another way (streak_kinds.glsl, crosses).
 #include "velocity.glsl"
 #include "streak_kinds.glsl"
 
 uniform sampler2D tiles;
+uniform sampler2D tile_crossings;
 uniform sampler2D peak;
 uniform float radius_limit_px;
 
-out vec4 longest;
+layout(location = 0) out vec4 longest;
+layout(location = 1) out vec2 crossing;
 
 ivec2 tile = ivec2(gl_FragCoord.xy);
 ivec2 last = textureSize(tiles, 0) - 1;
@@ -28,8 +34,18 @@ int rings(float reach_px) {
     return int(min(reach_px, radius_limit_px)) / TILE + 1;
 }
 
+ivec2 place(ivec2 step) {
+    return clamp(tile + step, ivec2(0), last);
+}
+
 vec4 at(ivec2 step) {
-    return texelFetch(tiles, clamp(tile + step, ivec2(0), last), 0);
+    return texelFetch(tiles, place(step), 0);
+}
+
+// A half streak of the tile that is `step` away, shortened; 0 where it does not come here.
+vec2 reaching(vec2 half_streak, ivec2 step) {
+    vec2 s = shorten(half_streak, radius_limit_px);
+    return length(s) >= gap_px(step) ? s : vec2(0.0);
 }
 
 void main() {
@@ -37,9 +53,8 @@ void main() {
     int far = rings(texelFetch(peak, ivec2(0), 0).r);
     for (int y = -far; y <= far; ++y)
         for (int x = -far; x <= far; ++x) {
-            vec2 s = shorten(at(ivec2(x, y)).xy, radius_limit_px);
-            bool comes_here = length(s) >= gap_px(ivec2(x, y));
-            around = comes_here && dot(s, s) > dot(around, around) ? s : around;
+            vec2 s = reaching(at(ivec2(x, y)).xy, ivec2(x, y));
+            around = dot(s, s) > dot(around, around) ? s : around;
         }
     float steepness = 0.0;
     far = rings(length(around));
@@ -47,4 +62,15 @@ void main() {
         for (int x = -far; x <= far; ++x)
             steepness = max(steepness, at(ivec2(x, y)).w);
     longest = vec4(around, kind_of(around, at(ivec2(0)).z, steepness), steepness);
+    crossing = vec2(0.0);
+    for (bool mixed = longest.z == MIXED; mixed; mixed = false)
+        for (int y = -far; y <= far; ++y)
+            for (int x = -far; x <= far; ++x) {
+                ivec2 step = ivec2(x, y);
+                vec2 second = texelFetch(tile_crossings, place(step), 0).xy;
+                crossing = farther_beside(around, crossing, reaching(at(step).xy, step));
+                crossing = farther_beside(around, crossing, reaching(second, step));
+            }
+    if (!crosses(crossing, around))
+        crossing = vec2(0.0);
 }

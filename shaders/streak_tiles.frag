@@ -1,13 +1,20 @@
 #version 450 core
-// The longest half streak of each tile (McGuire et al. 2012, TileMax) and how steep streaks change.
+// The longest half streak of each tile (McGuire et al. 2012, TileMax), the one that crosses it, and
+// how steep streaks change.
 //
 // Input:  ROWS: velocity, of which a texel sums up TILE columns of ROWS rows; else source: the
 //         result of that, of which a texel sums up STRIPS.
-// Output: xy = longest half streak in the tile, px, without the limit; z = length of the shortest;
-//         w = steepness: the most by which half streaks of two pixels side by side differ.
+// Output: tile: xy = longest half streak in the tile, px, without the limit; z = length of the
+//         shortest; w = steepness: the most by which half streaks of two pixels side by side
+//         differ.
+//         crossing = the half streak whose end lies farthest beside the longest one's line, px,
+//         without the limit; rows where streaks nowhere jump are not asked. A slow thing before a
+//         faster back may have no tile of its own in which it is the longest.
 #include "velocity.glsl"
+#include "streak_kinds.glsl"
 
-out vec4 tile;
+layout(location = 0) out vec4 tile;
+layout(location = 1) out vec2 crossing;
 
 #ifdef ROWS
 #include "streak.glsl"
@@ -42,9 +49,15 @@ void main() {
         }
     }
     tile = 0.5 * shutter_fraction * vec4(longest, sqrt(least), sqrt(steepest));
+    crossing = vec2(0.0);
+    // One loop: a software rasteriser leaves it at once where nothing jumps.
+    for (int i = tile.w > jump_px(tile.z) ? 0 : TILE * ROWS; i < TILE * ROWS; ++i)
+        crossing = farther_beside(tile.xy, crossing, at(i % TILE, i / TILE));
+    crossing *= 0.5 * shutter_fraction;
 }
 #else
 uniform sampler2D source;
+uniform sampler2D source_crossing;
 
 void main() {
     ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(1, STRIPS);
@@ -55,6 +68,12 @@ void main() {
         tile.xy = dot(s.xy, s.xy) > dot(tile.xy, tile.xy) ? s.xy : tile.xy;
         tile.z = min(tile.z, s.z);
         tile.w = max(tile.w, s.w);
+    }
+    crossing = vec2(0.0);
+    for (int i = 0; i < STRIPS; ++i) {
+        ivec2 strip = ivec2(first.x, min(first.y + i, last));
+        crossing = farther_beside(tile.xy, crossing, texelFetch(source, strip, 0).xy);
+        crossing = farther_beside(tile.xy, crossing, texelFetch(source_crossing, strip, 0).xy);
     }
 }
 #endif

@@ -281,17 +281,6 @@ def test_shader_time_over_is_the_twin(ctx, rng):
     np.testing.assert_allclose(result[:, 0], motion.time_over(x[:, 0], x[:, 1]), atol=1e-6)
 
 
-def test_shader_kinds_of_tiles_are_the_twins(ctx, rng):
-    x = rng.uniform(0, 1, (300, 4)).astype("f4") * np.float32([20, 2, 10, 3])
-    kinds = evaluate(ctx, "streak_kinds.glsl", "vec4(kind_of(x.xy, x.z, x.w))", x)[:, 0]
-    alike = [
-        motion.moves_alike(r[:2], shortest_px=r[2], steepness_px=r[3]) for r in x.astype(float)
-    ]
-    assert {0.0, 1.0, 2.0} >= set(kinds.tolist()) >= {1.0, 2.0}
-    np.testing.assert_array_equal(kinds == 1, alike)
-    assert not motion.moves_alike([0.1, 0.1], shortest_px=0.1, steepness_px=0.0)
-
-
 @pytest.fixture
 def rng():
     return np.random.default_rng(1)

@@ -16,6 +16,36 @@ float jump_px(float half_streak_px) {
     return 0.5 + 0.1 * half_streak_px;
 }
 
+float cross_product(vec2 a, vec2 b) {
+    return a.x * b.y - a.y * b.x;
+}
+
+// How far the end of a half streak lies beside the line of another, px.
+float beside_px(vec2 half_streak, vec2 line) {
+    return abs(cross_product(half_streak, line)) / max(length(line), 1e-6);
+}
+
+// Whether a half streak goes clearly another way than a line: at an angle of asin(1 / 5) = 11.5
+// degrees if it is long, of more if it is short.
+bool crosses(vec2 half_streak, vec2 line) {
+    return beside_px(half_streak, line) > LEAST_PX + 0.2 * length(half_streak);
+}
+
+// The one of two half streaks whose end lies farther beside a line; the first where both do.
+vec2 farther_beside(vec2 line, vec2 a, vec2 b) {
+    return abs(cross_product(b, line)) > abs(cross_product(a, line)) ? b : a;
+}
+
+// Fronts are looked for along one line or two. The share of a front with half streak u that counts
+// along `line`, where the rest counts along `other`: shares are as the squares of cot(angle of u to
+// the line). What goes along one counts there only, what goes at right angles to one does not count
+// there, and the two shares make 1. All of it where there is no other line, (0, 0).
+float share_along(vec2 u, vec2 line, vec2 other) {
+    float here = dot(u, line) * cross_product(u, other);
+    float there = dot(u, other) * cross_product(u, line);
+    return there == 0.0 ? 1.0 : here * here / max(here * here + there * there, 1e-30);
+}
+
 // around: the longest half streak that comes here; shortest: of the tile; steepness: see
 // streak_tiles.frag. Where streaks change slowly, taps move along with the pixel; only where they
 // jump can one thing be seen to pass before another.

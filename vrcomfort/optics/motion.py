@@ -1,7 +1,7 @@
 """Motion on the image: velocity, shutter and streaks; and how fast a head goes.
 
-NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and of the taps of
-``shaders/motion_blur.frag``.
+NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``streak_kinds.glsl``, and of the
+taps of ``shaders/motion_blur.frag``. Thresholds are ours.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from math import atan2, ceil, degrees
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vrcomfort.geometry import Array, Pose
 
@@ -22,6 +22,9 @@ BEHIND = 1e-3
 
 LEAST_W = 1e-6
 """Least present distance: the rims of triangles are interpolated past the eye."""
+
+LEAST_PX = 0.25
+"""Half streaks below this are left alone: half a pixel in all."""
 
 STREAK_OF_SAMPLES_PX = 24.0
 """Length of streak that takes ``MotionBlur.samples`` samples."""
@@ -120,9 +123,19 @@ def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
     return StreakTaps(own, at_px, part_px)
 
 
-def moves_alike(
-    around: ArrayLike, /, *, shortest_px: float, steepness_px: float, least_px: float = 0.25
-) -> bool:
+def tolerance_px(half_streak_px: ArrayLike, /) -> Array:
+    """Return by how much another half streak may differ and still count as moving along."""
+    tolerance: Array = 0.25 + 0.1 * np.asarray(half_streak_px, dtype=np.float64)
+    return tolerance
+
+
+def jump_px(half_streak_px: ArrayLike, /) -> Array:
+    """Return by how much half streaks of two pixels side by side may differ in one thing."""
+    jump: Array = 0.5 + 0.1 * np.asarray(half_streak_px, dtype=np.float64)
+    return jump
+
+
+def moves_alike(around: ArrayLike, /, *, shortest_px: float, steepness_px: float) -> bool:
     """Return whether a tile in which something moves needs no look at who hides whom.
 
     Twin of ``kind_of`` in ``shaders/include/streak_kinds.glsl``. Things pass each other where half
@@ -136,7 +149,50 @@ def moves_alike(
         Length of the tile's shortest half streak, and the most by which half streaks of two pixels
         side by side differ within reach.
     """
-    return bool(np.linalg.norm(around) >= least_px and steepness_px <= 0.5 + 0.1 * shortest_px)
+    return bool(np.linalg.norm(around) >= LEAST_PX and steepness_px <= jump_px(shortest_px))
+
+
+def beside_px(half_streak: ArrayLike, line: ArrayLike, /) -> Array:
+    """Return (...,): how far the ends of (..., 2) half streaks lie beside (..., 2) lines."""
+    length = np.linalg.norm(np.asarray(line, dtype=np.float64), axis=-1)
+    beside: Array = np.abs(_cross(half_streak, line)) / np.maximum(length, 1e-6)
+    return beside
+
+
+def crosses(half_streak: ArrayLike, line: ArrayLike, /) -> NDArray[np.bool_]:
+    """Return (...,): whether half streaks go clearly another way than lines, 11.5 degrees or more.
+
+    Fronts that cross the longest streak of a tile are looked for along a line of their own.
+    """
+    length = np.linalg.norm(np.asarray(half_streak, dtype=np.float64), axis=-1)
+    return np.asarray(beside_px(half_streak, line) > LEAST_PX + 0.2 * length)
+
+
+def share_along(half_streak: ArrayLike, line: ArrayLike, other: ArrayLike, /) -> Array:
+    """Return (...,): the share of a front that counts along `line`, not along `other`.
+
+    Parameters
+    ----------
+    half_streak
+        (..., 2), of the front.
+    line, other
+        (..., 2), of any length and in either sense; `other` is (0, 0) where there is only one.
+
+    Notes
+    -----
+    The shares along two lines are as the squares of the cotangents of the front's angles to them,
+    and make 1: what goes along a line counts there only, what goes at right angles to it does not.
+    """
+    u, first, second = (np.asarray(v, dtype=np.float64) for v in (half_streak, line, other))
+    here = np.sum(u * first, axis=-1) * _cross(u, second)
+    there = np.sum(u * second, axis=-1) * _cross(u, first)
+    return np.where(there == 0, 1.0, here**2 / np.maximum(here**2 + there**2, 1e-30))
+
+
+def _cross(a: ArrayLike, b: ArrayLike) -> Array:
+    u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    product: Array = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return product
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:

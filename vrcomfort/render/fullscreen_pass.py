@@ -41,6 +41,8 @@ class FullscreenPass:
         Names of the inputs that are sampled bilinearly; the others as their textures say.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
+    more_components
+        Of further targets, which are drawn into at once, at locations 1, 2, …: `targets`.
     vertex, tiles
         Instead of the triangle: squares of ``POINT_PX`` px, which cover an image of `tiles` =
         (columns, rows) of them; `vertex` makes points of `gl_VertexID` alone.
@@ -60,11 +62,14 @@ class FullscreenPass:
         filtered: Collection[str] = (),
         components: int = 4,
         dtype: str = "f2",
+        more_components: Sequence[int] = (),
         vertex: str = "fullscreen.vert",
         tiles: tuple[int, int] | None = None,
         target: moderngl.Texture | None = None,
     ) -> None:
         self.target = target or gl.color_texture(ctx, size_px, components=components, dtype=dtype)
+        more = (gl.color_texture(ctx, size_px, components=n, dtype=dtype) for n in more_components)
+        self.targets = (self.target, *more)
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         self._inputs = tuple(enumerate(texture for _, texture in named))
@@ -78,7 +83,7 @@ class FullscreenPass:
         )
         if constants is not None:
             self._set(constants)
-        self._framebuffer = ctx.framebuffer([self.target])
+        self._framebuffer = ctx.framebuffer(self.targets)
         self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
         self._mode, self._vertices = moderngl.TRIANGLES, 3
         if tiles is not None:

@@ -134,11 +134,16 @@ class _Reconstruction:
             ctx,
             "streak_neighbours.frag",
             size_px=streaks.tiles.size,
-            inputs={"tiles": streaks.tiles, "peak": streaks.peak.target},
+            inputs={
+                "tiles": streaks.tiles,
+                "tile_crossings": streaks.crossings,
+                "peak": streaks.peak.target,
+            },
+            more_components=(2,),
             constants=_Limit(streaks.limit_px),
             defines=tile,
         )
-        longest = self._neighbours.target
+        longest, crossing = self._neighbours.targets
         self._plain = FullscreenPass(
             ctx,
             "motion_blur.frag",
@@ -158,6 +163,7 @@ class _Reconstruction:
                 "velocity": streaks.velocity,
                 "depth": depth,
                 "longest": longest,
+                "crossing": crossing,
             },
             filtered={"colour"},
             constants=_Sampling(stride_px),

@@ -59,16 +59,18 @@ class Streaks:
             "streak_tiles.frag",
             size_px=(columns, strips),
             inputs={"velocity": velocity},
+            more_components=(2,),
             defines={"TILE": self.tile_px, "ROWS": ROWS},
         )
         self._tiles = FullscreenPass(
             ctx,
             "streak_tiles.frag",
             size_px=(columns, ceil(size_px[1] / self.tile_px)),
-            inputs={"source": self._strips.target},
+            inputs=dict(zip(("source", "source_crossing"), self._strips.targets, strict=True)),
+            more_components=(2,),
             defines={"STRIPS": self.tile_px // ROWS},
         )
-        self.tiles = self._tiles.target
+        self.tiles, self.crossings = self._tiles.targets
         self.peak = PeakPass(ctx, self.tiles)
 
     def render(self, scale: float = 1.0) -> Shutter:
