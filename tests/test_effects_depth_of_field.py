@@ -122,8 +122,10 @@ def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, program):
     assert abs(np.sum(blurred * x * y)) / blurred.sum() < 0.1
 
 
-@pytest.mark.parametrize("taps", [2, 6])
-@pytest.mark.parametrize("radius_px", [1.0, 1.5, 2.0, 2.3, 3.0, 5.0])
+@pytest.mark.parametrize(
+    ("taps", "radius_px"),
+    [(2, 1.0), (2, 1.5), (2, 2.0), (2, 2.3), (2, 3.0), (2, 5.0), (6, 3.0), (6, 5.0)],
+)
 def test_blur_from_half_the_image_is_as_wide_as_the_disc(ctx, taps, radius_px):
     """On average over where things lie among the texels of half the image."""
     variances = []
