@@ -14,7 +14,7 @@ uniform sampler2D tiles;
 out vec4 reach;
 
 // Part of the widest radius by which those of one tile's surroundings may differ.
-const float MOST_SPREAD = 1.0;
+const float MOST_SPREAD = 0.5;
 
 // What is drawn at half resolution is as blurred as a disc of this radius (px), at least.
 const float LEAST_WIDE = 1.75;

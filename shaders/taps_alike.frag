@@ -1,8 +1,8 @@
 #version 450 core
-// Where everything is about as blurred: the mean of a few bilinear reads over a pixel's own disc.
+// Wide discs where everything is about as blurred: the mean of a few bilinear reads over each one.
 //
-// Input:  depth, focus (include/defocus.glsl); level: the image (linear HDR), or a half or quarter of
-//         it, whose texels are LEVEL px wide, drawn into a target whose texels are SHOWN px wide.
+// Input:  depth, focus (include/defocus.glsl); level: a half or a quarter of the image (linear HDR),
+//         whose texels are LEVEL px wide, drawn into a target whose texels are SHOWN px wide.
 //         RADII: the level has a RADIUS (px of image width) in a, and texels as wide as the target's;
 //         no lens is needed. offsets: TAPS points of the unit disc.
 // Output: rgb, linear HDR.

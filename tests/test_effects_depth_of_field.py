@@ -113,6 +113,35 @@ def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(ctx, rings, radi
     np.testing.assert_allclose(found.rgb[24:, 32, 0], covered[24:], atol=0.03)
 
 
+BESIDE_FOCUS = [(-4.0, 6.0), (-9.0, 9.0), (-3.0, 3.0)]
+ON_ONE_SIDE = [(3.0, 9.0), (1.5, 4.0), (-9.0, -3.0), (-4.0, -1.5)]
+"""Signed radii in px of a front and of what is behind it, of one sign in the latter."""
+
+
+@pytest.mark.parametrize(
+    ("program", "radii_px", "rms"),
+    [
+        *(({}, each, 0.03) for each in BESIDE_FOCUS + ON_ONE_SIDE),
+        *(({"taps": 2}, each, 0.05) for each in BESIDE_FOCUS),
+        *(({"taps": 12}, each, 0.045) for each in BESIDE_FOCUS),
+        *(({"taps": 48}, each, 0.02) for each in BESIDE_FOCUS),
+        *(({"taps": 2}, each, 0.08) for each in ON_ONE_SIDE),
+        *(({"taps": 12}, each, 0.06) for each in ON_ONE_SIDE),
+        *(({"taps": 48}, each, 0.02) for each in ON_ONE_SIDE),
+    ],
+)
+def test_an_edge_has_the_disc_of_the_front_whatever_is_behind(ctx, program, radii_px, rms):
+    front_px, back_px = radii_px
+    is_front = columns(192) < 96
+    rgb = np.where(is_front[..., None], [1.0, 0, 0], [0, 0, 1.0])
+    settings = WIDE | {"max_radius_percent": 100 * 12 / 192, **program}
+    distance_m = 1 / (1 - np.where(is_front, front_px, back_px) / 12)
+    blurred = depth_of_field(ctx, rgb, distance_m, 1.0, **settings).astype(float)
+    x = np.clip((np.arange(192) - 95.5) / abs(front_px), -1, 1)
+    covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
+    assert np.sqrt(np.mean((blurred[48, :, 0] - covered)[78:114] ** 2)) <= rms
+
+
 @pytest.mark.parametrize("radius_px", [1.5, 3.0, 6.4])
 @pytest.mark.parametrize("aspect", [1.0, 1.25])
 @pytest.mark.parametrize("program", [{"rings": 5}, {"taps": 12}, {"taps": 48}])
@@ -136,8 +165,10 @@ def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, program):
     assert abs(np.sum(blurred * x * y)) / blurred.sum() < 0.1
 
 
-@pytest.mark.parametrize("taps", [2, 6])
-@pytest.mark.parametrize("radius_px", [1.0, 1.5, 2.0, 2.3, 3.0, 5.0])
+@pytest.mark.parametrize(
+    ("taps", "radius_px"),
+    [(2, 1.0), (2, 1.5), (2, 2.0), (2, 2.3), (2, 3.0), (2, 5.0), (6, 3.0), (6, 5.0)],
+)
 def test_blur_from_half_the_image_is_as_wide_as_the_disc(ctx, taps, radius_px):
     """On average over where things lie among the texels of half the image."""
     variances = []

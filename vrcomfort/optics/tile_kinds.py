@@ -19,6 +19,9 @@ from vrcomfort.optics import fronts
 
 Kinds: TypeAlias = NDArray[np.int_]
 
+MOST_SPREAD = 0.5
+"""Part of the widest radius by which those of one surface may differ, with a few taps."""
+
 LEAST_WIDE_PX = 1.75
 """What is drawn at half resolution is as blurred as a disc of this radius, at least."""
 
@@ -142,7 +145,7 @@ def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:
     least_signed, greatest_signed = reach[..., 0], reach[..., 1]
     sizes = np.abs(reach)
     widest, least = sizes.max(axis=-1), sizes.min(axis=-1)
-    apart = greatest_signed - least_signed > widest
+    apart = greatest_signed - least_signed > MOST_SPREAD * widest
     alike = ~apart & (np.maximum(least_signed, -greatest_signed) > 0.5)
     mixed = np.where(widest > bounds.apart_px, TapKind.APART, TapKind.MIXED)
     wide = (least > LEAST_WIDE_PX) & (least + widest > 2 * bounds.wide_px)

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil, pi, sqrt
+from math import pi, sqrt
 from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
+from vrcomfort.optics import covers
 from vrcomfort.optics import taps as pattern
 from vrcomfort.optics.tile_kinds import Bounds
 from vrcomfort.render.defocus import Defocus
@@ -22,8 +23,12 @@ LEAST_TAPS = 6
 LEAST_MIXED_TAPS = 8
 """Fewer do not tell surfaces apart well."""
 
-READ_AREA = 4.0
-"""A bilinear read stands for so many texels."""
+READ_AREA = 3.0
+"""A bilinear read of half the image stands for so many texels: where there are more for each, reads
+of a quarter show small lights better."""
+
+FADED_READ_AREA = 4.0
+"""With less than `LEAST_TAPS`; there, half of the image shows more than a quarter up to here."""
 
 SLIGHT_PX = 2.0
 """In tiles with no wider disc a cross-fade does not tell surfaces apart."""
@@ -41,6 +46,10 @@ FAR_PX = 2.0
 """Taps among several surfaces read half of the points where they are farther apart."""
 
 
+TEXELS = 3
+"""So many texels, besides the disc's own, cost as much as a bilinear read."""
+
+
 class _Offsets(NamedTuple):
     offsets: bytes
 
@@ -48,6 +57,11 @@ class _Offsets(NamedTuple):
 class _Walk(NamedTuple):
     offsets: bytes
     tap_count: int
+
+
+class _Cover(NamedTuple):
+    pairs: bytes
+    pair_count: int
 
 
 class Step(NamedTuple):
@@ -63,12 +77,13 @@ class TapsKernel:
 
     Notes
     -----
-    Tiles where nothing is blurred are copied. Where all is about alike, taps are bilinear reads of
-    texels so wide that the reads cover the disc: half of them where it is small; where it is wide,
-    twice as many at half resolution, which is a quarter of the pixels. Only tiles in which surfaces
-    mix look at the depth of each tap, as the rings of `VrcomfortKernel` do. With less than
-    `LEAST_TAPS`, a small disc is a cross-fade of the image and half of it, in which surfaces whose
-    discs are at most `SLIGHT_PX` are not told apart, and a wide one has three times as many taps.
+    Tiles where nothing is blurred are copied. Where all is about alike, a small disc is the mean of
+    its texels, up to `TEXELS` times the taps; one that has more takes reads of 2 × 2 texels each
+    (`optics.covers`). A wide one is twice as many reads at half resolution, which is a quarter of
+    the pixels (`optics.taps`). Only tiles in which surfaces mix look at the depth of each tap, as
+    the rings of `VrcomfortKernel` do. With less than `LEAST_TAPS`, a small disc is a cross-fade of
+    the image and half of it, in which surfaces whose discs are at most `SLIGHT_PX` are not told
+    apart, and a wide one has three times as many taps.
     """
 
     def __init__(
@@ -83,19 +98,18 @@ class TapsKernel:
         self._wide_taps = (3 if self._fades else 2) * taps
         self._mixed_taps = max(taps, LEAST_MIXED_TAPS)
         bounds = self._bounds()
-        self._has_wide = defocus.limit_px > bounds.wide_px
         self._kinds = TapTiles(ctx, defocus, bounds)
         self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
-        image, half = Level(colour, 1), self._level(2)
-        blurred, points = self._level(1), self._level(1)
+        image, blurred, points = Level(colour, 1), self._level(1), self._level(1)
         self.target = blurred.texture
         self._steps = [Step(self._points_pass(image, points), lens=True)]
-        self._steps += (self._fade if self._fades else self._gather)(image, half, blurred)
+        if not self._fades:
+            self._steps += self._small(image, blurred)
+        if self._fades or defocus.limit_px > bounds.wide_px:
+            self._steps += self._halved(image, blurred, bounds)
         self._steps.append(self._mixed("MIXED", {"points": points.texture}, blurred))
         if defocus.limit_px > bounds.apart_px:
-            self._steps += self._apart(points, half, blurred)
-        if self._has_wide:
-            self._steps += self._wide(half, blurred, widest=defocus.limit_px > bounds.widest_px)
+            self._steps += self._apart(points, blurred)
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
@@ -105,18 +119,18 @@ class TapsKernel:
             drawn.render(Together(*(eye if lens else ()), *(aspect if disc else ())))
 
     def _bounds(self) -> Bounds:
-        widest_px = _covered_px(self._wide_taps, 2)
+        read_area = FADED_READ_AREA if self._fades else READ_AREA
+        widest_px = 2 * sqrt(read_area * self._wide_taps / pi)
         if self._fades:
             return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, NEVER_PX, fine_reads=False)
         apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
-        few_px, wide_px = 0.7 * _covered_px(self._few, 1), _covered_px(self._taps, 1)
-        return Bounds(
-            0.5, few_px, max(LEAST_WIDE_PX, wide_px), widest_px, apart_px, fine_reads=True
-        )
+        few_px, fine_px = (self._covered(width).widest_px for width in (1, 2))
+        wide_px = max(few_px, fine_px, LEAST_WIDE_PX)
+        return Bounds(0.5, few_px, wide_px, widest_px, apart_px, fine_reads=True)
 
-    @property
-    def _few(self) -> int:
-        return max(LEAST_TAPS, ceil(self._taps / 2))
+    def _covered(self, width_px: int) -> covers.Cover:
+        reads = self._taps if width_px > 1 else TEXELS * self._taps + 1
+        return covers.cover(reads, width_px)
 
     def _points_pass(self, image: Level, target: Level) -> FullscreenPass:
         inputs = {"colour": image.texture}
@@ -132,19 +146,24 @@ class TapsKernel:
         )
         return [self._shrink_with_radii(image, half), Step(fade, disc=True)]
 
-    def _gather(self, image: Level, half: Level, target: Level) -> list[Step]:
-        """Return how tiles of one surface with small discs are drawn."""
+    def _small(self, image: Level, target: Level) -> list[Step]:
+        """Return how tiles of one surface with small discs, or none, are drawn."""
         inputs = {"colour": image.texture}
         copy = self._tiles.make_pass("taps_copy.frag", "COPIED", inputs, target, of=OWN)
-        return [
-            Step(copy),
-            *([self._shrink(image, half)] if self._has_wide else []),
-            self._alike("FEW", image, target, self._few),
-            self._alike("FINE", image, target, self._taps),
-        ]
+        few, fine = self._cover("FEW", image, target, 1), self._cover("FINE", image, target, 2)
+        return [Step(copy), few, fine]
 
-    def _apart(self, points: Level, half: Level, target: Level) -> list[Step]:
+    def _halved(self, image: Level, target: Level, bounds: Bounds) -> list[Step]:
+        """Return how all is drawn that reads half of the image."""
+        half, limit_px = self._level(2), self._defocus.limit_px
+        steps = self._fade(image, half, target) if self._fades else [self._shrink(image, half)]
+        if limit_px > bounds.wide_px:
+            steps += self._wide(half, target, widest=limit_px > bounds.widest_px)
+        return steps
+
+    def _apart(self, points: Level, target: Level) -> list[Step]:
         """Return how half of the points is read where taps among several surfaces are far apart."""
+        half = self._level(2)  # not the mean of pixels that `_wide` reads
         inputs = {"points": points.texture}
         halve = self._tiles.make_pass("defocus_halve.frag", "APART", inputs, half, of=AROUND)
         inputs = {**inputs, "halves": half.texture}
@@ -202,6 +221,28 @@ class TapsKernel:
         )
         return Step(drawn, lens=True)
 
+    def _cover(self, kind: str, image: Level, target: Level, width_px: int) -> Step:
+        """Return how small discs are drawn: by reads of squares of so many pixels."""
+        pairs, widest_px = self._covered(width_px)
+        drawn = self._tiles.make_pass(
+            "taps_cover.frag",
+            kind,
+            {"colour": image.texture},
+            target,
+            of=OWN,
+            lens=True,
+            constants=_Cover(pairs.astype(np.float32).tobytes(), len(pairs)),
+            defines={
+                **({"BLOCKS": 1} if width_px > 1 else {}),
+                "PAIRS": len(pairs),
+                "WIDTH_PX": f"{width_px}.0",
+                "WIDEST_PX": widest_px,
+                "NARROWER_PX": covers.NARROWER_PX,
+            },
+            filtered={"colour"} if width_px > 1 else (),
+        )
+        return Step(drawn, lens=True, disc=True)
+
     def _alike(self, kinds: str, level: Level, target: Level, taps: int) -> Step:
         """Return how tiles of one surface are drawn."""
         texel, shown = level.texel_px, target.texel_px
@@ -241,11 +282,6 @@ class TapsKernel:
             defines={"TAPS": taps, **defines},
         )
         return Step(drawn, disc=True)
-
-
-def _covered_px(taps: int, texel: int) -> float:
-    """Return the radius of the disc that so many reads of texels of this width make up."""
-    return texel * sqrt(READ_AREA * taps / pi)
 
 
 def _offsets(taps: int) -> bytes:
