@@ -33,7 +33,7 @@ def disc_parts(radius_px, size=25, steps=32):
 @pytest.mark.parametrize("taps", [13, 24, 49])
 def test_each_texel_of_a_disc_counts_once(width_px, most, taps):
     """No pixel differs from the light that a disc gives it by more than such a part of a pixel."""
-    found = covers.cover(taps, width_px, 1.0)
+    found = covers.cover(taps, width_px, tallest=1.0)
     assert 2 * len(found.pairs) + 1 <= taps
     for radius_px in np.linspace(0.5 + width_px / 2, found.widest_px, 7):
         reads = covers.covered(radius_px, found, width_px)

@@ -16,7 +16,7 @@ from vrcomfort.geometry import Array
 from vrcomfort.optics.circle_of_confusion import disc_weight
 
 TALLEST = 1.5
-"""In a headset pixels are at most so much taller than wide: there, discs have more reads."""
+"""In a headset pixels are at most so much taller than wide."""
 
 NARROWER_PX = 0.05
 """How much narrower a disc is on the pixel grid: :func:`fronts.grid_radius_px` says why."""
@@ -36,7 +36,7 @@ class Cover(NamedTuple):
     """Radius of the widest disc that is covered."""
 
 
-def cover(taps: int, width_px: int) -> Cover:
+def cover(taps: int, width_px: int, *, tallest: float = TALLEST) -> Cover:
     """Return the reads around a disc's own texel, for discs that `taps` cover on square pixels.
 
     Parameters
@@ -45,13 +45,15 @@ def cover(taps: int, width_px: int) -> Cover:
         1: each read is a texel. 2: it is the middle of 2 × 2. These are four grids around the own
         texel, each a quarter turn from the next: every texel is read once, and the reads have
         their mean where the disc has it.
+    tallest
+        Pixels are at most so much taller than wide: there, discs have more reads.
     """
     halves = _texels(taps) if width_px == 1 else _blocks(taps)
     away = np.hypot(*halves.T)
     order = np.argsort(away, kind="stable")
     halves, away = halves[order], away[order]
     beyond = float(away[(taps - 1) // 2])
-    needed = np.hypot(halves[:, 0], halves[:, 1] / TALLEST) < beyond - 1e-6
+    needed = np.hypot(halves[:, 0], halves[:, 1] / tallest) < beyond - 1e-6
     inwards = INWARD_PX / away
     pairs = np.column_stack([halves, away, inwards])[needed]
     return Cover(pairs, beyond - width_px / 2 + NARROWER_PX)
