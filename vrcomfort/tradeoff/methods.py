@@ -26,7 +26,7 @@ PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method that does not know who hides whom."""
 
 RINGS = (1, 2, 3)
-TAPS = (2, 6, 14, 24, 48)
+TAPS = (2, 6, 12, 16, 24, 48)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
