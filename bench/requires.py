@@ -56,7 +56,7 @@ CASES = (
     _case(
         "depth of field, all in focus",
         MORE,
-        depth_of_field=DepthOfField(law="dioptre", full_blur_dioptre=1e4),
+        depth_of_field=DepthOfField(law="dioptre", full_blur_dioptre=1e3),
     ),
     _case("depth of field", MORE, depth_of_field=DepthOfField(law="dioptre")),
     _case("motion blur, nothing moves", MORE, still=True, motion_blur=MotionBlur(mode="full")),
