@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.terminal import Json, Quiet, answer, console, output_folder, output_path, warn
+from vrcomfort.cli.terminal import Json, Quiet, answer, console, output_folder, output_option, warn
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_ssq
 
@@ -28,9 +28,7 @@ def report(
             help="A study folder, any folder that holds questionnaires.csv files, or one file.",
         ),
     ],
-    out: Annotated[
-        Path, typer.Option(parser=output_path, metavar="PATH", help="Folder for the report.")
-    ],
+    out: Annotated[Path, output_option(help="Folder for the report.")],
     plan: Annotated[
         Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
     ] = None,

@@ -10,7 +10,7 @@ import typer
 
 from vrcomfort.cli.simulate import simulate_study
 from vrcomfort.cli.still import PoseText, still
-from vrcomfort.cli.terminal import Quiet, Seed, console, output_folder, output_path, warn
+from vrcomfort.cli.terminal import Quiet, Seed, console, output_folder, output_option, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder
@@ -31,12 +31,9 @@ def register(app: typer.Typer) -> None:
 
 
 def demo(
-    out: Annotated[
-        Path,
-        typer.Option(
-            parser=output_path, metavar="PATH", help="Folder; an earlier demo in it is replaced."
-        ),
-    ] = Path("vrcomfort-demo"),
+    out: Annotated[Path, output_option(help="Folder; an earlier demo in it is replaced.")] = Path(
+        "vrcomfort-demo"
+    ),
     participants: Annotated[int, typer.Option("--participants", "-n", min=2, max=200)] = 8,
     seed: Seed = 1,
     quiet: Quiet = False,

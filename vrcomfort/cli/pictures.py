@@ -16,7 +16,7 @@ from vrcomfort.cli.terminal import (
     console,
     output_file,
     output_folder,
-    output_path,
+    output_option,
     parse_size,
     warn,
 )
@@ -31,14 +31,7 @@ from vrcomfort.errors import InputError, spare
 SceneOption = Annotated[
     str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
 ]
-Out = Annotated[
-    Path,
-    typer.Option(
-        parser=output_path,
-        metavar="PATH",
-        help="Folder for the results; earlier ones are replaced.",
-    ),
-]
+Out = Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")]
 ProtocolOption = Annotated[
     str | None, typer.Option(help="Protocol (file or name) that defines the condition.")
 ]
@@ -161,9 +154,7 @@ def play(
 
 def import_trace(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A log that another program wrote.")],
-    out: Annotated[
-        Path, typer.Option(parser=output_path, metavar="PATH", help="The trace to write (CSV).")
-    ],
+    out: Annotated[Path, output_option(help="The trace to write (CSV).")],
     format: Annotated[str, typer.Option(help="What wrote it: unity-euler.")] = "unity-euler",  # noqa: A002
     quiet: Quiet = False,
 ) -> None:

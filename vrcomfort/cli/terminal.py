@@ -50,14 +50,13 @@ def output_path(text: str | Path) -> Path:
     return Path(text)
 
 
+def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls it
+    """Return the option of a command for a path that it writes to (:func:`output_path`)."""
+    return typer.Option(*names, parser=output_path, metavar="PATH", help=help)
+
+
 StudyFolder = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        parser=output_path,
-        metavar="PATH",
-        help="The study folder; made if it is not there.",
-    ),
+    Path, output_option("--out", help="The study folder; made if it is not there.")
 ]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")

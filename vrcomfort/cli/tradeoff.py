@@ -14,7 +14,7 @@ from vrcomfort.cli.terminal import (
     Quiet,
     console,
     output_folder,
-    output_path,
+    output_option,
     parse_size,
     progress_bar,
 )
@@ -31,14 +31,7 @@ def register(app: typer.Typer) -> None:
 
 
 def tradeoff(
-    out: Annotated[
-        Path,
-        typer.Option(
-            parser=output_path,
-            metavar="PATH",
-            help="Folder for the results; earlier ones are replaced.",
-        ),
-    ],
+    out: Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")],
     scenes: Annotated[
         str | None, typer.Option(metavar="NAME,…", help="Shipped scenes; without it, all.")
     ] = None,
@@ -82,11 +75,7 @@ def tradeoff(
     ] = None,
     cache: Annotated[
         Path | None,
-        typer.Option(
-            parser=output_path,
-            metavar="PATH",
-            help="Folder where finished work is kept; without it, the user's own.",
-        ),
+        output_option(help="Folder where finished work is kept; without it, the user's own."),
     ] = None,
     quiet: Quiet = False,
 ) -> None:
