@@ -93,10 +93,13 @@ class TapsKernel:
         defocus: Defocus,
         taps: int,
     ) -> None:
-        self._ctx, self._defocus, self._taps = ctx, defocus, taps
+        self._ctx, self._defocus = ctx, defocus
         self._fades = taps < LEAST_TAPS
         self._wide_taps = (3 if self._fades else 2) * taps
         self._mixed_taps = max(taps, LEAST_MIXED_TAPS)
+        # Of reads a texel and two texels wide; a cross-fade has neither.
+        texels = {1: TEXELS * taps + 1, 2: taps}
+        self._covers = {} if self._fades else {w: covers.cover(n, w) for w, n in texels.items()}
         bounds = self._bounds()
         self._kinds = TapTiles(ctx, defocus, bounds)
         self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
@@ -124,13 +127,9 @@ class TapsKernel:
         if self._fades:
             return Bounds(SLIGHT_PX, FADED_PX, LEAST_WIDE_PX, widest_px, NEVER_PX, fine_reads=False)
         apart_px = FAR_PX * sqrt(self._mixed_taps / pi)
-        few_px, fine_px = (self._covered(width).widest_px for width in (1, 2))
+        few_px, fine_px = (self._covers[width].widest_px for width in (1, 2))
         wide_px = max(few_px, fine_px, LEAST_WIDE_PX)
         return Bounds(0.5, few_px, wide_px, widest_px, apart_px, fine_reads=True)
-
-    def _covered(self, width_px: int) -> covers.Cover:
-        reads = self._taps if width_px > 1 else TEXELS * self._taps + 1
-        return covers.cover(reads, width_px)
 
     def _points_pass(self, image: Level, target: Level) -> FullscreenPass:
         inputs = {"colour": image.texture}
@@ -223,7 +222,7 @@ class TapsKernel:
 
     def _cover(self, kind: str, image: Level, target: Level, width_px: int) -> Step:
         """Return how small discs are drawn: by reads of squares of so many pixels."""
-        pairs, widest_px = self._covered(width_px)
+        pairs, widest_px = self._covers[width_px]
         drawn = self._tiles.make_pass(
             "taps_cover.frag",
             kind,
