@@ -29,6 +29,7 @@ Size: TypeAlias = Annotated[int, Field(ge=0, lt=2**53)]
 Number: TypeAlias = Annotated[float, Field(ge=-3e38, le=3e38, allow_inf_nan=False)]
 NotNegative: TypeAlias = Annotated[float, Field(ge=0, le=3e38, allow_inf_nan=False)]
 Placing: TypeAlias = Annotated[float, Field(ge=-FARTHEST, le=FARTHEST, allow_inf_nan=False)]
+Light: TypeAlias = Annotated[float, Field(ge=0, le=1e18, allow_inf_nan=False)]
 Color: TypeAlias = Annotated[list[NotNegative], Field(min_length=3, max_length=3)]
 Triple: TypeAlias = Annotated[list[Placing], Field(min_length=3, max_length=3)]
 Extensions: TypeAlias = dict[str, dict[str, Any]]
@@ -160,7 +161,7 @@ class _Surface(_Part):
 
 
 class _Glow(_Part):
-    emissive_strength: Annotated[float, Field(ge=0, le=1e18, allow_inf_nan=False)] = ABSENT
+    emissive_strength: Light = ABSENT
 
 
 class _MaterialExtensions(_Part):
@@ -172,10 +173,7 @@ class _Material(_Part):
     pbr_metallic_roughness: _Surface = ABSENT
     normal_texture: _TextureInfo = ABSENT
     emissive_texture: _TextureInfo = ABSENT
-    emissive_factor: Annotated[
-        list[Annotated[float, Field(ge=0, le=1e18, allow_inf_nan=False)]],
-        Field(min_length=3, max_length=3),
-    ] = ABSENT
+    emissive_factor: Annotated[list[Light], Field(min_length=3, max_length=3)] = ABSENT
     alpha_mode: Literal["OPAQUE", "MASK", "BLEND"] = ABSENT
     alpha_cutoff: NotNegative = ABSENT
     double_sided: bool = ABSENT
@@ -252,7 +250,7 @@ class _Animation(_Part):
 class _Lamp(_Part):
     type: str
     color: Color = ABSENT
-    intensity: Annotated[float, Field(ge=0, le=1e18, allow_inf_nan=False)] = ABSENT
+    intensity: Light = ABSENT
     range: Annotated[float, Field(gt=0, le=1e18, allow_inf_nan=False)] = ABSENT
 
 
