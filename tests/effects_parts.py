@@ -36,6 +36,13 @@ def defocus_of(ctx, settings, distance_m, focus_m, size_px):
     )  # fmt: skip
 
 
+def texels_of(texture):
+    """Return (h, w, components) of a texture of floats, as they are in it."""
+    width, height = texture.size
+    values = np.frombuffer(texture.read(), texture.dtype).reshape(height, width, -1)
+    return values.astype(np.float64)
+
+
 def rgb_of(texture):
     """Return (h, w, 3) half floats as they are in a texture."""
     width, height = texture.size

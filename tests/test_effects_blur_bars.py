@@ -197,12 +197,18 @@ def test_more_rings_are_closer_to_the_ideal(ctx):
                 assert np.abs(each - found[-1]).max() > 0.05
 
 
-@pytest.mark.parametrize(("limit_percent", "textures_"), [(4.0, 7), (5.0, 10)])
+@pytest.mark.parametrize(
+    ("width_px", "limit_percent", "textures_"),
+    [(100, 4.0, 7), (100, 5.0, 10), (130, 9.0, 10), (130, 9.5, 15)],
+)
 def test_depth_of_field_owns_no_more_textures_than_it_needs(
-    ctx, count_objects, limit_percent, textures_
+    ctx, count_objects, width_px, limit_percent, textures_
 ):
-    """Points, four of tiles, the result, the record; where discs can be wide, three of these."""
-    rgb = np.zeros((3, 100, 3))
+    """Points, four of tiles, the result, the record; where discs can be wide, three of these.
+
+    From 12 px on, wider texels: tiles, colours, fronts, two layers.
+    """
+    rgb = np.zeros((3, width_px, 3))
     colour, depth = textures(ctx, rgb, 1.0)
     focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
     before = count_objects()
@@ -212,7 +218,7 @@ def test_depth_of_field_owns_no_more_textures_than_it_needs(
         depth=depth,
         focus=focus,
         settings=DepthOfField(max_radius_percent=limit_percent),
-        size_px=(100, 3),
+        size_px=(width_px, 3),
     )
     after = count_objects()
     assert after["Texture"] - before["Texture"] == textures_

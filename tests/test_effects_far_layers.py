@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from effects_parts import textures
+from effects_parts import texels_of
 from hypothesis import given
 from hypothesis import strategies as st
 from kernel_parts import blur, defocused
@@ -10,8 +10,6 @@ from test_effects_optics import evaluate
 
 from vrcomfort.optics import far_layers, tile_kinds
 from vrcomfort.optics.tile_kinds import Grid, RingKind
-from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
 from vrcomfort.render.kernels.far_layers import FarLayers
 from vrcomfort.render.kernels.tile_passes import make_level
 from vrcomfort.render.kernels.tiles import TileKinds
@@ -153,25 +151,6 @@ def test_the_widest_discs_are_discs_too(ctx):
     np.testing.assert_allclose(inside, LIGHT / (np.pi * 40**2), rtol=0.09)
 
 
-@pytest.mark.parametrize(("limit_percent", "textures_"), [(9.0, 10), (9.5, 15)])
-def test_what_no_disc_needs_is_not_there(ctx, count_objects, limit_percent, textures_):
-    """Wider texels: tiles, colours, fronts, two layers. At 130 px discs of 11.7 px need none."""
-    colour, depth = textures(ctx, np.zeros((3, 130, 3)), 1.0)
-    focus = ctx.texture((1, 1), 4, np.ones(4, "f4").tobytes(), dtype="f4")
-    before = count_objects()
-    effect = DepthOfFieldPass(
-        ctx,
-        colour=colour,
-        depth=depth,
-        focus=focus,
-        settings=DepthOfField(max_radius_percent=limit_percent),
-        size_px=(130, 3),
-    )
-    after = count_objects()
-    assert after["Texture"] - before["Texture"] == textures_
-    del effect
-
-
 @pytest.mark.parametrize("pixel_aspect", [1.0, 1.5])
 def test_tiles_of_wide_texels_are_their_twin(ctx, pixel_aspect):
     radius_px = np.zeros((90, 420))
@@ -183,17 +162,12 @@ def test_tiles_of_wide_texels_are_their_twin(ctx, pixel_aspect):
     inputs = {"points": points.texture, "reach": tiles.reach}
     far = FarLayers(ctx, defocus, half, inputs, {"RINGS": 3, "SMALL_PX": 4.7})
     far.render(pixel_aspect)
-    reach, kinds = (texels(each) for each in (tiles.reach, far.kinds))
+    reach, kinds = (texels_of(each) for each in (tiles.reach, far.kinds))
     twin = tile_kinds.far_kinds(
         reach[..., :2], Grid(defocus.tile_px, pixel_aspect, margin_px=8), far_px=12.0
     )
     np.testing.assert_array_equal(kinds[..., 0], twin)
     assert {0, RingKind.HALVES, RingKind.HALVES | RingKind.LAYERS} == set(twin.ravel())
-
-
-def texels(texture):
-    width, height = texture.size
-    return np.frombuffer(texture.read(), "f2").reshape(height, width, -1).astype(float)
 
 
 def test_shared_formulas_are_their_twins(ctx):

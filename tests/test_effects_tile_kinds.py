@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from effects_parts import texels_of
 from kernel_parts import defocused
 
 from vrcomfort.optics import tile_kinds
@@ -43,12 +44,7 @@ def images(ctx, limit_px):
         radius_px = np.clip(patches(seed, around_px), -limit_px, limit_px)
         light = np.ones((*radius_px.shape, 3))
         _, defocus = defocused(ctx, light, radius_px, limit_px=limit_px)
-        yield defocus, read(defocus.tiles, "f4")[..., :2]
-
-
-def read(texture, dtype="f2"):
-    width, height = texture.size
-    return np.frombuffer(texture.read(), dtype).reshape(height, width, -1).astype(np.float64)
+        yield defocus, texels_of(defocus.tiles)[..., :2]
 
 
 @pytest.mark.parametrize(("limit_px", "pixel_aspect"), [(13.0, 1.0), (13.0, 2.5), (40.0, 0.7)])
@@ -57,13 +53,13 @@ def test_tiles_of_rings_are_their_twin(ctx, limit_px, pixel_aspect):
     for defocus, ranges in images(ctx, limit_px):
         tiles = TileKinds(ctx, defocus, small_px=SMALL_PX)
         tiles.render(pixel_aspect)
-        reach = read(tiles.reach)[..., :2]
+        reach = texels_of(tiles.reach)[..., :2]
         grid = Grid(defocus.tile_px, pixel_aspect)
         twin = tile_kinds.may_reach(ranges, grid)
         np.testing.assert_allclose(reach, twin, rtol=HALF_FLOAT)
         around = grid._replace(margin_px=READ_AROUND_PX)
         kinds = tile_kinds.ring_kinds(reach, around, small_px=SMALL_PX)
-        np.testing.assert_array_equal(read(tiles.kinds)[..., 0], kinds)
+        np.testing.assert_array_equal(texels_of(tiles.kinds)[..., 0], kinds)
         seen |= {kind for kind in RingKind if np.any(kinds & kind)}
     assert seen == set(RingKind)
 
@@ -75,7 +71,7 @@ def test_tiles_of_taps_are_their_twin(ctx, limit_px, pixel_aspect, bounds):
     for defocus, ranges in images(ctx, limit_px):
         tiles = TapTiles(ctx, defocus, bounds)
         tiles.render(pixel_aspect)
-        found = read(tiles.kinds)
+        found = texels_of(tiles.kinds)
         grid = Grid(defocus.tile_px, pixel_aspect)
         reach = tile_kinds.may_reach(ranges, grid)
         kinds = tile_kinds.tap_kinds(reach, bounds)
