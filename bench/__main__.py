@@ -13,8 +13,8 @@ import moderngl
 
 from bench import effects, mask, memory, python_time, requires
 from bench.table import Result, write
+from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
-from vrcomfort.render.gl import create_context
 
 NEED_RUNTIME = ("openxr", "memory_openxr")
 """Left out of a run of all where there is no Monado; `scripts/in_runtime.sh` brings one."""

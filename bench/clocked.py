@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 import moderngl
 
-from vrcomfort.render import gl
+from vrcomfort.gpu import gl
 
 Place = Literal["opengl", "runtime", "rig"]
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from bench.table import Result
 from vrcomfort.headset.base import Frame
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES, pairs
 
 SIZE_PX = (640, 800)

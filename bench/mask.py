@@ -15,9 +15,9 @@ from bench.clocked import replaced
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.render import scene_pass
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES, pairs
 
 SIZE_PX = (320, 400)

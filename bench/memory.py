@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.traces.trace import read_trace
 from vrcomfort.tradeoff.walk import REFRESH_HZ
 
 SIZE_PX = (16, 16)

@@ -10,16 +10,16 @@ import moderngl
 import numpy as np
 
 from bench.table import Result, write
+from vrcomfort.gpu.gl import prepare
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.mirror import USUAL_HZ, Mirror
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.headset.window import Window
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
-from vrcomfort.render.gl import prepare
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 
 SIZE_PX = 320, 400
 WINDOW_PX = 480, 600

@@ -20,24 +20,24 @@ from bench.clocked import Clock, Lap, clocked_opengl, replaced, yardstick_s
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, native
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.protocol import Condition
 from vrcomfort.questionnaire import FMS
 from vrcomfort.records import Recorder
 from vrcomfort.render.frames import EyeImages
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent.panel import PanelRespondent
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.floors import Floors
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
+from vrcomfort.traces.trace import read_trace
 from vrcomfort.tradeoff.walk import REFRESH_HZ
 
 SIZE_PX = (64, 80)

@@ -12,10 +12,10 @@ from bench.clocked import Clock, clocked_opengl
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES
 
 SIZE_PX = (64, 80)

@@ -14,11 +14,11 @@ import moderngl
 import numpy as np
 
 from bench.effects import frame_seconds
+from vrcomfort.gpu.gl import create_context
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.quality import Effects, Figure, Measured, Quality, write_figures
-from vrcomfort.render.gl import create_context
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.cases import Scope, cases
 from vrcomfort.tradeoff.measure import measure as measure_errors
 from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER, Method

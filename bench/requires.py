@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.table import Result
+from vrcomfort.gpu.timer import is_software
 from vrcomfort.headset.base import Frame
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur, SpeedBlur
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.gpu_timer import is_software
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.walk import REFRESH_HZ, SCENES, pairs
 
 SIZE_PX = (320, 400)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from vrcomfort.headset.synthesis import Gait, Look, Point, Walk, synthesize
-from vrcomfort.headset.trace import Trace, write_trace
+from vrcomfort.traces.synthesis import Gait, Look, Point, Walk, synthesize
+from vrcomfort.traces.trace import Trace, write_trace
 
 STATUE = (0.0, 2.0, -8.1)
 AMPHORA = (-1.75, 1.4, -2.75)

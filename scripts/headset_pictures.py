@@ -18,6 +18,7 @@ from PIL import Image
 
 from vrcomfort.cli.wiring import DEFAULT_CONDITION
 from vrcomfort.geometry import Pose
+from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.eye_painter import EyePainter, WindowPanel
 from vrcomfort.headset.inputs import KeyInput
@@ -26,13 +27,12 @@ from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.openxr.layers import Eyes, PanelLayer
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.questionnaire import FMS, SSQ
-from vrcomfort.render.gl import create_context
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.respondent.base import Form
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import Page
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
 

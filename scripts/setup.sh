@@ -62,12 +62,12 @@ if [ "$(cat .venv/installed 2>/dev/null)" != "$wanted" ]; then
 fi
 
 can_draw() {
-    .venv/bin/python -c 'from vrcomfort.render.gl import create_context; create_context()' 2>/dev/null
+    .venv/bin/python -c 'from vrcomfort.gpu.gl import create_context; create_context()' 2>/dev/null
 }
 can_draw || require "an OpenGL driver with EGL" "${system_packages[@]}"
 can_draw || {
     echo "error: EGL is installed but gives no OpenGL 4.3 context; this is what it says:" >&2
-    .venv/bin/python -c 'from vrcomfort.render.gl import create_context; create_context()' >&2 || true
+    .venv/bin/python -c 'from vrcomfort.gpu.gl import create_context; create_context()' >&2 || true
     exit 2
 }
 

@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator
 import moderngl
 import pytest
 from hypothesis import HealthCheck, settings
-from openxr_support import fresh_monado
 
+from tests.support.openxr import fresh_monado
+from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed
-from vrcomfort.render import gl
 
 # Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
 os.environ.setdefault("OMP_NUM_THREADS", "1")

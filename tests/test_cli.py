@@ -123,7 +123,7 @@ def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
 
 def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     from vrcomfort.errors import InputError
-    from vrcomfort.render import gl
+    from vrcomfort.gpu import gl
 
     def fail() -> None:
         raise InputError("no OpenGL 4.5 context could be made")

@@ -9,13 +9,13 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from report_parts import ITEMS, foreign
 
+from tests.support.report import ITEMS, foreign
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.questionnaire import score_ssq
 from vrcomfort.report.study_data import read_study
+from vrcomfort.traces.trace import read_trace
 
 TRACE = "xr_time_ns,head_x_m,head_y_m,head_z_m,head_qx,head_qy,head_qz,head_qw"
 TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {

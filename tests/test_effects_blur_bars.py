@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field, textures
-from kernel_parts import blur
 
-from vrcomfort.optics import fronts, layers
+from tests.oracles import layers
+from tests.support.effects import depth_of_field, textures
+from tests.support.kernels import blur
+from vrcomfort.optics import fronts
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}

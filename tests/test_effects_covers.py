@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field
 from scipy.signal import fftconvolve
 
+from tests.support.effects import depth_of_field
 from vrcomfort.geometry import Fov
 from vrcomfort.optics import covers
-from vrcomfort.render.kernels.taps import TEXELS
+from vrcomfort.render.effects.depth_of_field.kernels.taps import TEXELS
 
 
 def read_parts(reads, size=25):

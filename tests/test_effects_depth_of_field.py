@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from effects_parts import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
-from kernel_parts import blur
 
+from tests.support.effects import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
+from tests.support.kernels import blur
 from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 
 WIDE = {"max_radius_percent": 5.0, "law": "dioptre", "full_blur_dioptre": 1.0}
 """At 128 px: 6.4 px of radius per dioptre and at most."""

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from render_parts import at, eye, glowing, scene, wall
 from test_effects_optics import evaluate
 
+from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, axis_angle
 from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
@@ -15,8 +15,8 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, Motion
 from vrcomfort.render.output import read_depth, read_linear
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
-from vrcomfort.render.scene_data import Environment, Material, Node, Primitive, Scene
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.scene.data import Environment, Material, Node, Primitive, Scene
 
 SUN = (60_000.0, 60_000.0, 60_000.0)
 FOV = Fov(-0.9, 0.7, 0.8, -0.85)

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from effects_parts import rgb_of, textures
-from extremes_parts import (
+
+from tests.support.effects import rgb_of, textures
+from tests.support.extremes import (
     FOCUS_M,
     HALF_MAX,
     NEAREST_M,
@@ -26,15 +27,14 @@ from extremes_parts import (
     scene,
     turn,
 )
-
 from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.optics.motion import SPEED_LIMIT_PX
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
-from vrcomfort.render import gl, shaders
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
-from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.motion_blur import MotionBlurPass
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
@@ -179,7 +179,7 @@ def test_tone_map(ctx, cases):
         colour, _ = textures(ctx, rgb, 1.0)
         tone_map = FullscreenPass(
             ctx,
-            "tone_map.frag",
+            "display/tone_map.frag",
             size_px=(width, height),
             inputs={"radiance": colour},
             constants=Exposure(float(10.0 ** rng.uniform(-4, 4))),
@@ -198,7 +198,9 @@ def test_copy(ctx, cases):
     for number, rng in cases:
         width, height = SIZES[number % len(SIZES)]
         colour, _ = textures(ctx, hdr(rng, (height, width, 3)), 1.0)
-        copy = FullscreenPass(ctx, "copy.frag", size_px=(width, height), inputs={"source": colour})
+        copy = FullscreenPass(
+            ctx, "common/copy.frag", size_px=(width, height), inputs={"source": colour}
+        )
         copy.render()
         np.testing.assert_array_equal(rgb_of(copy.target), rgb_of(colour))
 
@@ -243,7 +245,12 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
 
     Those of whole frames are compiled for every value of every choice that settings have.
     """
-    read = {"picture.vert", "picture.frag", "copy.frag", "small_discs.frag"}  # tried above
+    read = {
+        "display/picture.vert",
+        "display/picture.frag",
+        "common/copy.frag",
+        "depth_of_field/small_discs.frag",
+    }  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)

@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from effects_parts import texels_of
 from hypothesis import given
 from hypothesis import strategies as st
-from kernel_parts import blur, defocused
 from test_effects_optics import evaluate
 
+from tests.support.effects import texels_of
+from tests.support.kernels import blur, defocused
 from vrcomfort.optics import far_layers, tile_kinds
 from vrcomfort.optics.tile_kinds import Grid, RingKind
-from vrcomfort.render.kernels.far_layers import FarLayers
-from vrcomfort.render.kernels.tile_passes import make_level
-from vrcomfort.render.kernels.tiles import TileKinds
+from vrcomfort.render.effects.depth_of_field.kernels.far_layers import FarLayers
+from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import make_level
+from vrcomfort.render.effects.depth_of_field.kernels.tiles import TileKinds
 
 SIDE = 112
 LIGHT = 1000.0

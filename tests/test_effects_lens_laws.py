@@ -2,17 +2,22 @@
 
 import numpy as np
 import pytest
-from effects_parts import defocus_of, square_pixels, textures
 from hypothesis import given
 from hypothesis import strategies as st
-from render_parts import at, eye, glowing, scene, wall
 
+from tests.support.effects import defocus_of, square_pixels, textures
+from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
-from vrcomfort.render import lens_radius
-from vrcomfort.render.defocus import Defocus, Radii, RadiusRange, defocus_uniforms
+from vrcomfort.render.effects.depth_of_field import lens_radius
+from vrcomfort.render.effects.depth_of_field.circle_of_confusion import (
+    Defocus,
+    Radii,
+    RadiusRange,
+    defocus_uniforms,
+)
 from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
 

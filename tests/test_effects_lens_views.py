@@ -8,20 +8,20 @@ from test_effects_reference import FOV, SIZE_PX, half_plane
 from vrcomfort.geometry import Pose, View
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.render.blur_limit import radius_per_dioptre_px, unlimited
-from vrcomfort.render.defocus import Defocus
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.kernels import make_kernel
-from vrcomfort.render.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
-from vrcomfort.render.kernels.vrcomfort import VrcomfortKernel
-from vrcomfort.render.lens_radius import radius_limit_px
-from vrcomfort.render.lens_views import blur_of_one_view, part_of_one_view
+from vrcomfort.render.effects.depth_of_field.blur_limit import radius_per_dioptre_px, unlimited
+from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
+from vrcomfort.render.effects.depth_of_field.kernels.rings import VrcomfortKernel
+from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
+from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_px
+from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view, part_of_one_view
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import Reference, read_rgb
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 
 FOCUS = Focus(method="fixed", fixed_m=1.0)
 LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 0.8}

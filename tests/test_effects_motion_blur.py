@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from effects_parts import motion_blur, motion_blur_pass, rgb_of
 
+from tests.support.effects import motion_blur, motion_blur_pass, rgb_of
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.optics.motion import streak_taps
 from vrcomfort.protocol.conditions import TurnRamp

@@ -4,11 +4,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from effects_parts import motion_blur, motion_blur_pass, texels_of
 from hypothesis import given
 from hypothesis import strategies as st
 from test_effects_optics import evaluate
 
+from tests.support.effects import motion_blur, motion_blur_pass, texels_of
 from vrcomfort.optics import motion
 
 WIDTH, HEIGHT, FINER = 160, 128, 4

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from render_parts import at, box, glowing, scene, still_life, wall
 from test_render_pipeline import SIZE, FrameAt, standing
 
+from tests.support.render import at, box, glowing, scene, still_life, wall
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.protocol.conditions import (
     Condition,
@@ -17,9 +17,9 @@ from vrcomfort.protocol.conditions import (
     SpeedBlur,
     TurnRamp,
 )
-from vrcomfort.render.animation import Animation, Channel
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import read_rgb
+from vrcomfort.scene.animation import Animation, Channel
 
 GREEN = glowing((0.0, 1.0, 0.0))
 BLUE = glowing((0.0, 0.0, 1.0))

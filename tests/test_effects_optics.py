@@ -7,9 +7,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.geometry import Fov
+from vrcomfort.gpu import shaders
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics import fronts, motion
-from vrcomfort.render import shaders
 
 LAWS = ("linear", "dioptre")
 distances = st.floats(0.01, 1e5)
@@ -39,7 +39,7 @@ def evaluate(ctx, include, expression, arguments, *, constants=((0,) * 4,) * 2, 
         ctx.includes[name] = shaders.source(f"include/{name}")
     includes = "\n".join(f'#include "{name}"' for name in include.split())
     text = EVALUATE.format(includes=includes, expression=expression, law=law.upper())
-    program = ctx.program(shaders.source("fullscreen.vert"), text)
+    program = ctx.program(shaders.source("common/fullscreen.vert"), text)
     if "constants" in program:
         program["constants"].write(np.asarray(constants, "f4").tobytes())
     source = ctx.texture((len(rows), 1), 4, rows.tobytes(), dtype="f4")

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from effects_parts import defocus_of, depth_of_field, square_pixels
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.support.effects import defocus_of, depth_of_field, square_pixels
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import DepthOfField

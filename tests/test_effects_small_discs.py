@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from kernel_parts import blur
 
+from tests.support.kernels import blur
 from vrcomfort.optics.small_discs import grid_discs, share, trade
 from vrcomfort.optics.view_points import FEW
 

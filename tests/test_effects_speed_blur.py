@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from effects_parts import rgb_of, square_pixels, textures
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from tests.support.effects import rgb_of, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics.gaussian import gaussian_weights, sigma_px
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
+from vrcomfort.render.effects.speed_blur import SpeedBlurPass, strength
 from vrcomfort.render.head_step import HeadStep
-from vrcomfort.render.speed_blur import SpeedBlurPass, strength
 
 TURNING = TurnRamp(from_deg_s=40, to_deg_s=120)
 MOVING = MoveRamp(from_m_s=1, to_m_s=3)

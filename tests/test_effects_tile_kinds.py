@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from effects_parts import texels_of
-from kernel_parts import defocused
 
+from tests.support.effects import texels_of
+from tests.support.kernels import defocused
 from vrcomfort.optics import tile_kinds
 from vrcomfort.optics.tile_kinds import Bounds, Grid, RingKind, TapKind
-from vrcomfort.render.kernels.tap_tiles import TapTiles
-from vrcomfort.render.kernels.tiles import READ_AROUND_PX, TileKinds
+from vrcomfort.render.effects.depth_of_field.kernels.tap_tiles import TapTiles
+from vrcomfort.render.effects.depth_of_field.kernels.tiles import READ_AROUND_PX, TileKinds
 
 HALF_FLOAT = 2**-10
 """OpenGL does not say which way it rounds."""

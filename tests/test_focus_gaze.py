@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from render_parts import at, glowing, scene, wall
 
+from tests.support.render import at, glowing, scene, wall
 from vrcomfort.cli.wiring import require_eye_tracker
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
@@ -11,7 +11,7 @@ from vrcomfort.headset.base import Frame
 from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus import FocusPass
+from vrcomfort.render.focus.passes import FocusPass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 

@@ -3,16 +3,16 @@
 import numpy as np
 import pytest
 
+from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
+from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.focus import estimate_focus, ray_directions
 from vrcomfort.optics.refocus import FocusState, advance
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.animation import Animation, Channel
-from vrcomfort.render.focus import FixedFocus, FocusPass, make_focus_pass
-from vrcomfort.render.gl import LATENCY
+from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.raycast import cast
-from vrcomfort.render.scene_data import Image, Material, Node, Primitive, Scene
+from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.data import Image, Material, Node, Primitive, Scene
 
 FRAME_NS = 11_111_111
 HEAD = Pose(np.array([3.0, 1.6, -2.0]), yaw_pitch_roll(0.7, -0.2, 0.1))

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.optics.focus import estimate_focus, ray_directions
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus import FocusPass
-from vrcomfort.render.gltf import load_scene
+from vrcomfort.render.focus.passes import FocusPass
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.raycast import cast
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 
 SETTINGS = Focus(law="instant")
 POSES = 24

@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from render_parts import at, glowing, scene, wall
 
+from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus import FocusPass
-from vrcomfort.render.focus_probes import screen_tangents
+from vrcomfort.render.focus.passes import FocusPass
+from vrcomfort.render.focus.rays import screen_tangents
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.scene_data import Material
+from vrcomfort.scene.data import Material
 
 NEAR_M = 0.02
 SETTINGS = Focus(method="autofocus_zone", law="instant")

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
-from study_parts import (
+
+from tests.support.study import (
     AheadHeadset,
     LateFocus,
     Scripted,
@@ -18,20 +19,19 @@ from study_parts import (
     strict_about_gaze,
     tiny_protocol,
 )
-
 from vrcomfort.cli import main
 from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
-from vrcomfort.headset.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.pose_track import PoseTrack
-from vrcomfort.headset.trace import Trace, read_trace
 from vrcomfort.protocol import Condition
 from vrcomfort.records import FrameRow, GazeRow, Recorder, session_folder, take_up
 from vrcomfort.resources import data_folder
 from vrcomfort.session import VirtualClock, run
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.traces.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
+from vrcomfort.traces.pose_track import PoseTrack
+from vrcomfort.traces.trace import Trace, read_trace
 
 HEADER = (
     "session_s,xr_time_ns,valid,origin_x_m,origin_y_m,origin_z_m,"

@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from x_server import XServer, x_server
 
+from tests.support.x_server import XServer, x_server
 from vrcomfort.geometry import yaw_pitch_roll
 
 PATIENCE_S = 90.0
@@ -140,7 +140,7 @@ import moderngl, numpy as np
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.desktop import DesktopHeadset, DesktopSettings
 from vrcomfort.headset.window import Window
-from vrcomfort.render.gl import check_errors, prepare
+from vrcomfort.gpu.gl import check_errors, prepare
 
 layout, columns = sys.argv[1], int(sys.argv[2])
 settings = DesktopSettings(image_size_px=(64, 80), layout=layout)

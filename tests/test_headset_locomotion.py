@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Pose, axis_angle, yaw_pitch_roll
-from vrcomfort.headset.floors import STEP_M, Floors
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.headset.locomotion import LONGEST_S, Locomotion, Wish, wish_of
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.side_car import read_side_car
+from vrcomfort.scene.floors import STEP_M, Floors
+from vrcomfort.scene.load import load_scene
+from vrcomfort.scene.side_car import read_side_car
 
 SPEED_M_S = 1.4
 FRAME_S = 1 / 90

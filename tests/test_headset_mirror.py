@@ -7,7 +7,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from x_server import x_server
+
+from tests.support.x_server import x_server
 
 CLIENT = """
 import sys
@@ -17,7 +18,7 @@ from vrcomfort.geometry import Fov, Pose, Quad, View
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.mirror import Mirror
 from vrcomfort.headset.window import Window
-from vrcomfort.render.gl import check_errors, prepare
+from vrcomfort.gpu.gl import check_errors, prepare
 
 
 @dataclass(frozen=True, eq=False)

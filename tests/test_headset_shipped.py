@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from vrcomfort.geometry import rotate
-from vrcomfort.headset.trace import read_trace
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 
 SCENES = ["temple", "mountain"]
 

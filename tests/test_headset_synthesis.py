@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from vrcomfort.geometry import rotate
-from vrcomfort.headset.synthesis import Gait, Look, Walk, smooth, synthesize
-from vrcomfort.headset.trace import Trace
+from vrcomfort.traces.synthesis import Gait, Look, Walk, smooth, synthesize
+from vrcomfort.traces.trace import Trace
 
 LOOK_RIGHT = (3.0, 1.2, -4.0)
 ITINERARY = [Look((0.0, 1.3, -9.0), 2.0), Walk((0.0, 0.0, -4.0)), Look(LOOK_RIGHT, 3.0)]

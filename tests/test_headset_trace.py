@@ -5,7 +5,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import rotate
-from vrcomfort.headset.trace import import_trace, read_trace, write_trace
+from vrcomfort.traces.trace import import_trace, read_trace, write_trace
 
 HEADER = "xr_time_ns,head_x_m,head_y_m,head_z_m,head_qx,head_qy,head_qz,head_qw"
 ROWS = ["1000,0.1,1.6,0,0,0,0,1", "2000,0.2,1.6,0,0,0,0,1", "3000,0.3,1.6,0,0,0,0,1"]

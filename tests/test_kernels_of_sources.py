@@ -4,12 +4,13 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from effects_parts import depth_of_field
 from hypothesis import given
 from hypothesis import strategies as st
-from kernel_parts import FOCUS_M, blur
 
-from vrcomfort.optics import gathering, pyramid, scattering
+from tests.oracles import scattering
+from tests.support.effects import depth_of_field
+from tests.support.kernels import FOCUS_M, blur
+from vrcomfort.optics import gathering, pyramid
 from vrcomfort.protocol.conditions import Kernel
 
 KERNELS = ("scatter", "poisson12", "poisson15_near", "mip", "mip_slices")

@@ -11,17 +11,17 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
-from render_parts import at, box, floor, glowing, scene
 
+from tests.support.render import at, box, floor, glowing, scene
 from vrcomfort.geometry import axis_angle
-from vrcomfort.headset.gaze_track import GazeTrack
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.pose_track import PoseTrack
-from vrcomfort.headset.trace import Trace
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.records import Recorder
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.traces.gaze_track import GazeTrack
+from vrcomfort.traces.pose_track import PoseTrack
+from vrcomfort.traces.trace import Trace
 
 WARM_UP, COUNTED, EVERY = 500, 1000, 50
 BLOCKS, RSS_KIB = 2.0, 2.0

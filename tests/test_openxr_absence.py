@@ -11,8 +11,8 @@ from typing import Any
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, needs_monado
 
+from tests.support.openxr import Participant, needs_monado
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad, axis_angle
 from vrcomfort.headset.base import Frame
@@ -21,8 +21,8 @@ from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
-from openxr_layers import Interceptor
 
+from tests.support.openxr_layers import Interceptor
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado

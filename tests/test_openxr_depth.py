@@ -12,21 +12,21 @@ from typing import Any
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado
 
+from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl
 from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.protocol import Condition
-from vrcomfort.render import gl
 from vrcomfort.render.frames import EyeImages
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.load import load_scene
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
-from openxr_layers import Interceptor
 
+from tests.support.openxr_layers import Interceptor
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado

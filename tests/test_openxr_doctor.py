@@ -17,9 +17,9 @@ import pytest
 
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.pose_track import PoseTrack
 from vrcomfort.headset.timing import TimingTrust, rate_runtime, time_frames
-from vrcomfort.headset.trace import Trace
+from vrcomfort.traces.pose_track import PoseTrack
+from vrcomfort.traces.trace import Trace
 
 
 def doctor(**environment: str) -> tuple[int, dict[str, dict[str, Any]]]:

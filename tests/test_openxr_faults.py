@@ -12,8 +12,8 @@ from typing import Any
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado
 
+from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.monado import Monado
@@ -22,8 +22,8 @@ from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
-from openxr_layers import Interceptor, answer
 
+from tests.support.openxr_layers import Interceptor, answer
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.openxr.binding import OPENGL
 from vrcomfort.headset.openxr.instance import connect

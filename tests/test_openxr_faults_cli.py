@@ -10,9 +10,9 @@ import time
 from pathlib import Path
 
 import pytest
-from openxr_support import needs_monado
-from study_parts import read_rows, smoke_with
 
+from tests.support.openxr import needs_monado
+from tests.support.study import read_rows, smoke_with
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.resources import data_folder
 
@@ -25,7 +25,7 @@ CLIENT = """
 import os, sys
 from itertools import count
 import xr
-from openxr_layers import Interceptor, answer
+from tests.support.openxr_layers import Interceptor, answer
 
 waits = count()
 
@@ -58,8 +58,8 @@ def command(folder: Path, calls: str = "{}") -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    tests = Path(__file__).parent
-    return {**os.environ, "PYTHONPATH": f"{tests}:{os.environ.get('PYTHONPATH', '')}"}
+    root = Path(__file__).parent.parent
+    return {**os.environ, "PYTHONPATH": f"{root}:{os.environ.get('PYTHONPATH', '')}"}
 
 
 def sentence(said: str) -> str:

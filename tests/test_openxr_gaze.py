@@ -9,9 +9,9 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, needs_monado, validation
-from study_parts import read_rows, strict_about_gaze
 
+from tests.support.openxr import Participant, needs_monado, validation
+from tests.support.study import read_rows, strict_about_gaze
 from vrcomfort.cli import main
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.monado import Monado

@@ -6,8 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from openxr_support import needs_monado
-from x_server import x_server
+from tests.support.openxr import needs_monado
+from tests.support.x_server import x_server
 
 pytestmark = needs_monado
 

@@ -10,8 +10,8 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, Script, fresh_monado, needs_monado
 
+from tests.support.openxr import Participant, Script, fresh_monado, needs_monado
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, Quad, View, axis_angle, yaw_pitch_roll
 from vrcomfort.headset.inputs import Inputs

@@ -8,8 +8,8 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import fresh_monado, needs_monado
 
+from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.respondent.base import Form

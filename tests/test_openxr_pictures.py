@@ -8,17 +8,17 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado
 
+from tests.support.openxr import Participant, fresh_monado, needs_monado
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.pose_track import PoseTrack
 from vrcomfort.headset.remote_feed import RemoteState
-from vrcomfort.headset.trace import Trace
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.pose_track import PoseTrack
+from vrcomfort.traces.trace import Trace
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

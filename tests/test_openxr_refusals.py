@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from resume_parts import go
-from study_parts import AheadHeadset, Scripted, strict_about_gaze
 
+from tests.support.resume import go
+from tests.support.study import AheadHeadset, Scripted, strict_about_gaze
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_participants

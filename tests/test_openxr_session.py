@@ -11,8 +11,8 @@ import moderngl
 import numpy as np
 import pandas as pd
 import pytest
-from openxr_support import fresh_monado, needs_monado
 
+from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort import session
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, axis_angle

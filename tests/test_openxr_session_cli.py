@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from openxr_support import BEST_PRACTICES, VALIDATION, needs_monado
-from study_parts import smoke_with
 
+from tests.support.openxr import BEST_PRACTICES, VALIDATION, needs_monado
+from tests.support.study import smoke_with
 from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -33,7 +33,7 @@ HEAD_TURN = ["head_qx", "head_qy", "head_qz", "head_qw"]
 
 CLIENT = """
 import atexit, json, sys
-from openxr_best_practices import BestPractices
+from tests.support.openxr_best_practices import BestPractices
 atexit.register(lambda said=BestPractices(): print(json.dumps(said.counts())))
 from vrcomfort.cli import main
 main()
@@ -67,7 +67,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("session")
     environment = {
         **os.environ,
-        "PYTHONPATH": f"{Path(__file__).parent}:{os.environ.get('PYTHONPATH', '')}",
+        "PYTHONPATH": f"{Path(__file__).parent.parent}:{os.environ.get('PYTHONPATH', '')}",
         "XR_API_LAYER_PATH": str(Path(xr.__file__).parent / "api_layer" / "linux_x86_64"),
         "XR_ENABLE_API_LAYERS": f"{VALIDATION}:{BEST_PRACTICES}",
         "XR_CORE_VALIDATION_EXPORT_TYPE": "text",

@@ -8,22 +8,22 @@ from pathlib import Path
 import moderngl
 import numpy as np
 import pytest
-from openxr_support import (
+
+from tests.support.openxr import (
     Participant,
     fresh_monado,
     needs_monado,
     validation,
 )
-
 from vrcomfort.geometry import Pose, Quad
+from vrcomfort.gpu import gl
 from vrcomfort.headset.remote_feed import RemoteState
-from vrcomfort.render import gl
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
-from openxr_best_practices import BestPractices
 
+from tests.support.openxr_best_practices import BestPractices
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 
 pytestmark = needs_monado

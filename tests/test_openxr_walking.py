@@ -14,15 +14,15 @@ import moderngl
 import numpy as np
 import pandas as pd
 import pytest
-from openxr_support import Participant, fresh_monado, needs_monado
-from study_parts import smoke_with
-from x_server import x_server
 
+from tests.support.openxr import Participant, fresh_monado, needs_monado
+from tests.support.study import smoke_with
+from tests.support.x_server import x_server
 from vrcomfort.geometry import Array, Pose, axis_angle
 from vrcomfort.headset.base import Frame
-from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.floors import Floors
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 

@@ -20,9 +20,9 @@ import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur
-from vrcomfort.render import shaders
-from vrcomfort.render.gl import create_context
-from vrcomfort.render.gltf import load_scene
+from vrcomfort.gpu import shaders
+from vrcomfort.gpu.gl import create_context
+from vrcomfort.scene.load import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
@@ -33,7 +33,7 @@ assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
 
 read = set()
 source = shaders.source
-shaders.source = lambda name: (read.add(name.removeprefix("include/")), source(name))[1]
+shaders.source = lambda name: (read.add(name), source(name))[1]
 
 context, scene = create_context(), load_scene("temple")
 for law in ("linear", "dioptre"):
@@ -60,7 +60,7 @@ EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
-print(*read, "picture.vert", "picture.frag")
+print(*read, "display/picture.vert", "display/picture.frag")
 """
 
 
@@ -97,7 +97,9 @@ def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Pa
         cwd=tmp_path,
     )
     assert result.returncode == 0, result.stderr
-    shaders = {path.name for path in (ROOT / "shaders").rglob("*") if path.is_file()}
+    folder = ROOT / "shaders"
+    files = (path for path in folder.rglob("*") if path.is_file())
+    shaders = {path.relative_to(folder).as_posix() for path in files}
     assert set(result.stdout.split()) == shaders, "every shader is compiled, and none is unused"
 
 

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from render_parts import at, eye, glowing, scene, still_life, wall
 
+from tests.oracles.raycast import cast
+from tests.support.render import at, eye, glowing, scene, still_life, wall
 from vrcomfort.geometry import Pose, yaw_pitch_roll
-from vrcomfort.render import gl
+from vrcomfort.gpu import gl
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.output import distance_m, read_depth, read_linear
-from vrcomfort.render.raycast import cast
 from vrcomfort.render.scene_pass import ScenePass
 
 SIZE = (64, 64)

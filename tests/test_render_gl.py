@@ -5,7 +5,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Fov, clip_from_view
-from vrcomfort.render import gl, shaders
+from vrcomfort.gpu import gl, shaders
 
 ATTACHMENT_COMPONENT_TYPE, FRAMEBUFFER, DEPTH, FLOAT = 0x8211, 0x8D40, 0x8D00, 0x1406
 
@@ -52,7 +52,10 @@ def test_distances_of_thirty_kilometres_differ(ctx):
 
 def test_a_shader_error_names_the_files_and_the_variant(session_context, monkeypatch):
     # Not `ctx`: moderngl itself leaks the program object of code that does not compile.
-    texts = {"a.frag": "#version 450\nbad", "fullscreen.vert": shaders.source("fullscreen.vert")}
+    texts = {
+        "a.frag": "#version 450\nbad",
+        "common/fullscreen.vert": shaders.source("common/fullscreen.vert"),
+    }
     monkeypatch.setattr(shaders, "source", texts.__getitem__)
     with pytest.raises(RuntimeError, match=r"a\.frag \[RINGS=3\]"):
         shaders.program(session_context, "a.frag", defines={"RINGS": 3})

@@ -1,19 +1,19 @@
-import golden_images
 import numpy as np
 import pytest
-from render_parts import eye, still_life
 
+from tests.support import golden_images
+from tests.support.render import eye, still_life
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
-from vrcomfort.render.gltf import load_scene
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
+from vrcomfort.traces.trace import read_trace
 
 SIZE = (160, 120)
 

@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import get_args
 
 import pytest
-from render_parts import still_life
 
+from tests.support.render import still_life
+from vrcomfort.gpu import gl
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
@@ -18,7 +20,6 @@ from vrcomfort.protocol.conditions import (
     SpeedBlur,
     TurnRamp,
 )
-from vrcomfort.render import gl, gpu_memory
 from vrcomfort.render.pipeline import StereoRenderer
 
 RENDER = Path(gl.__file__).parent

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from test_effects_optics import evaluate
 
+from tests.oracles import reflection, sky
 from vrcomfort.geometry import normalize
-from vrcomfort.optics import reflection, sky
-from vrcomfort.render import gl, shaders
+from vrcomfort.gpu import gl, shaders
 from vrcomfort.render.lighting import Light
-from vrcomfort.render.scene_data import Environment, Scene
+from vrcomfort.scene.data import Environment, Scene
 
 ENVIRONMENT = Environment(
     sun_direction=normalize([0.3, 0.7, -0.4]),
@@ -56,7 +56,7 @@ void main() {{
     light.update(np.zeros(3), None, None)
     ctx.framebuffer([target]).use()
     source.use(0)
-    triangle = ctx.vertex_array(ctx.program(shaders.source("fullscreen.vert"), program), [])
+    triangle = ctx.vertex_array(ctx.program(shaders.source("common/fullscreen.vert"), program), [])
     triangle.render(vertices=3)
     return np.frombuffer(target.read(), "f4").reshape(-1, 4)
 

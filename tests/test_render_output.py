@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from vrcomfort.render import gl, output
+from vrcomfort.gpu import gl
+from vrcomfort.render import output
 
 
 @pytest.fixture

@@ -3,11 +3,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import pytest
-from render_parts import RIGHT_ANGLE, at, floor, glowing, scene, still_life, wall
 
+from tests.support.render import RIGHT_ANGLE, at, floor, glowing, scene, still_life, wall
 from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
+from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.render import gl
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 

@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import moderngl
 import pytest
-from render_parts import still_life
 from test_render_pipeline import SIZE, standing
 
+from tests.support.render import still_life
+from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
@@ -19,9 +20,8 @@ from vrcomfort.protocol.conditions import (
     SpeedBlur,
     TurnRamp,
 )
-from vrcomfort.render import gpu_memory
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_data import Node
+from vrcomfort.scene.data import Node
 
 PLAIN = Condition(name="plain")
 ZERO_TURN = TurnRamp(from_deg_s=0, to_deg_s=10)

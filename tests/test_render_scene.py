@@ -2,12 +2,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from render_parts import DARK, at, box, eye, floor, glowing, mesh, scene, wall
 
+from tests.support.render import DARK, at, box, eye, floor, glowing, mesh, scene, wall
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.render.output import distance_m, read_depth, read_linear, read_texture
-from vrcomfort.render.scene_data import Environment, Image, LodLevel, Material, PointLight
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.scene.data import Environment, Image, LodLevel, Material, PointLight
 
 RED, GREEN, WHITE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0)
 SIZE = (64, 64)

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from vrcomfort.gpu import gl
 from vrcomfort.optics import tone
-from vrcomfort.render import gl
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.tone_map import ToneMapPass
 

@@ -2,16 +2,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from render_parts import at, box, eye, floor, glowing, scene, wall
 
+from tests.support.render import at, box, eye, floor, glowing, scene, wall
 from vrcomfort.geometry import Pose, axis_angle, quaternion_multiply, yaw_pitch_roll
 from vrcomfort.optics.motion import velocity_px
-from vrcomfort.render.animation import Animation, Channel
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.output import distance_m, read_depth, read_texture
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.data import Scene
 
 SIZE = (64, 64)
 SAMPLE_0 = (0.375, 0.125)

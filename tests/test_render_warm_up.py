@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from render_parts import still_life
 from test_render_pipeline import BOTH, SIZE, standing
 
+from tests.support.render import still_life
+from vrcomfort.gpu.gl import LATENCY
+from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.render import pipeline
-from vrcomfort.render.gl import LATENCY
-from vrcomfort.render.gpu_timer import GpuTimer, make_gpu_timer
 from vrcomfort.render.output import read_rgb8, read_texture
 from vrcomfort.render.pipeline import StereoRenderer
 

@@ -3,8 +3,8 @@
 import json
 
 import pytest
-from report_parts import Study, foreign
 
+from tests.support.report import Study, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_ssq
 from vrcomfort.report import build_report

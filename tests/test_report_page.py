@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from report_parts import Study, carnegie_like, foreign
 
+from tests.support.report import Study, carnegie_like, foreign
 from vrcomfort.report import build_report
 
 UNEQUAL = {

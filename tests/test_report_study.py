@@ -7,8 +7,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from report_parts import ITEMS, Study, answers, carnegie_like, foreign
 
+from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign
 from vrcomfort.questionnaire import score
 from vrcomfort.report import build_report
 from vrcomfort.stats.signed_rank import signed_rank

@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 import pytest
-from report_parts import carnegie_like, foreign
 
+from tests.support.report import carnegie_like, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.report import build_report
 from vrcomfort.report.writing import write_report

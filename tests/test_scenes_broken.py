@@ -8,10 +8,10 @@ import struct
 import numpy as np
 import pytest
 import trimesh
-from scene_files import Gltf
 
+from tests.support.scene_files import Gltf
 from vrcomfort.errors import InputError
-from vrcomfort.render.gltf import load_scene
+from vrcomfort.scene.load import load_scene
 
 
 def truncated(path):

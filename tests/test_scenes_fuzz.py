@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from scene_files import Gltf, png
 
+from tests.support.scene_files import Gltf, png
 from vrcomfort.errors import InputError
-from vrcomfort.render import shaders
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.gpu import shaders
 from vrcomfort.render.surfaces import _features, _material_block
 from vrcomfort.render.vertex_data import vertex_bytes
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
 
 TURN = [0.0, 0.6, 0.0, 0.8]
 WORSE = (

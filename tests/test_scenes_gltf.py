@@ -7,12 +7,12 @@ import pytest
 import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
-from scene_files import Gltf, png
 
+from tests.support.scene_files import Gltf, png
 from vrcomfort.geometry import axis_angle, normalize
-from vrcomfort.render.animation import Channel, sample
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.scene_defaults import world_bounds
+from vrcomfort.scene.animation import Channel, sample
+from vrcomfort.scene.defaults import world_bounds
+from vrcomfort.scene.load import load_scene
 
 
 def world_positions(scene, time_s=0.0):

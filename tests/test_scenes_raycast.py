@@ -9,13 +9,13 @@ import pytest
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scene_files import quad, scene_of
 
+from tests.oracles.raycast import cast
+from tests.support.scene_files import quad, scene_of
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.render.animation import Animation, Channel
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.raycast import cast
-from vrcomfort.render.scene_data import Image, LodLevel, Material, Node
+from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.data import Image, LodLevel, Material, Node
+from vrcomfort.scene.load import load_scene
 
 FORWARD = [[0.0, 0.0, -1.0]]
 

@@ -13,12 +13,12 @@ import numpy as np
 import pytest
 from PIL import Image as PillowImage
 
+from tests.oracles.raycast import cast
 from vrcomfort.geometry import Fov, clip_from_view, rotate, rotation_matrix, yaw_pitch_roll
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import DrawList
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.raycast import cast
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.load import load_scene
 
 NAMES = ("temple", "mountain")
 EYE = np.array([0.0, 1.6, 0.0])

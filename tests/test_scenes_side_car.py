@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scene_files import Gltf
 
+from tests.support.scene_files import Gltf
 from vrcomfort.errors import InputError
-from vrcomfort.render.gltf import load_scene
+from vrcomfort.scene.load import load_scene
 
 
 def scene_with(tmp_path, side_car):

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from resume_parts import go, rows
-from study_parts import Scripted
 
+from tests.support.resume import go, rows
+from tests.support.study import Scripted
 from vrcomfort.errors import InputError
 from vrcomfort.records import QuestionnaireRow, Recorder
 from vrcomfort.report import build_report
@@ -20,8 +20,8 @@ KILLED = """
 import os, signal, sys
 from pathlib import Path
 sys.path[:0] = sys.argv[2:]
-from resume_parts import go
-from study_parts import Scripted
+from tests.support.resume import go
+from tests.support.study import Scripted
 
 class Dies(Scripted):
     def ask(self, form, heard):

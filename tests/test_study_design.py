@@ -4,8 +4,8 @@ from collections import Counter
 from itertools import pairwise
 
 import pytest
-from study_parts import PROTOCOL
 
+from tests.support.study import PROTOCOL
 from vrcomfort.design import Enrolment, audit, build_design, williams
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol, parse_protocol

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 
 import pytest
-from resume_parts import go
-from study_parts import AheadHeadset
 
+from tests.support.resume import go
+from tests.support.study import AheadHeadset
 from vrcomfort.errors import InputError
 
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
-from resume_parts import go, rows
-from study_parts import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 
+from tests.support.resume import go, rows
+from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.records import session_folder
 from vrcomfort.respondent import Withdrew

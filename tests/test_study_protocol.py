@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import BaseModel
-from study_parts import PROTOCOL, tiny_protocol
 
+from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol

@@ -4,8 +4,8 @@ import tomllib
 from typing import get_args
 
 import pytest
-from study_parts import PROTOCOL, tiny_protocol
 
+from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import quality as dial
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur

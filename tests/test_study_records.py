@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from study_parts import frame, read_rows, tiny_protocol
 
+from tests.support.study import frame, read_rows, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose
@@ -178,7 +178,7 @@ def test_names_that_cannot_be_folders_and_studies_that_are_others(tmp_path):
 
 def test_the_manifest_holds_the_protocol_and_what_was_overridden(tmp_path):
     protocol = tiny_protocol(tmp_path)
-    machine = Machine(gpu="llvmpipe", shaders={"scene.frag": "ab12"})
+    machine = Machine(gpu="llvmpipe", shaders={"scene/scene.frag": "ab12"})
     manifest = Manifest("P1", 1, "ab", protocol, machine, {}, "simulated", 7, 0.5, "now")
     manifest.write(tmp_path)
     content = json.loads((tmp_path / "manifest.json").read_text())
@@ -186,6 +186,6 @@ def test_the_manifest_holds_the_protocol_and_what_was_overridden(tmp_path):
     assert content["protocol"]["sha256"] == protocol.sha256
     assert content["settings"]["conditions"][1]["depth_of_field"]["max_radius_percent"] == 1.75
     assert (content["exposure_override_s"], content["seed"]) == (0.5, 7)
-    assert content["shaders"] == {"scene.frag": "ab12"}
+    assert content["shaders"] == {"scene/scene.frag": "ab12"}
     assert content["timing_trust"] == "lockstep"
     assert "numpy" in content["versions"]

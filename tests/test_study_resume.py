@@ -11,14 +11,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from resume_parts import attempts, folder, go, manifest, rows
-from study_parts import PROTOCOL, AheadHeadset, Scripted, read_rows, tiny_protocol
 
+from tests.support.resume import attempts, folder, go, manifest, rows
+from tests.support.study import PROTOCOL, AheadHeadset, Scripted, read_rows, tiny_protocol
 from vrcomfort.errors import InputError, RuntimeLostError
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder
 from vrcomfort.report import build_report
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
+from vrcomfort.traces.trace import read_trace
 
 FILES = ("trials", "timing", "questionnaires", "ratings", "frames", "events")
 
@@ -133,7 +133,7 @@ KILL = """
 import os, signal, sys, time
 sys.path[:0] = {paths}
 from pathlib import Path
-import resume_parts as tests
+from tests.support import resume as tests
 
 class Killed(tests.AheadHeadset):
     def frames(self):
@@ -151,8 +151,8 @@ tests.go(Path({folder!r}), headset_for=headset_for)
 
 
 def test_a_killed_program_loses_nothing_but_its_last_rows(tmp_path):
-    root = Path(__file__).parent
-    script = KILL.format(paths=[str(root), str(root.parent)], folder=str(tmp_path))
+    root = Path(__file__).parent.parent
+    script = KILL.format(paths=[str(root)], folder=str(tmp_path))
     done = subprocess.run([sys.executable, "-c", script], check=False, timeout=100)
     assert done.returncode == -signal.SIGKILL
     assert attempts(tmp_path) == [("1", "1", "0", "completed", "")]

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from study_parts import AheadHeadset, LateFocus, Scripted, read_rows, smoke_with
 
+from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, smoke_with
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, set_status

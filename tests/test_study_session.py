@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 
 import pytest
-from session_parts import go, manifest, rows, status
-from study_parts import LateFocus, Scripted, frame, read_rows, tiny_protocol
 
+from tests.support.session import go, manifest, rows, status
+from tests.support.study import LateFocus, Scripted, frame, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
-from vrcomfort.headset.trace import read_trace
 from vrcomfort.records import Recorder, session_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import VirtualClock
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.traces.trace import read_trace
 
 
 def test_a_whole_participant(tmp_path):

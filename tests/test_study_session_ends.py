@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from session_parts import go, manifest, rows, status
-from study_parts import AheadHeadset, LateFocus, Scripted
 
+from tests.support.session import go, manifest, rows, status
+from tests.support.study import AheadHeadset, LateFocus, Scripted
 from vrcomfort.errors import InputError, RuntimeLostError
 
 

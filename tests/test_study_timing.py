@@ -8,12 +8,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from resume_parts import attempts, go, manifest, rows
-from study_parts import PROTOCOL, AheadHeadset, LateFocus, Picture, frame, read_rows, tiny_protocol
 
+from tests.support.resume import attempts, go, manifest, rows
+from tests.support.study import (
+    PROTOCOL,
+    AheadHeadset,
+    LateFocus,
+    Picture,
+    frame,
+    read_rows,
+    tiny_protocol,
+)
 from vrcomfort.errors import InputError
+from vrcomfort.gpu.timer import GpuTime
 from vrcomfort.records import Recorder, read_participants
-from vrcomfort.render.gpu_timer import GpuTime
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.timing import Durations
 

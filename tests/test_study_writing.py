@@ -7,8 +7,8 @@ import threading
 from pathlib import Path
 
 import pytest
-from study_parts import frame, read_rows
 
+from tests.support.study import frame, read_rows
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze
 from vrcomfort.records import EventRow, FrameRow, GazeRow, RatingRow, Recorder, TrialRow

@@ -4,8 +4,8 @@ import time
 
 import pytest
 
-from vrcomfort.render import gpu_timer
-from vrcomfort.render.gpu_timer import Stopwatch
+from vrcomfort.gpu import timer as gpu_timer
+from vrcomfort.gpu.timer import Stopwatch
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.tradeoff import timing

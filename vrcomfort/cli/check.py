@@ -87,7 +87,7 @@ def _python() -> Finding:
 
 
 def _opengl() -> tuple[Finding, moderngl.Context | None]:
-    from vrcomfort.render.gl import create_context, describe
+    from vrcomfort.gpu.gl import create_context, describe
 
     try:
         context = create_context()

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from vrcomfort.cli.live import LiveLab
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.render.scene_data import Scene
     from vrcomfort.respondent import Respondent
+    from vrcomfort.scene.data import Scene
     from vrcomfort.session import Outcome, Progress, Reservation
 
 
@@ -128,7 +128,7 @@ class StudyLab:
 
 
 def _load_scene(source: str) -> Scene:
-    from vrcomfort.render.gltf import load_scene
+    from vrcomfort.scene.load import load_scene
 
     scene = load_scene(source)
     for warning in scene.warnings:

@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
     from vrcomfort.geometry import Pose
     from vrcomfort.headset.base import Headset
-    from vrcomfort.headset.floors import Floors
     from vrcomfort.headset.mirror import Mirror
     from vrcomfort.headset.window import Window
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.scene.floors import Floors
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
 
@@ -56,7 +56,7 @@ class LiveLab:
 
     def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
         """Lead the participant to the scene's starting point."""
-        from vrcomfort.headset.floors import Floors
+        from vrcomfort.scene.floors import Floors
 
         del scene_name
         self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable))
@@ -132,8 +132,8 @@ def live_lab(
         If a part is missing; says what to do.
     """
     require_bindings()
+    from vrcomfort.gpu.gl import create_context
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-    from vrcomfort.render.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.session.panel_screen import PanelScreen
 
@@ -178,7 +178,7 @@ def open_window(
         raise InputError(
             "windows need GLFW, which is not installed; pip install 'vrcomfort[desktop]'"
         ) from error
-    from vrcomfort.render.gl import prepare
+    from vrcomfort.gpu.gl import prepare
 
     window = Window(title, size_px, wait_for_display=participant, drag_turns=not participant)
     owned.enter_context(window)

@@ -174,8 +174,8 @@ def import_trace(
 
     - `vrcomfort import-trace log.txt --format unity-euler --out trace.csv`
     """
-    from vrcomfort.headset.trace import import_trace as read
-    from vrcomfort.headset.trace import write_trace
+    from vrcomfort.traces.trace import import_trace as read
+    from vrcomfort.traces.trace import write_trace
 
     if format != "unity-euler":
         raise InputError(f"--format {format!r} is not known; the one there is: unity-euler")

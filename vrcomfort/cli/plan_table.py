@@ -13,10 +13,10 @@ from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.protocol.quality import Figure, Measured, figure_for, level_of, quality_table
 
 if TYPE_CHECKING:
-    from vrcomfort.render.blur_limit import Unlimited
+    from vrcomfort.render.effects.depth_of_field.blur_limit import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.plan import PlannedPass
-    from vrcomfort.render.scene_data import Scene
+    from vrcomfort.scene.data import Scene
 
 UNKNOWN = "?"
 
@@ -91,8 +91,8 @@ def _beyond_as_data(condition: str, beyond: Unlimited) -> dict[str, Any]:
 
 def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
     """Plan every condition of a study in every scene, for eyes of this size."""
-    from vrcomfort.render.blur_limit import unlimited
-    from vrcomfort.render.gltf import load_scene
+    from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
+    from vrcomfort.scene.load import load_scene
 
     renderer, no_opengl = _renderer(size_px)
     rows = [
@@ -107,7 +107,7 @@ def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
 
 def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | None]:
     """Return a renderer, or why there is none: a plan needs no GPU, only its memory does."""
-    from vrcomfort.render.gl import create_context
+    from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
     try:
@@ -119,7 +119,7 @@ def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | No
 def _planned(
     name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None
 ) -> Planned:
-    from vrcomfort.render.gpu_memory import megabytes
+    from vrcomfort.gpu.memory import megabytes
     from vrcomfort.render.plan import plan_passes
 
     memory = None

@@ -13,8 +13,8 @@ from vrcomfort.cli.wiring import make_renderer
 from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:
-    from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Row
+    from vrcomfort.traces.trace import Trace
 
 LOG, FILM, SETTINGS = WRITTEN = ("frames.csv", "video.mp4", "meta.json")
 """Files in the folder of results, beside the pictures."""
@@ -38,7 +38,7 @@ def play_trace(
     A trace without avatar poses is anchored at the scene's spawn point.
     """
     from vrcomfort.headset.playback import PlaybackHeadset
-    from vrcomfort.render.gltf import load_scene
+    from vrcomfort.scene.load import load_scene
 
     scene = load_scene(scene_source)
     for warning in scene.warnings:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vrcomfort.headset.base import Frame
     from vrcomfort.render.frames import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.render.scene_data import Scene
+    from vrcomfort.scene.data import Scene
 
 PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""
@@ -84,9 +84,9 @@ def still(
     reference_samples
         Draw the ground truth with so many samples; 0 does not.
     """
-    from vrcomfort.render.gltf import load_scene
     from vrcomfort.render.image_error import margin_px
     from vrcomfort.render.output import read_rgb8, write_stereo
+    from vrcomfort.scene.load import load_scene
 
     now, before = (each.pose() for each in poses)
     if reference_samples:

@@ -16,10 +16,10 @@ from vrcomfort.resources import data_folder
 if TYPE_CHECKING:
     from vrcomfort.geometry import Pose
     from vrcomfort.headset.playback import PlaybackHeadset
-    from vrcomfort.headset.trace import Trace
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
-    from vrcomfort.render.scene_data import Scene
+    from vrcomfort.scene.data import Scene
+    from vrcomfort.traces.trace import Trace
 
 
 DEFAULT_IPD_M = 0.063
@@ -91,7 +91,7 @@ def shipped_walk(scene_name: str) -> Trace:
     InputError
         If there is none: it is somebody's own scene.
     """
-    from vrcomfort.headset.trace import read_trace
+    from vrcomfort.traces.trace import read_trace
 
     file = data_folder("scenes") / f"{scene_name}_walk.csv"
     if not file.exists():
@@ -101,7 +101,7 @@ def shipped_walk(scene_name: str) -> Trace:
 
 def open_trace(path: Path, *, trial: str | None = None, gaze: Path | None = None) -> Trace:
     """Read a trace, or one trial of it, with a record of gaze; say what was left out."""
-    from vrcomfort.headset.trace import read_trace
+    from vrcomfort.traces.trace import read_trace
 
     trace = read_trace(path)
     if gaze is not None:
@@ -112,7 +112,7 @@ def open_trace(path: Path, *, trial: str | None = None, gaze: Path | None = None
 
 
 def _with_gaze(trace: Trace, file: Path) -> Trace:
-    from vrcomfort.headset.gaze_track import read_gaze
+    from vrcomfort.traces.gaze_track import read_gaze
 
     gaze = read_gaze(file)
     covered = gaze.covers(trace.time_ns)
@@ -205,7 +205,7 @@ def _without_gaze(needing: list[str], why: str) -> InputError:
 
 def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
-    from vrcomfort.render.gl import create_context
+    from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
     return StereoRenderer(create_context(), size_px)
@@ -213,11 +213,11 @@ def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
     """Return what the manifest says of the machine and of the passes it draws."""
+    from vrcomfort.gpu.gl import describe
     from vrcomfort.headset.timing import TimingTrust
     from vrcomfort.records import Machine
-    from vrcomfort.render.gl import describe
-    from vrcomfort.render.gltf import load_scene
     from vrcomfort.render.plan import plan_passes
+    from vrcomfort.scene.load import load_scene
 
     facts = describe(renderer.ctx)
     passes = {

@@ -13,10 +13,10 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
 from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
-from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
 from vrcomfort.headset.window import Window
+from vrcomfort.scene.floors import Floors
 
 SECOND_NS = 1_000_000_000
 USUAL_HZ = 60.0

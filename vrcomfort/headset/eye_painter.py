@@ -70,7 +70,8 @@ class EyePainter:
         self._ctx = ctx
         folder = data_folder("shaders")
         vertex, fragment = (
-            (folder / name).read_text(encoding="utf-8") for name in ("picture.vert", "picture.frag")
+            (folder / name).read_text(encoding="utf-8")
+            for name in ("display/picture.vert", "display/picture.frag")
         )
         self._program = ctx.program(vertex, fragment)
         self._rectangle = ctx.vertex_array(self._program, [])

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from vrcomfort.geometry import Array, Pose, axis_angle, rotate
-from vrcomfort.headset.floors import STEP_M, Floors
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
+from vrcomfort.scene.floors import STEP_M, Floors
 
 WALKING_SPEED_M_S = 1.4
 """Carnegie & Rhee (2015); a protocol may say otherwise."""

@@ -18,8 +18,8 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
 from vrcomfort.headset.base import Frame, HeadsetEvent
-from vrcomfort.headset.pose_track import PoseTrack, Times
-from vrcomfort.headset.trace import Trace
+from vrcomfort.traces.pose_track import PoseTrack, Times
+from vrcomfort.traces.trace import Trace
 
 if TYPE_CHECKING:
     import moderngl

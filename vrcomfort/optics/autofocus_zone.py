@@ -1,6 +1,6 @@
 """Focus by a zone in the middle of the image, where people look: a weighted mean of its distances.
 
-NumPy twins of ``shaders/focus_weights.frag`` and ``shaders/focus_halve.frag``; also what
+NumPy twins of ``focus_weights.frag`` and ``focus_halve.frag`` in ``shaders/focus``; also what
 `zone_mean_on = "cpu"` computes. Source: Hillaire et al. 2008, Eq. 2 and 3.
 """
 

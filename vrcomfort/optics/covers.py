@@ -1,8 +1,8 @@
 """Small discs as reads that cover them, every texel once: no OpenGL. All radii are in pixels.
 
-NumPy twins, in float64, of ``shaders/taps_cover.frag``. Between as many reads that are spread over
-the disc by their area alone, as those of `optics.taps` are, there are gaps, and some texels count
-twice: a light of a pixel becomes spots. All choices are ours.
+NumPy twins, in float64, of ``shaders/depth_of_field/taps_cover.frag``. Between as many reads that
+are spread over the disc by their area alone, as those of `optics.taps` are, there are gaps, and
+some texels count twice: a light of a pixel becomes spots. All choices are ours.
 """
 
 from __future__ import annotations

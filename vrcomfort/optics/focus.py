@@ -1,6 +1,6 @@
 """Where the eye focuses: nine rays ahead or around the line of sight, and one estimate.
 
-NumPy twins of ``shaders/focus.frag``. Distances are metres along the head's forward axis.
+NumPy twins of ``shaders/focus/focus.frag``. Distances are metres along the head's forward axis.
 Sources: Carnegie & Rhee 2015, p. 36; Mantiuk et al. 2011, section 4. What their print leaves open
 is named at each function.
 """

@@ -1,8 +1,8 @@
 """Depth of field by gathering: Poisson taps in a pixel's own circle of confusion.
 
-NumPy twins, in float64, of ``shaders/poisson12.frag`` (Hillaire et al. 2008, Fig. 3) and
-``shaders/poisson15_near*.frag`` (Mantiuk et al. 2011, section 4). Images are (h, w, 4) points:
-colour and signed radius in pixels of image width, negative in front of the focus.
+NumPy twins, in float64, of ``poisson12.frag`` (Hillaire et al. 2008, Fig. 3) and
+``poisson15_near*.frag`` (Mantiuk et al. 2011, section 4) in ``shaders/depth_of_field``. Images are
+(h, w, 4) points: colour and signed radius in pixels of image width, negative in front of the focus.
 
 Neither paper says how its textures are filtered. Colours are read bilinearly, as graphics cards do,
 which is the better for the error of both kernels; radii are never averaged.

@@ -1,4 +1,4 @@
-"""A Gaussian blur whose width is an angle: NumPy twin of ``shaders/gaussian.frag``."""
+"""A Gaussian blur whose width is an angle: NumPy twin of ``shaders/speed_blur/gaussian.frag``."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Motion on the image: velocity, shutter and streaks; and how fast a head goes.
 
 NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``streak_kinds.glsl``, and of the
-taps of ``shaders/motion_blur.frag``. Thresholds are ours.
+taps of ``shaders/motion_blur/motion_blur.frag``. Thresholds are ours.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class StreakTaps(NamedTuple):
 
 
 def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
-    """Return how ``shaders/motion_blur.frag`` averages along half a streak.
+    """Return how ``shaders/motion_blur/motion_blur.frag`` averages along half a streak.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Discs of a few pixels, as wide as they should be on the pixel grid: no OpenGL.
 
-NumPy twins, in float64, of ``shaders/small_discs.frag``. Radii are in pixels of image width,
-negative in front of the focus.
+NumPy twins, in float64, of ``shaders/depth_of_field/small_discs.frag``. Radii are in pixels
+of image width, negative in front of the focus.
 """
 
 from __future__ import annotations

@@ -12,18 +12,18 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
-from vrcomfort.render.focus import FixedFocus, FocusPass, FocusSample, make_focus_pass
-from vrcomfort.render.focus_probes import screen_tangents
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.depth_of_field.lens_views import LensViews, blur_of_one_view
+from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.effects.speed_blur import SpeedBlurPass
+from vrcomfort.render.focus.passes import FixedFocus, FocusPass, FocusSample, make_focus_pass
+from vrcomfort.render.focus.rays import screen_tangents
 from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
-from vrcomfort.render.lens_views import LensViews, blur_of_one_view
-from vrcomfort.render.motion_blur import MotionBlurPass
 from vrcomfort.render.plan import plan_passes
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.speed_blur import SpeedBlurPass
 from vrcomfort.render.tone_map import ToneMapPass
+from vrcomfort.scene.data import Scene
 
 
 class PlacedEye(NamedTuple):

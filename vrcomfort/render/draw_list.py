@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.render import culling
-from vrcomfort.render.scene_data import Node, Scene
+from vrcomfort.scene.data import Node, Scene
 
 COMMAND = np.dtype(
     [

@@ -8,9 +8,9 @@ from typing import NamedTuple, Protocol
 import moderngl
 
 from vrcomfort.geometry import Gaze, Pose, View
+from vrcomfort.gpu.timer import GpuTime
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.focus import FocusSample
-from vrcomfort.render.gpu_timer import GpuTime
+from vrcomfort.render.focus.passes import FocusSample
 
 
 class FrameToRender(Protocol):

@@ -15,9 +15,9 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.render import culling, gl, lighting, shaders
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_rows import Movement, Rows, SceneRows
 from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
@@ -26,6 +26,7 @@ from vrcomfort.render.vertex_data import (
     index_bytes,
     vertex_bytes,
 )
+from vrcomfort.scene.data import Scene
 
 DepthArrays = list[moderngl.VertexArray | None]
 

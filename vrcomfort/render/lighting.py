@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
-from vrcomfort.render import gl, shaders
-from vrcomfort.render.scene_data import Environment, Scene
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.scene.data import Environment, Scene
 
 LIGHT_BINDING = 1
 MAX_LAMPS = 16

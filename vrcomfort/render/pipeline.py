@@ -19,19 +19,20 @@ from typing import Literal, NamedTuple
 import moderngl
 
 from vrcomfort.geometry import Pose, View
+from vrcomfort.gpu import gl
+from vrcomfort.gpu import memory as gpu_memory
+from vrcomfort.gpu.timer import GpuTime, GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import gl, gpu_memory
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
-from vrcomfort.render.focus import FocusSample
+from vrcomfort.render.focus.passes import FocusSample
 from vrcomfort.render.frames import EyeImages, FrameToRender, RenderedFrame
-from vrcomfort.render.gpu_timer import GpuTime, GpuTimer, make_gpu_timer
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import PlannedPass, plan_passes
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.warm_up import looks_around
+from vrcomfort.scene.data import Scene
 
 __all__ = [
     "EyeImages",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.protocol.conditions import Condition, Focus
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
 
 
 @dataclass(frozen=True)

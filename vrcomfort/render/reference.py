@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import lens_and_shutter
 from vrcomfort.protocol.conditions import Condition, DepthOfField
-from vrcomfort.render import lens_radius, plan
+from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.scene_pass import ScenePass
+from vrcomfort.scene.data import Scene
 
 
 @dataclass

@@ -6,12 +6,13 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Pose
-from vrcomfort.render import gl, lighting, shaders
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.render import lighting
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
 from vrcomfort.render.camera_motion import camera_motion
 from vrcomfort.render.gpu_scene import GpuScene
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.render.shadow import ShadowMap
+from vrcomfort.scene.data import Scene
 
 __all__ = ["EyeCamera", "Lens", "LensLaw", "PreviousCamera", "ScenePass"]
 
@@ -149,7 +150,7 @@ class _Sky:
     """Fills what nothing was drawn on."""
 
     def __init__(self, ctx: moderngl.Context, defines: shaders.Defines) -> None:
-        program = shaders.program(ctx, "sky.frag", "sky.vert", defines)
+        program = shaders.program(ctx, "scene/sky.frag", "scene/sky.vert", defines)
         self._triangle = ctx.vertex_array(program, [])
 
     def draw(self) -> None:
@@ -179,7 +180,7 @@ class _Targets:
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
-        self._resolve = shaders.fullscreen(ctx, "resolve.frag", defines)
+        self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
         self.count = 2 * len(self._sources)
 
     def begin(self) -> None:

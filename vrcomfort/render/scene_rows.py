@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.render import culling, gl, lighting
+from vrcomfort.gpu import gl
+from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import COMMAND, DrawList
-from vrcomfort.render.node_poses import NodePoses, relative_rows
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.node_poses import NodePoses, relative_rows
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]

@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array, Pose, normalize
-from vrcomfort.render import gl
+from vrcomfort.gpu import gl
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.lighting import relative_to
 from vrcomfort.render.scene_rows import Movement

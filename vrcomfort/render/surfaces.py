@@ -9,10 +9,10 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.render import gl, shaders
+from vrcomfort.gpu import gl, shaders
 from vrcomfort.render.draw_list import BatchKey
-from vrcomfort.render.scene_data import Material, Scene
 from vrcomfort.render.textures import TextureStore
+from vrcomfort.scene.data import Material, Scene
 
 MATERIAL_BINDING = 2
 _UNIFORM_ALIGNMENT = 256
@@ -116,7 +116,7 @@ class SurfaceFactory:
             features = tuple(name for name in features if name != "AMBIENT_IN_ALPHA")
         if features not in self._color:
             defines = {**self._scene_features, **dict.fromkeys(features, 1)}
-            program = shaders.program(self._ctx, "scene.frag", "scene.vert", defines)
+            program = shaders.program(self._ctx, "scene/scene.frag", "scene/scene.vert", defines)
             self._color[features] = self._vertex_array(program)
         return self._color[features]
 
@@ -131,9 +131,9 @@ class SurfaceFactory:
         relevant = ("ALPHA_MASK", "BASE_COLOR_IMAGE") if "ALPHA_MASK" in features else ()
         features = tuple(name for name in features if name in (*relevant, "SEMANTIC"))
         if features not in self._depth:
-            fragment = "depth.frag" if features else None
+            fragment = "scene/depth.frag" if features else None
             defines = dict.fromkeys(features, 1)
-            program = shaders.program(self._ctx, fragment, "depth.vert", defines)
+            program = shaders.program(self._ctx, fragment, "scene/depth.vert", defines)
             self._depth[features] = self._vertex_array(program)
         return self._depth[features]
 

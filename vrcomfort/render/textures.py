@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import moderngl
 
-from vrcomfort.render import gl
-from vrcomfort.render.gpu_timer import is_software
-from vrcomfort.render.scene_data import Image
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.timer import is_software
+from vrcomfort.scene.data import Image
 
 ANISOTROPY = 8.0
 """Samples along the steep axis of a slanted surface, at most, where the hardware does it."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.render.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 
 
 class _Exposure(NamedTuple):
@@ -26,7 +26,7 @@ class ToneMapPass:
     ) -> None:
         self._pass = FullscreenPass(
             ctx,
-            "tone_map.frag",
+            "display/tone_map.frag",
             size_px=size_px,
             inputs={"radiance": radiance},
             constants=_Exposure(exposure),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.render.scene_data import Primitive
+from vrcomfort.scene.data import Primitive
 
 _VERTEX = np.dtype(
     [

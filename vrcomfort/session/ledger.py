@@ -8,7 +8,7 @@ from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
-from vrcomfort.render.blur_limit import unlimited
+from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.parts import HeadsetFor
 

@@ -20,7 +20,7 @@ from vrcomfort.render.image_error import (
     ssim,
     sure,
 )
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.binocular import (
     Correspondence,
     binocular_error,

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from vrcomfort.errors import InputError
-from vrcomfort.render.gl import describe
-from vrcomfort.render.gpu_timer import is_software
+from vrcomfort.gpu.gl import describe
+from vrcomfort.gpu.timer import is_software
 from vrcomfort.render.image_error import margin_px
 from vrcomfort.tradeoff.cases import Case, Scope, cases
 from vrcomfort.tradeoff.files import write_all

@@ -10,16 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
+from vrcomfort.gpu import gl
 from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import defocus, gl, lens_radius
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.effects.depth_of_field import circle_of_confusion as defocus
+from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
-from vrcomfort.render.scene_data import Scene
+from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.binocular import Eye
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
@@ -76,8 +78,8 @@ def shoot(
 def radius_px(shot: Shot, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
-    These are those that ``shaders/defocus.frag`` computes, in float64, for the law `dioptre`, which
-    all that is compared here has.
+    These are those that ``defocus.frag`` computes, in float64, for the law `dioptre`, which all
+    that is compared here has.
     """
     settings = condition.depth_of_field
     if settings is None:

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
-from vrcomfort.render.gltf import load_scene
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.load import load_scene
 
 REFERENCE_SHADERS = ("scene.*", "sky.*", "resolve.*", "depth.*")
 INCLUDE = re.compile(r'^#include "(.+)"', re.MULTILINE)

@@ -10,13 +10,13 @@ import moderngl
 import numpy as np
 
 from vrcomfort.geometry import Array
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.gl import color_texture
+from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
 from vrcomfort.headset.base import Frame
-from vrcomfort.render.depth_of_field import DepthOfFieldPass
-from vrcomfort.render.fullscreen_pass import FullscreenPass
-from vrcomfort.render.gl import color_texture
-from vrcomfort.render.gpu_timer import Lap, Stopwatch, is_software
-from vrcomfort.render.lens_views import LensViews
-from vrcomfort.render.motion_blur import MotionBlurPass
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
+from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
@@ -73,7 +73,7 @@ class CopyFloor:
         there, back = (color_texture(ctx, size_px) for _ in range(2))
         self._copies = tuple(
             FullscreenPass(
-                ctx, "copy.frag", size_px=size_px, inputs={"source": source}, target=target
+                ctx, "common/copy.frag", size_px=size_px, inputs={"source": source}, target=target
             )
             for source, target in ((there, back), (back, there))
         )

@@ -13,9 +13,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, View, axis_angle
 from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.headset.trace import read_trace
-from vrcomfort.render.scene_data import Scene
 from vrcomfort.resources import data_folder
+from vrcomfort.scene.data import Scene
+from vrcomfort.traces.trace import read_trace
 
 SCENES = ("temple", "mountain")
 REFRESH_HZ = 90

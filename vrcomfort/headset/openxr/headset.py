@@ -13,7 +13,6 @@ import xr
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.base import Frame, HeadsetEvent
-from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.attendance import Attendance
@@ -22,6 +21,7 @@ from vrcomfort.headset.openxr.native import native
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.whereabouts import Whereabouts
 from vrcomfort.headset.timing import Timing, rate_runtime
+from vrcomfort.scene.floors import Floors
 
 if TYPE_CHECKING:
     from vrcomfort.headset.mirror import Mirror

@@ -6,11 +6,11 @@ from collections.abc import Callable
 
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import HeadsetEvent
-from vrcomfort.headset.floors import Floors
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion, floor_under, wish_of
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.tracking import Tracking
+from vrcomfort.scene.floors import Floors
 
 
 class Whereabouts:

@@ -1,0 +1,94 @@
+"""Synthetic images and one-call blurs that the effect tests share."""
+
+import numpy as np
+
+from vrcomfort.geometry import Fov, Pose
+from vrcomfort.gpu import gl
+from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
+from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+
+NEAR_M = 0.02
+
+
+def textures(ctx, rgb, distance_m, near_m=NEAR_M):
+    """Return colour and depth textures of (h, w, 3) radiance and (h, w) distances, inf for sky."""
+    height, width, _ = rgb.shape
+    colour = gl.color_texture(ctx, (width, height))
+    alpha = np.ones((height, width, 1))
+    colour.write(np.concatenate([rgb, alpha], axis=-1).astype("f2").tobytes())
+    depth = gl.depth_texture(ctx, (width, height))
+    distance = np.broadcast_to(np.asarray(distance_m, float), (height, width))
+    with np.errstate(divide="ignore"):
+        depth.write((near_m / distance).astype("f4").tobytes())
+    return colour, depth
+
+
+def defocus_of(ctx, settings, distance_m, focus_m, size_px):
+    """Return what finds the radii of (h, w) distances, before its first frame."""
+    width, height = size_px
+    colour, depth = textures(ctx, np.zeros((height, width, 3)), distance_m)
+    focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
+    return Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
+        infinity_m=3e4,
+    )  # fmt: skip
+
+
+def texels_of(texture):
+    """Return (h, w, components) of a texture of floats, as they are in it."""
+    width, height = texture.size
+    values = np.frombuffer(texture.read(), texture.dtype).reshape(height, width, -1)
+    return values.astype(np.float64)
+
+
+def rgb_of(texture):
+    """Return (h, w, 3) half floats as they are in a texture."""
+    width, height = texture.size
+    return np.frombuffer(texture.read(), "f2").reshape(height, width, 4)[..., :3]
+
+
+def square_pixels(size_px):
+    return Fov.symmetric(vertical_rad=1.6, aspect=size_px[0] / size_px[1])
+
+
+def depth_of_field(ctx, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, eye=None, **settings):
+    """Return the (h, w, 3) blurred image."""
+    size_px = rgb.shape[1], rgb.shape[0]
+    colour, depth = textures(ctx, rgb, distance_m, near_m)
+    focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
+    effect = DepthOfFieldPass(
+        ctx,
+        colour=colour,
+        depth=depth,
+        focus=focus,
+        settings=DepthOfField(**settings),
+        size_px=size_px,
+    )
+    effect.render(fov=fov or square_pixels(size_px), near_m=near_m, head_from_eye=eye or Pose())
+    return rgb_of(effect.target)
+
+
+def motion_blur_pass(ctx, rgb, distance_m, velocity, *, step=None, **settings):
+    size_px = rgb.shape[1], rgb.shape[0]
+    colour, depth = textures(ctx, rgb, distance_m)
+    buffer = gl.color_texture(ctx, size_px, components=2)
+    with np.errstate(over="ignore"):
+        field = np.broadcast_to(velocity, (*rgb.shape[:2], 2)).astype("f2")
+    buffer.write(field.tobytes())
+    effect = MotionBlurPass(
+        ctx,
+        colour=colour,
+        depth=depth,
+        velocity=buffer,
+        settings=MotionBlur(**settings),
+        size_px=size_px,
+    )
+    effect.render(step=step)
+    return effect
+
+
+def motion_blur(ctx, rgb, distance_m, velocity, **settings):
+    """Return the (h, w, 3) blurred image."""
+    return rgb_of(motion_blur_pass(ctx, rgb, distance_m, velocity, **settings).target)

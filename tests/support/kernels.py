@@ -1,0 +1,50 @@
+"""One kernel on one small image, with radii given in pixels."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from tests.support.effects import NEAR_M, rgb_of, square_pixels, textures
+from vrcomfort.geometry import Pose
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
+
+FOCUS_M = 1.0
+
+
+class Blurred(NamedTuple):
+    """(h, w, 4) points, (h, w, 3) half floats of the kernel, and the largest radius."""
+
+    points: np.ndarray
+    rgb: np.ndarray
+    limit_px: float
+
+
+def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, **settings):
+    """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
+    height, width, _ = rgb.shape
+    colour, defocus = defocused(ctx, rgb, radius_px, limit_px=limit_px)
+    lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
+    wide = lens.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    made = make_kernel(ctx, colour, defocus, wide)
+    made.render(pixel_aspect)
+    points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)
+    return Blurred(points.astype(float), rgb_of(made.target), defocus.limit_px)
+
+
+def defocused(ctx, rgb, radius_px, *, limit_px):
+    """Return the texture of (h, w, 3) radiance, and what has found its (h, w) signed radii."""
+    height, width, _ = rgb.shape
+    # 1 dioptre of defocus is the largest radius; behind the focus, infinity is 1 dioptre away.
+    distance_m = 1 / np.maximum(1 - np.broadcast_to(radius_px, (height, width)) / limit_px, 1e-9)
+    colour, depth = textures(ctx, rgb, distance_m)
+    focus = ctx.texture((1, 1), 4, np.full(4, FOCUS_M, "f4").tobytes(), dtype="f4")
+    settings = DepthOfField(law="dioptre", full_blur_dioptre=1.0)
+    wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
+    size_px = (width, height)
+    defocus = Defocus(
+        ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4
+    )
+    defocus.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    return colour, defocus

@@ -1,0 +1,1 @@
+"""What renderer, headset and session say of a frame."""

@@ -1,0 +1,1 @@
+"""OpenGL without a study: context, shaders, full-screen pass, timer, memory account."""

@@ -1,0 +1,120 @@
+"""One full-screen triangle from some textures into another: what post-processing is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import Any, Protocol
+
+import moderngl
+
+from vrcomfort.gpu import gl, shaders
+
+
+class Uniforms(Protocol):
+    """A named tuple whose fields are the names of a program's uniforms."""
+
+    def _asdict(self) -> dict[str, Any]: ...
+
+
+class Together:
+    """The fields of several tuples of uniforms."""
+
+    def __init__(self, *parts: Uniforms) -> None:
+        self._parts = parts
+
+    def _asdict(self) -> dict[str, Any]:
+        return {name: value for part in self._parts for name, value in part._asdict().items()}
+
+
+class FullscreenPass:
+    """Draws `fragment` into a texture of its own.
+
+    Parameters
+    ----------
+    size_px
+        (width, height) of the target.
+    inputs
+        Texture for each sampler uniform; several for an array of samplers.
+    constants
+        Uniforms that never change; a name that the shader does not use is an error.
+    filtered
+        Names of the inputs that are sampled bilinearly; the others as their textures say.
+    components, dtype
+        Of the target, as in :func:`gl.color_texture`.
+    more_components
+        Of further targets, which are drawn into at once, at locations 1, 2, …: `targets`.
+    vertex, tiles
+        Instead of the triangle: squares of ``POINT_PX`` px, which cover an image of `tiles` =
+        (columns, rows) of them; `vertex` makes points of `gl_VertexID` alone.
+    target
+        A texture to draw into instead of one of its own.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        fragment: str,
+        *,
+        size_px: tuple[int, int],
+        inputs: Mapping[str, moderngl.Texture | Sequence[moderngl.Texture]],
+        constants: Uniforms | None = None,
+        defines: shaders.Defines | None = None,
+        filtered: Collection[str] = (),
+        components: int = 4,
+        dtype: str = "f2",
+        more_components: Sequence[int] = (),
+        vertex: str = "common/fullscreen.vert",
+        tiles: tuple[int, int] | None = None,
+        target: moderngl.Texture | None = None,
+    ) -> None:
+        self.target = target or gl.color_texture(ctx, size_px, components=components, dtype=dtype)
+        more = (gl.color_texture(ctx, size_px, components=n, dtype=dtype) for n in more_components)
+        self.targets = (self.target, *more)
+        self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
+        named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
+        self._inputs = tuple(enumerate(texture for _, texture in named))
+        for name in inputs:
+            units = tuple(unit for unit, (other, _) in enumerate(named) if other == name)
+            self._triangle.program[name] = units if len(units) > 1 else units[0]
+        self._samplers = tuple(
+            (unit, ctx.sampler(repeat_x=False, repeat_y=False))
+            for unit, (name, _) in enumerate(named)
+            if name in filtered
+        )
+        if constants is not None:
+            self._set(constants)
+        self._framebuffer = ctx.framebuffer(self.targets)
+        self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
+        self._mode, self._vertices = moderngl.TRIANGLES, 3
+        if tiles is not None:
+            columns, rows = tiles
+            self._mode, self._vertices = moderngl.POINTS, columns * rows
+            self._scope = ctx.scope(self._framebuffer, moderngl.PROGRAM_POINT_SIZE)
+            # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
+            point_px = int((defines or {})["POINT_PX"])
+            self._framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
+
+    def render(self, uniforms: Uniforms | None = None) -> None:
+        """Draw, after setting the uniforms of this frame."""
+        if uniforms is not None:
+            self._set(uniforms)
+        for unit, texture in self._inputs:
+            texture.use(unit)
+        for unit, sampler in self._samplers:
+            sampler.use(unit)
+        with self._scope:
+            self._triangle.render(self._mode, vertices=self._vertices)
+        for unit, sampler in self._samplers:
+            sampler.clear(unit)
+
+    def _set(self, uniforms: Uniforms) -> None:
+        for name, value in uniforms._asdict().items():
+            member: Any = self._triangle.program[name]
+            if isinstance(value, bytes):
+                member.write(value)
+            else:
+                member.value = value
+
+
+def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:
+    return (given,) if isinstance(given, moderngl.Texture) else given

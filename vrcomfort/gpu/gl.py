@@ -1,0 +1,205 @@
+"""The context, and the few things moderngl does not do: float depth and [0, 1] clip depth.
+
+Everything that is drawn into the scene is in reverse-Z: depth 1 on the near plane, 0 at infinity,
+``GL_GREATER`` wins. Only a 32-bit float depth buffer and a [0, 1] clip range make that precise
+(2 mm at 30 km); see https://developer.nvidia.com/blog/visualizing-depth-precision/.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import weakref
+from collections.abc import Callable
+from typing import Any
+
+import moderngl
+
+from vrcomfort.errors import InputError
+from vrcomfort.gpu import memory as gpu_memory
+
+MINIMUM_VERSION = 450
+"""OpenGL 4.5: the first with clip control."""
+
+DEPTH_FUNC = ">"
+"""Nearer is greater, everywhere in `render` (shadow maps too)."""
+
+LATENCY = 4
+"""Frames between drawing and reading something back: more than drivers queue, so that the CPU does
+not wait. Nothing that is read back is shown."""
+
+_LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
+_TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
+_DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
+_SRGB8_ALPHA8, _TEXTURE_SAMPLES = 0x8C43, 0x9106
+
+
+def create_context() -> moderngl.Context:
+    """Return a context without a window, in reverse-Z clip space.
+
+    Raises
+    ------
+    InputError
+        If the machine has no OpenGL 4.5; says what to install.
+    """
+    backend: dict[str, Any] = {"backend": "egl"} if sys.platform.startswith("linux") else {}
+    try:
+        ctx = moderngl.create_context(standalone=True, require=MINIMUM_VERSION, **backend)
+    except Exception as error:
+        raise InputError(
+            f"no OpenGL 4.5 context could be made ({error}); install a driver: on Debian or Ubuntu "
+            "'apt-get install libegl1 libgl1 libgl1-mesa-dri', on Fedora "
+            "'dnf install mesa-libEGL mesa-libGL mesa-dri-drivers', elsewhere your graphics driver"
+        ) from error
+    return prepare(ctx)
+
+
+def prepare(ctx: moderngl.Context) -> moderngl.Context:
+    """Set the clip space that `geometry.clip_from_view` assumes, on any context.
+
+    Objects that die wait for :func:`collect`: their names may be those of others in the context
+    that is current then.
+    """
+    ctx.gc_mode = "context_gc"
+    weakref.finalize(ctx, ctx.mglo.release).atexit = False
+    function(ctx, "glClipControl", ctypes.c_uint, ctypes.c_uint)(_LOWER_LEFT, _ZERO_TO_ONE)
+    return ctx
+
+
+def collect(ctx: moderngl.Context) -> None:
+    """Release all objects that have died; the context is the current one."""
+    while ctx.objects:
+        dead = ctx.objects.popleft()
+        if not isinstance(dead, moderngl.InvalidObject):  # released by hand
+            dead.release()
+
+
+def function(
+    ctx: moderngl.Context, name: str, *types: Any, result: Any = None
+) -> Callable[..., Any]:
+    """Return an OpenGL function that moderngl has no name for, for the context that is current."""
+    loader = ctx.mglo._context
+    # A context of our own and one that a window made look functions up by different names.
+    address = (getattr(loader, "load", None) or loader.load_opengl_function)(name)
+    if not address:
+        raise InputError(f"this OpenGL driver has no {name}; update the graphics driver")
+    prototype = getattr(ctypes, "WINFUNCTYPE", ctypes.CFUNCTYPE)(result, *types)
+    call: Callable[..., Any] = prototype(address)
+    return call
+
+
+def depth_texture(
+    ctx: moderngl.Context, size_px: tuple[int, int], *, samples: int = 0
+) -> moderngl.Texture:
+    """Return a D32F texture: attach it as depth, sample it as `sampler2D` (or `sampler2DMS`).
+
+    moderngl allocates 24-bit integers; the same texture gets new storage here, so that moderngl
+    still owns, attaches and releases it.
+    """
+    texture = ctx.depth_texture(size_px, samples=samples)
+    bind = function(ctx, "glBindTexture", ctypes.c_uint, ctypes.c_uint)
+    if samples:
+        bind(_TEXTURE_2D_MULTISAMPLE, texture.glo)
+        allocate = function(ctx, "glTexImage2DMultisample", *[ctypes.c_int] * 5, ctypes.c_ubyte)
+        allocate(_TEXTURE_2D_MULTISAMPLE, samples, _DEPTH_COMPONENT32F, *size_px, 1)
+        return _entered(ctx, texture, 1, "f4")
+    bind(_TEXTURE_2D, texture.glo)
+    allocate = function(ctx, "glTexImage2D", *[ctypes.c_int] * 8, ctypes.c_void_p)
+    allocate(_TEXTURE_2D, 0, _DEPTH_COMPONENT32F, *size_px, 0, _DEPTH_COMPONENT, _FLOAT, None)
+    return _entered(ctx, point_sampled(texture, comparison=False), 1, "f4")
+
+
+def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Texture], None]:
+    """Return a function that copies a single-sample texture (depth too) over another like it.
+
+    `Context.copy_framebuffer` copies colour only.
+    """
+    copy = function(ctx, "glCopyImageSubData", *[ctypes.c_int] * 15)
+
+    def copy_texture(source: moderngl.Texture, target: moderngl.Texture) -> None:
+        level_and_corner = (0, 0, 0, 0)
+        place = (_TEXTURE_2D, *level_and_corner)
+        copy(source.glo, *place, target.glo, *place, *source.size, 1)
+
+    return copy_texture
+
+
+def color_texture(
+    ctx: moderngl.Context,
+    size_px: tuple[int, int],
+    *,
+    components: int = 4,
+    dtype: str = "f2",
+    samples: int = 0,
+) -> moderngl.Texture:
+    """Return a texture to draw into; single-sample ones clamp to their edge and are not filtered.
+
+    `dtype` is moderngl's: ``f2`` half float, ``f4`` float, ``f1`` 8-bit normalised.
+    """
+    texture = ctx.texture(size_px, components, dtype=dtype, samples=samples)
+    return _entered(ctx, texture if samples else point_sampled(texture), components, dtype)
+
+
+def image_texture(
+    ctx: moderngl.Context, size_px: tuple[int, int], rgba: bytes, *, srgb: bool
+) -> moderngl.Texture:
+    """Return an 8-bit RGBA picture with mipmaps; `srgb` is decoded to linear when sampled."""
+    texture = ctx.texture(size_px, 4, rgba, internal_format=_SRGB8_ALPHA8 if srgb else None)
+    texture.build_mipmaps()
+    gpu_memory.ledger(ctx).add(texture, gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True))
+    return texture
+
+
+def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
+    """Return a buffer that holds `data` for good."""
+    return _entered_buffer(ctx, ctx.buffer(data))
+
+
+def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
+    """Return a buffer whose content changes from frame to frame."""
+    return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
+
+
+def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
+    entry = gpu_memory.Allocation("buffer", f"{made.size} bytes", made.size)
+    gpu_memory.ledger(ctx).add(made, entry)
+    return made
+
+
+def _entered(
+    ctx: moderngl.Context, target: moderngl.Texture, components: int, dtype: str
+) -> moderngl.Texture:
+    samples = _samples(ctx, target) if target.samples else 0
+    entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
+    gpu_memory.ledger(ctx).add(target, entry)
+    return target
+
+
+def _samples(ctx: moderngl.Context, texture: moderngl.Texture) -> int:
+    """Return how many samples the driver gave: at least as many as were asked for."""
+    given = ctypes.c_int()
+    ask = function(ctx, "glGetTextureLevelParameteriv", *[ctypes.c_uint] * 3, ctypes.c_void_p)
+    ask(texture.glo, 0, _TEXTURE_SAMPLES, ctypes.byref(given))
+    return given.value
+
+
+def point_sampled(texture: moderngl.Texture, *, comparison: bool | None = None) -> moderngl.Texture:
+    """Switch filtering and repetition off; `comparison=False` reads a depth texture as values."""
+    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+    texture.repeat_x = texture.repeat_y = False
+    if comparison is False:
+        texture.compare_func = ""
+    return texture
+
+
+def check_errors(ctx: moderngl.Context) -> None:
+    """Raise if OpenGL has recorded an error since the last call (this waits for the driver)."""
+    error = ctx.error
+    if error != "GL_NO_ERROR":
+        raise RuntimeError(f"OpenGL reports {error}")
+
+
+def describe(ctx: moderngl.Context) -> dict[str, str]:
+    """Return the driver's own words: vendor, renderer, version, and the GLSL version."""
+    names = {"GL_VENDOR": "vendor", "GL_RENDERER": "renderer", "GL_VERSION": "version"}
+    return {name: str(ctx.info[key]) for key, name in names.items()}

@@ -1,0 +1,95 @@
+"""Compiles the GLSL files of the `shaders` folder.
+
+Files are named by what they do; shared functions are in ``shaders/include`` (one level deep).
+Variants are made with defines, never by pasting text.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from vrcomfort.resources import data_folder
+
+Defines = Mapping[str, int | float | str]
+
+_INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
+_MEMBER = re.compile(r"^\s*(mat4|vec4)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
+
+
+@cache
+def source(name: str) -> str:
+    """Return the text of a file in the `shaders` folder, such as ``include/view.glsl``."""
+    return (data_folder("shaders") / name).read_text(encoding="utf-8")
+
+
+def program(
+    ctx: moderngl.Context,
+    fragment: str | None,
+    vertex: str = "common/fullscreen.vert",
+    defines: Defines | None = None,
+) -> moderngl.Program:
+    """Compile and link a pair of files; `fragment=None` draws depth only.
+
+    Parameters
+    ----------
+    defines
+        ``#define`` lines for both files; a boolean feature is a key with the value 1.
+
+    Raises
+    ------
+    RuntimeError
+        If the driver rejects the code; the message starts with the names of the files.
+    """
+    stages = [name for name in (vertex, fragment) if name is not None]
+    texts = tuple(_with_defines(source(name), defines or {}) for name in stages)
+    for text in texts:
+        _register_includes(ctx, text)
+    try:
+        return ctx.program(texts[0], texts[1] if fragment else None)
+    except moderngl.Error as error:
+        variant = " ".join(f"{key}={value}" for key, value in (defines or {}).items())
+        raise RuntimeError(f"{' + '.join(stages)} [{variant}]: {error}") from error
+
+
+def _with_defines(text: str, defines: Defines) -> str:
+    """Put the defines after ``#version`` and keep the line numbers of the file."""
+    version, rest = text.split("\n", 1)
+    lines = [f"#define {name} {value}" for name, value in defines.items()]
+    return "\n".join([version, *lines, "#line 2", rest])
+
+
+def _register_includes(ctx: moderngl.Context, text: str) -> None:
+    for name in _INCLUDE.findall(text):
+        ctx.includes[name] = source(f"include/{name}")
+
+
+@cache
+def block_dtype(include: str, block: str) -> np.dtype[Any]:
+    """Return the memory layout of a std140 uniform block that an include file declares.
+
+    The GLSL text is the only declaration. Members must be `vec4`, `mat4` or arrays of them, which
+    std140 packs without gaps. A `mat4` is (4, 4) with the matrix transposed: columns first.
+    """
+    body = re.search(rf"uniform\s+{block}\s*\{{(.*?)\}}", source(f"include/{include}"), re.DOTALL)
+    if body is None:
+        raise RuntimeError(f"{include} declares no uniform block {block}")
+    shapes = {"mat4": (4, 4), "vec4": (4,)}
+    return np.dtype(
+        [
+            (name, np.float32, (*([int(count)] if count else []), *shapes[kind]))
+            for kind, name, count in _MEMBER.findall(body[1])
+        ]
+    )
+
+
+def fullscreen(
+    ctx: moderngl.Context, fragment: str, defines: Defines | None = None
+) -> moderngl.VertexArray:
+    """Return a full-screen triangle with its program: ``.render(vertices=3)`` draws it."""
+    return ctx.vertex_array(program(ctx, fragment, defines=defines), [])

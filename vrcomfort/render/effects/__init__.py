@@ -1,0 +1,1 @@
+"""What a condition does to the image: one effect each."""

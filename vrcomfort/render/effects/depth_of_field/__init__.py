@@ -1,0 +1,1 @@
+"""Depth of field: circles of confusion, kernels, views through the lens."""

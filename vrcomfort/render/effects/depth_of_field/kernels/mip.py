@@ -1,0 +1,79 @@
+"""The MIP pyramid blown up again: blur that costs the same for any radius."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics import pyramid
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+
+
+class _Size(NamedTuple):
+    size_px: tuple[int, int]
+
+
+class MipKernel:
+    """Trick three of "Four Tricks for Fast Blurring", 2001 (``mip_half.frag``, ``mip.frag``).
+
+    Parameters
+    ----------
+    slices
+        False: each pixel cross-fades between the two levels around its radius. True: billboards
+        that slice the scene, one level each, without a cross-fade.
+
+    Notes
+    -----
+    The pyramid knows no depth: whatever is sharp has a halo in blurred surroundings, and a blurred
+    front ends at its outline. Slices show a hard edge wherever a surface meets a billboard.
+    Blur is square and round in pixels, even where pixels are not.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
+        defocus: Defocus,
+        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
+        *,
+        slices: bool = False,
+    ) -> None:
+        levels = pyramid.levels(defocus.limit_px)
+        self._halves: list[FullscreenPass] = []
+        source = defocus.points
+        for level in range(1, levels + 1):
+            self._halves.append(_half(ctx, source, level, defocus.size_px))
+            source = self._halves[-1].target
+        self._shown = FullscreenPass(
+            ctx,
+            "depth_of_field/mip.frag",
+            size_px=defocus.size_px,
+            inputs={"points": defocus.points, "levels": [half.target for half in self._halves]},
+            filtered={"levels"},
+            defines={"LEVELS": levels} | ({"SLICES": 1} if slices else {}),
+        )
+        self.target = self._shown.target
+
+    def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
+        """Blur the present points."""
+        for half in self._halves:
+            half.render()
+        self._shown.render()
+
+
+def _half(
+    ctx: moderngl.Context, source: moderngl.Texture, level: int, size_px: tuple[int, int]
+) -> FullscreenPass:
+    width, height = size_px
+    return FullscreenPass(
+        ctx,
+        "depth_of_field/mip_half.frag",
+        size_px=(ceil(width / 2**level), ceil(height / 2**level)),
+        inputs={"source": source},
+        constants=_Size(size_px),
+        defines={"TEXEL": 2 ** (level - 1)},
+    )

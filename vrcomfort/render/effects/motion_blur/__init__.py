@@ -1,0 +1,1 @@
+"""Motion blur from a velocity buffer, per eye."""

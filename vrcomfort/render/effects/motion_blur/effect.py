@@ -1,0 +1,193 @@
+"""Motion blur of one eye from a velocity buffer (McGuire et al. 2012, Guertin et al. 2013)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX, ramp
+from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.render.effects.motion_blur.streaks import Shutter, Streaks
+from vrcomfort.render.head_step import HeadStep
+
+WIDEST_STRIDE_PX = 4
+"""Between samples that look for what is in front: it must not be stepped over."""
+
+
+class _Limit(NamedTuple):
+    radius_limit_px: float
+
+
+class _Taps(NamedTuple):
+    taps_per_px: float
+    few_taps: float
+
+
+class _Sampling(NamedTuple):
+    px_per_sample: int
+
+
+def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
+    """Return what all streaks are multiplied by: 1 to 0.
+
+    The shutter is open for a part of one period, also where the frame before lies further back;
+    and streaks may fade for how fast the head turns.
+    """
+    if step is None:
+        return 1.0
+    fade = settings.fade_with_turning
+    faded = ramp(step.turn_deg_s("head"), fade.from_deg_s, fade.to_deg_s) if fade else 0.0
+    return (1 - faded) / step.periods
+
+
+class MotionBlurPass:
+    """Smears `colour` along `velocity` for as long as the shutter is open; the result is `target`.
+
+    Parameters
+    ----------
+    colour, depth, velocity
+        Linear HDR RGBA16F, reverse-Z D32F and RG16F (px per frame, +x right, +y up).
+
+    Notes
+    -----
+    The limit on half streaks alters what is seen. :meth:`longest_half_streak_px` says how long
+    they would have been; what lies above ``limit_px`` was shortened.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        velocity: moderngl.Texture,
+        settings: MotionBlur,
+        size_px: tuple[int, int],
+    ) -> None:
+        self._settings, self._colour = settings, colour
+        self._streaks = Streaks(ctx, velocity=velocity, settings=settings, size_px=size_px)
+        self.limit_px = self._streaks.limit_px
+        self._gather: _Reconstruction | FullscreenPass
+        if settings.method == "reconstruction":
+            self._gather = _Reconstruction(ctx, colour, depth, self._streaks, settings)
+        else:
+            self._gather = _per_pixel(ctx, colour, self._streaks, settings)
+        self._copy = gl.copier(ctx)
+        self.target = self._gather.target
+
+    def render(self, *, still: bool = False, step: HeadStep | None = None) -> None:
+        """Blur the present image.
+
+        Parameters
+        ----------
+        still
+            Nothing has moved since the frame before: the image is copied, bit by bit.
+        step
+            How the head got here, None after a cut.
+        """
+        scale = streak_scale(self._settings, step)
+        if still or scale == 0:
+            self._copy(self._colour, self.target)
+            return
+        self._draw(scale)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames in which nothing moves leave out."""
+        self._draw(0.0)
+
+    def _draw(self, scale: float) -> None:
+        self._gather.render(self._streaks.render(scale))
+
+    def longest_half_streak_px(self) -> float:
+        """Return the longest half streak of all frames, before the limit; waits for the GPU."""
+        return self._streaks.peak.read()
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        longest_px = self.longest_half_streak_px()
+        if longest_px <= self.limit_px:
+            return ()
+        return (
+            f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
+            f"{self.limit_px:.1f} px",
+        )
+
+
+class _Reconstruction:
+    """Blurs along each pixel's own streak, then draws over where things pass each other."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        streaks: Streaks,
+        settings: MotionBlur,
+    ) -> None:
+        tile: dict[str, int | float | str] = {"TILE": streaks.tile_px}
+        samples = min(settings.samples, MOST_SAMPLES)
+        stride_px = min(int(STREAK_OF_SAMPLES_PX / samples), WIDEST_STRIDE_PX)
+        self._neighbours = FullscreenPass(
+            ctx,
+            "motion_blur/streak_neighbours.frag",
+            size_px=streaks.tiles.size,
+            inputs={
+                "tiles": streaks.tiles,
+                "tile_crossings": streaks.crossings,
+                "peak": streaks.peak.target,
+            },
+            more_components=(2,),
+            constants=_Limit(streaks.limit_px),
+            defines=tile,
+        )
+        longest, crossing = self._neighbours.targets
+        self._plain = FullscreenPass(
+            ctx,
+            "motion_blur/motion_blur.frag",
+            size_px=colour.size,
+            inputs={"colour": colour, "velocity": streaks.velocity},
+            filtered={"colour"},
+            constants=_Taps(samples / STREAK_OF_SAMPLES_PX, samples // 2),
+            defines={"CUBIC": 1} if settings.samples > MOST_SAMPLES else {},
+        )
+        self.target = self._plain.target
+        self._fronts = FullscreenPass(
+            ctx,
+            "motion_blur/motion_blur_fronts.frag",
+            size_px=colour.size,
+            inputs={
+                "colour": colour,
+                "velocity": streaks.velocity,
+                "depth": depth,
+                "longest": longest,
+                "crossing": crossing,
+            },
+            filtered={"colour"},
+            constants=_Sampling(stride_px),
+            defines={**tile, "KIND": "MIXED", "POINT_PX": streaks.tile_px},
+            vertex="motion_blur/streak_tiles.vert",
+            tiles=longest.size,
+            target=self.target,
+        )
+
+    def render(self, shutter: Shutter) -> None:
+        """Blur along the present streaks."""
+        self._neighbours.render()
+        self._plain.render(shutter)
+        self._fronts.render(shutter)
+
+
+def _per_pixel(
+    ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
+) -> FullscreenPass:
+    return FullscreenPass(
+        ctx,
+        "motion_blur/motion_blur_per_pixel.frag",
+        size_px=colour.size,
+        inputs={"colour": colour, "velocity": streaks.velocity},
+        filtered={"colour"},
+        defines={"SAMPLES": settings.samples},
+    )

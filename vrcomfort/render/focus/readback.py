@@ -1,0 +1,78 @@
+"""Brings the focus of each frame to the CPU some frames late, so that nobody waits for it."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.gl import LATENCY
+from vrcomfort.optics.focus import RAYS
+
+_NO_RAYS = np.full(RAYS, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class FocusSample:
+    """The focus of one frame.
+
+    Parameters
+    ----------
+    frame_index
+        `Frame.index`.
+    focus_m, focus_raw_m
+        After and before the refocus law, metres along the head's forward axis.
+    rays_m
+        (9,) metres along the head's forward axis, NaN where focus is not found by rays.
+    used
+        (9,) bool, False for outliers.
+    """
+
+    frame_index: int
+    focus_m: float
+    focus_raw_m: float
+    rays_m: Array
+    used: NDArray[np.bool_]
+
+
+class Readback:
+    """Copies depths and result into buffers in GPU order; each is read `LATENCY` frames later."""
+
+    def __init__(self, ctx: moderngl.Context, near_m: float, infinity_m: float) -> None:
+        self._near_m = near_m
+        self._infinity_m = infinity_m
+        self._free = [gl.dynamic_buffer(ctx, (RAYS + 4) * 4) for _ in range(LATENCY + 1)]
+        self._pending: deque[tuple[int, moderngl.Buffer]] = deque()
+
+    def record(
+        self, frame_index: int, rays: moderngl.Framebuffer | None, result: moderngl.Framebuffer
+    ) -> tuple[FocusSample, ...]:
+        """Queue this frame's result, and its rays if it has any; return the sample that is due."""
+        buffer = self._free.pop()
+        if rays is not None:
+            rays.read_into(buffer, components=1, attachment=-1, dtype="f4")
+        result.read_into(buffer, components=4, dtype="f4", write_offset=RAYS * 4)
+        self._pending.append((frame_index, buffer))
+        return (self._read(),) if len(self._pending) > LATENCY else ()
+
+    def drain(self) -> tuple[FocusSample, ...]:
+        """Return all samples that are still queued."""
+        return tuple(self._read() for _ in range(len(self._pending)))
+
+    def _read(self) -> FocusSample:
+        frame_index, buffer = self._pending.popleft()
+        values = np.frombuffer(buffer.read(), dtype=np.float32).astype(np.float64)
+        self._free.append(buffer)
+        focus_m, target_m, used = values[RAYS : RAYS + 3].tolist()
+        bits = (int(used) >> np.arange(RAYS)) & 1
+        rays_m = self._metres(values[:RAYS]) if used else _NO_RAYS
+        return FocusSample(frame_index, focus_m, target_m, rays_m, bits.astype(bool))
+
+    def _metres(self, depths: Array) -> Array:
+        sky = depths * self._infinity_m <= self._near_m
+        return np.asarray(self._near_m / np.where(sky, self._near_m / self._infinity_m, depths))

@@ -1,0 +1,1 @@
+"""A scene without OpenGL: loading, data, side-car, animation, floors, glTF."""

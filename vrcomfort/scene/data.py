@@ -1,0 +1,276 @@
+"""What a scene is: plain frozen data between the glTF loader, the renderer and the ray caster.
+
+World frame: right-handed, +Y up, metres. Colours are linear unless a name says sRGB.
+Indices into the scene's lists are plain integers; `None` or -1 means "there is none".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array, Pose, rotation_matrix
+from vrcomfort.scene.animation import Animation, sample_all
+
+Float32: TypeAlias = NDArray[np.float32]
+AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
+Rgb: TypeAlias = tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A texture: pixels and how it continues outside of [0, 1].
+
+    Parameters
+    ----------
+    pixels
+        (height, width, 4) uint8; row 0 is at v = 0 (glTF: the upper edge of the picture).
+        Base colour and emission are sRGB-encoded; normals and metal-roughness are linear.
+    repeat
+        Wraps in (u, v), else clamps to the edge.
+    """
+
+    pixels: NDArray[np.uint8]
+    repeat: tuple[bool, bool] = (True, True)
+
+
+@dataclass(frozen=True)
+class Material:
+    """A metallic-roughness surface of glTF 2.0; factors multiply their image.
+
+    `metallic_roughness_image` holds roughness in green and metallic in blue.
+    """
+
+    name: str = ""
+    base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
+    base_color_image: int | None = None
+    normal_image: int | None = None
+    normal_scale: float = 1.0
+    metallic: float = 0.0
+    roughness: float = 0.9
+    metallic_roughness_image: int | None = None
+    emissive: Rgb = (0.0, 0.0, 0.0)
+    emissive_image: int | None = None
+    alpha_mode: AlphaMode = "OPAQUE"
+    alpha_cutoff: float = 0.5
+    double_sided: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Primitive:
+    """Triangles of one material, in their node's frame.
+
+    Parameters
+    ----------
+    positions, normals
+        (n, 3) float32 metres and unit vectors.
+    uvs
+        (n, 2) float32, zeros where the file has none.
+    colors
+        (n, 4) float32 linear vertex colours that multiply the base colour, or None.
+    indices
+        (m, 3) uint32, counter-clockwise seen from the front.
+    material
+        Index into `Scene.materials`.
+    """
+
+    positions: Float32
+    normals: Float32
+    uvs: Float32
+    colors: Float32 | None
+    indices: NDArray[np.uint32]
+    material: int
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Return the (3,) lower and upper corner of the box around all positions."""
+        positions = self.positions.astype(np.float64)
+        return positions.min(axis=0), positions.max(axis=0)
+
+
+@dataclass(frozen=True)
+class LodLevel:
+    """A coarser stand-in: drawn instead of `Node.mesh` from `from_distance_m` on.
+
+    The distance is measured from the head centre to the centre of the world-space box around
+    `Node.mesh`, so both eyes (and the ray caster) always take the same level.
+    An empty `mesh` is drawn as nothing.
+    """
+
+    from_distance_m: float
+    mesh: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """A place in the scene graph, with what is drawn there.
+
+    Parameters
+    ----------
+    parent
+        Index of the parent node, always smaller than the node's own; -1 for the world.
+    translation, rotation, scale
+        parent-from-node: (3,) metres, (4,) quaternion (x, y, z, w), (3,).
+    matrix
+        (4, 4) parent-from-node in place of the three above (it may shear), or None.
+    mesh
+        Indices into `Scene.primitives`.
+    semantic_weight
+        How much an observer is presumed to look at this node, W_S of Hillaire et al. 2008: 0.004
+        for everything but what people are to look at, which has 1.
+    head_locked
+        The node's root frame is the head, not the world.
+    lod
+        Coarser levels, by rising distance.
+    moving
+        An animation moves this node or one of its ancestors.
+    ambient
+        Share of the sky's and ground's light that reaches the node (0 in a closed room).
+    casts_shadow
+        False for things finer than a texel of the shadow map: they would darken themselves.
+    """
+
+    name: str
+    parent: int = -1
+    translation: Array = field(default_factory=lambda: np.zeros(3))
+    rotation: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0]))
+    scale: Array = field(default_factory=lambda: np.ones(3))
+    matrix: Array | None = None
+    mesh: tuple[int, ...] = ()
+    semantic_weight: float = 0.004
+    head_locked: bool = False
+    lod: tuple[LodLevel, ...] = ()
+    moving: bool = False
+    ambient: float = 1.0
+    casts_shadow: bool = True
+
+    def mesh_at(self, distance_m: float) -> tuple[int, ...]:
+        """Return the primitives to draw when the node is `distance_m` from the head."""
+        mesh = self.mesh
+        for level in self.lod:
+            if distance_m >= level.from_distance_m:
+                mesh = level.mesh
+        return mesh
+
+
+@dataclass(frozen=True)
+class PointLight:
+    """A lamp: irradiance `intensity / distance²`, smoothly windowed to zero at `range_m`."""
+
+    position: Rgb
+    intensity: Rgb
+    range_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Environment:
+    """Light from outside, air and exposure.
+
+    Parameters
+    ----------
+    sun_direction
+        (3,) unit vector from the world to the sun.
+    sun_irradiance
+        Linear RGB on a surface that faces the sun; zeros for no sun (and no shadow map).
+    sky_zenith, sky_horizon, ground
+        Linear RGB radiance of the sky and of the ground below, also the ambient light.
+    exposure
+        Factor on radiance before the tone curve.
+    fog_color, fog_density_per_m
+        Air light and extinction: ``colour = mix(fog, surface, exp(-density · distance))``.
+    cloud_cover
+        Share of the sky that clouds cover, 0 to 1; clouds are part of the sky, at infinity.
+    shadow_distance_m
+        How far from the eye the sun's shadows are wanted.
+    ambient_in_vertex_alpha
+        Alpha of the vertex colours of OPAQUE materials (which glTF ignores) holds the share of
+        sky and ground light that reaches the vertex; it multiplies ambient light only.
+    """
+
+    sun_direction: Array = field(default_factory=lambda: np.array([0.36, 0.8, 0.48]))
+    sun_irradiance: Rgb = (3.0, 2.85, 2.6)
+    sky_zenith: Rgb = (0.22, 0.42, 0.9)
+    sky_horizon: Rgb = (0.75, 0.85, 1.0)
+    ground: Rgb = (0.22, 0.2, 0.17)
+    exposure: float = 1.0
+    fog_color: Rgb = (0.75, 0.85, 1.0)
+    fog_density_per_m: float = 0.0
+    cloud_cover: float = 0.0
+    shadow_distance_m: float = 40.0
+    ambient_in_vertex_alpha: bool = False
+    point_lights: tuple[PointLight, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class WalkableArea:
+    """A plane piece of floor.
+
+    Parameters
+    ----------
+    polygon_xz
+        (n, 2) x and z of the corners of a simple polygon.
+    height_m
+        Height of its plane at x = z = 0: of a level floor, everywhere.
+    slope_xz
+        Rise of the plane per metre along x and along z.
+    """
+
+    polygon_xz: Array
+    height_m: float
+    slope_xz: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """Everything that can be drawn or walked on."""
+
+    name: str
+    nodes: tuple[Node, ...]
+    primitives: tuple[Primitive, ...]
+    materials: tuple[Material, ...]
+    images: tuple[Image, ...] = ()
+    animations: tuple[Animation, ...] = ()
+    environment: Environment = field(default_factory=Environment)
+    spawn: Pose = field(default_factory=Pose)
+    """world-from-stage at the start: a floor point and a turn about +Y."""
+    walkable: tuple[WalkableArea, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def world_from_node(self, time_s: float) -> Array:
+        """Return (n, 4, 4) world-from-node of all nodes (head-from-node where head-locked)."""
+        world = parent_from_node(self.nodes, self.animations, time_s)
+        for index, node in enumerate(self.nodes):
+            if node.parent >= 0:
+                world[index] = world[node.parent] @ world[index]
+        return world
+
+
+def parent_from_node(
+    nodes: tuple[Node, ...], animations: tuple[Animation, ...], time_s: float
+) -> Array:
+    """Return (n, 4, 4) parent-from-node of all nodes at `time_s`, animations looping."""
+    moved = sample_all(animations, time_s)
+    local = [_local(node, index, moved) for index, node in enumerate(nodes)]
+    return np.array(local, dtype=np.float64).reshape(-1, 4, 4)  # a scene may be all sky
+
+
+def _local(node: Node, index: int, moved: dict[tuple[int, str], Array]) -> Array:
+    if node.matrix is not None:
+        return node.matrix
+    return trs_matrix(
+        moved.get((index, "translation"), node.translation),
+        moved.get((index, "rotation"), node.rotation),
+        moved.get((index, "scale"), node.scale),
+    )
+
+
+def trs_matrix(translation: Array, rotation: Array, scale: Array) -> Array:
+    """Return (4, 4) parent-from-node of a translation, a quaternion (x, y, z, w) and a scale."""
+    matrix = np.zeros((4, 4))
+    matrix[:3, :3] = rotation_matrix(rotation) * scale
+    matrix[:3, 3] = translation
+    matrix[3, 3] = 1.0
+    return matrix

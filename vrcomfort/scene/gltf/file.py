@@ -1,0 +1,234 @@
+"""The bytes of a glTF 2.0 file: containers, buffers, accessors and images as arrays.
+
+Source: Khronos glTF 2.0 specification, §3.6 (accessors), §4 (GLB), §3.8 (images).
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import io
+import json
+import struct
+import urllib.parse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PillowImage
+
+from vrcomfort.errors import InputError
+from vrcomfort.scene.gltf.schema import check_structure
+
+COMPONENT = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+MOST_ZEROS = 2**24
+"""An accessor without data is zeros that the file does not pay for: no more of them than this."""
+_GLB_MAGIC = b"glTF"
+_JSON_CHUNK = 0x4E4F534A
+_BINARY_CHUNK = 0x004E4942
+
+
+@dataclass(frozen=True)
+class GltfFile:
+    """A parsed file: `root` is its JSON, `binary` the GLB's own buffer if there is one."""
+
+    path: Path
+    root: dict[str, Any]
+    binary: bytes | None
+
+    def item(self, key: str, index: int) -> dict[str, Any]:
+        """Return one item of the file's list called `key`."""
+        return self.items(key)[index]
+
+    def fault(self, what: str, wrong: str) -> InputError:
+        """Return the error of a named part of the file."""
+        return InputError(f"{what} {wrong}; export the file again", file=self.path)
+
+    def items(self, key: str) -> list[dict[str, Any]]:
+        """Return the file's list called `key`, empty where there is none."""
+        return list(self.root.get(key, []))
+
+    @cached_property
+    def buffers(self) -> list[bytes]:
+        """Return the bytes of every buffer."""
+        return [self._buffer(item, index) for index, item in enumerate(self.items("buffers"))]
+
+    def _buffer(self, item: dict[str, Any], index: int) -> bytes:
+        if "uri" in item:
+            data = self._fetch(item["uri"])
+        elif index == 0 and self.binary is not None:
+            data = self.binary
+        else:
+            raise InputError(f"buffer {index} has no data; export the file again", file=self.path)
+        if len(data) < item["byteLength"]:
+            raise InputError(
+                f"buffer {index} holds {len(data)} of its {item['byteLength']} bytes: "
+                "the file is cut off; copy or export it again",
+                file=self.path,
+            )
+        return data
+
+    def _fetch(self, uri: str) -> bytes:
+        """Return the bytes behind a data URI or a path relative to the file."""
+        if uri.startswith("data:"):
+            try:
+                return base64.b64decode(uri.partition(",")[2], validate=True)
+            except ValueError:
+                raise self.fault("a data URI", "is not base64") from None
+        target = self.path.parent / urllib.parse.unquote(uri)
+        try:
+            if target.is_file():  # a device may never end
+                return target.read_bytes()
+        except OSError:
+            pass
+        raise InputError(
+            f"needs the file {uri!r}, which cannot be read; keep it beside the scene",
+            file=self.path,
+        )
+
+    def view(self, index: int) -> tuple[memoryview, int | None]:
+        """Return the bytes of a buffer view and its stride."""
+        item = self.item("bufferViews", index)
+        start = item.get("byteOffset", 0)
+        data = memoryview(self.buffers[item["buffer"]])[start : start + item["byteLength"]]
+        return data, item.get("byteStride")
+
+    def accessor(self, index: int, what: str, kinds: Sequence[str]) -> NDArray[Any]:
+        """Return an accessor as (count, width), float64 where it is normalised.
+
+        Parameters
+        ----------
+        what
+            The part of the file that it belongs to, for messages.
+        kinds
+            The types that it may have, such as ``VEC3``.
+
+        Raises
+        ------
+        InputError
+            If it has another type, reaches beyond its data, or has a number that is not finite.
+        """
+        item = self.item("accessors", index)
+        if item["type"] not in kinds:
+            needed = " or ".join(kinds)
+            raise self.fault(what, f"needs {needed} in accessor {index}, which has {item['type']}")
+        width, dtype = WIDTH[item["type"]], np.dtype(COMPONENT[item["componentType"]])
+        if "bufferView" in item:
+            values = self._elements(item, dtype, item["count"], width).copy()
+        elif item["count"] > MOST_ZEROS:
+            raise self.fault(what, f"has accessor {index} of {item['count']} rows without data")
+        else:
+            values = np.zeros((item["count"], width), dtype)
+        if "sparse" in item:
+            self._apply_sparse(item["sparse"], values)
+        if not np.isfinite(values).all():
+            raise self.fault(what, f"has a number in accessor {index} that is not finite")
+        return _denormalise(values) if item.get("normalized") else values
+
+    def _elements(
+        self, item: dict[str, Any], dtype: np.dtype[Any], count: int, width: int
+    ) -> NDArray[Any]:
+        data, stride = self.view(item["bufferView"])
+        size = dtype.itemsize * width
+        offset, stride = item.get("byteOffset", 0), stride or size
+        if count < 1 or offset + stride * (count - 1) + size > len(data):
+            raise InputError("an accessor reaches beyond its buffer; export again", file=self.path)
+        return np.ndarray((count, width), dtype, data, offset, (stride, dtype.itemsize))
+
+    def _apply_sparse(self, sparse: dict[str, Any], values: NDArray[Any]) -> None:
+        count = sparse["count"]
+        dtype = np.dtype(COMPONENT[sparse["indices"]["componentType"]])
+        rows = self._elements(sparse["indices"], dtype, count, 1)[:, 0]
+        if rows.max() >= len(values):
+            message = "a sparse accessor has rows out of range; export the file again"
+            raise InputError(message, file=self.path)
+        values[rows] = self._elements(sparse["values"], values.dtype, count, values.shape[1])
+
+    def image(self, index: int) -> NDArray[np.uint8]:
+        """Return an image as (height, width, 4) uint8."""
+        item = self.item("images", index)
+        data = (
+            self._fetch(item["uri"]) if "uri" in item else bytes(self.view(item["bufferView"])[0])
+        )
+        try:
+            with PillowImage.open(io.BytesIO(data)) as picture:
+                return np.asarray(picture.convert("RGBA"))
+        except (
+            SyntaxError,
+            EOFError,
+            OSError,
+            PillowImage.DecompressionBombError,
+            *STRUCTURE_ERRORS,
+        ):
+            raise InputError(
+                f"image {item.get('name', index)!r} cannot be decoded; use PNG or JPEG",
+                file=self.path,
+            ) from None
+
+
+def read_gltf_file(path: Path) -> GltfFile:
+    """Read a .glb or .gltf file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not glTF 2.0, or is cut off.
+    """
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot be read ({error.strerror}); check the path", file=path) from None
+    text, binary = _unpack_glb(data, path) if data[:4] == _GLB_MAGIC else (data, None)
+    try:
+        root = json.loads(text.decode("utf-8-sig"))
+    except ValueError:
+        raise InputError("is not glTF: no GLB header and no JSON text", file=path) from None
+    except RecursionError:
+        message = "is not glTF: its JSON is nested too deep; export it again"
+        raise InputError(message, file=path) from None
+    if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
+        raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
+    check_structure(root, path)
+    return GltfFile(path, root, binary)
+
+
+def _version(root: dict[str, Any]) -> Any:
+    asset = root.get("asset")
+    return asset.get("version") if isinstance(asset, dict) else None
+
+
+def _unpack_glb(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
+    """Return the JSON and binary chunks of a GLB container."""
+    length = struct.unpack_from("<I", data, 8)[0] if len(data) >= 20 else None
+    if length is None or len(data) < length:
+        raise InputError(
+            f"is cut off: {len(data)} of {length or 'at least 20'} bytes; copy or export it again",
+            file=path,
+        )
+    chunks: dict[int, bytes] = {}
+    start = 12
+    while start + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, start)
+        chunks.setdefault(kind, data[start + 8 : start + 8 + size])
+        start += 8 + size
+    if _JSON_CHUNK not in chunks:
+        raise InputError("has no JSON chunk; export it again", file=path)
+    return chunks[_JSON_CHUNK], chunks.get(_BINARY_CHUNK)
+
+
+def _denormalise(values: NDArray[Any]) -> NDArray[np.float64]:
+    """Map integers to [0, 1] or [-1, 1] (specification, §3.11 "normalized")."""
+    if values.dtype.kind == "f":
+        return values.astype(np.float64)
+    return np.maximum(values / np.iinfo(values.dtype).max, -1.0)
+
+
+#: What reading malformed JSON structure raises before anything sensible can be said.
+STRUCTURE_ERRORS = (
+    KeyError, IndexError, TypeError, AttributeError, ValueError, struct.error, binascii.Error,
+)  # fmt: skip

@@ -1,0 +1,206 @@
+"""Nodes, animations and lights of a glTF file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array, normalize
+from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.data import Node, PointLight, parent_from_node
+from vrcomfort.scene.gltf.file import GltfFile
+from vrcomfort.scene.gltf.mesh import Meshes
+from vrcomfort.scene.gltf.parts import FARTHEST, SHORTEST_QUATERNION
+
+Graph = tuple[
+    tuple[Node, ...], tuple[Animation, ...], tuple[PointLight, ...], dict[str, tuple[int, ...]]
+]
+_HANDLED = {
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization",
+}  # fmt: skip
+_COMPRESSED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}
+#: A lamp without a range ends where it gives this irradiance (W/m², our units).
+_FAINTEST = 0.01
+
+
+def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
+    """Return nodes (parents first), animations, lamps, and the meshes of nodes outside the scene.
+
+    Nodes outside the default scene are not drawn; a side-car may name them as coarser
+    levels of detail.
+    """
+    _name_unsupported(file, unsupported)
+    order = list(_walk(file))
+    place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
+    items = file.items("nodes")
+    nodes = [
+        _node(file.item("nodes", index), -1 if parent < 0 else place[parent], meshes, index)
+        for index, parent in order
+    ]
+    animations = _animations(file, place, unsupported)
+    moving = {channel.node for animation in animations for channel in animation.channels}
+    marked = _mark_moving(nodes, moving)
+    lights = _lights(file, place, marked, unsupported)
+    stand_ins = {
+        item.get("name", f"node {index}"): _mesh(meshes, item)
+        for index, item in enumerate(items)
+        if index not in place and "mesh" in item
+    }
+    return marked, animations, lights, stand_ins
+
+
+def refuse_compressed(file: GltfFile) -> None:
+    """Raise InputError where the vertices can only be had with an extension that is not here."""
+    needed = sorted(_COMPRESSED & set(file.root.get("extensionsRequired", [])))
+    if needed:
+        raise InputError(
+            f"needs {needed[0]}, which cannot be read; export it without mesh compression",
+            file=file.path,
+        )
+
+
+def _name_unsupported(file: GltfFile, unsupported: set[str]) -> None:
+    unsupported.update(set(file.root.get("extensionsRequired", [])) - _HANDLED)
+    unsupported.update(name for name in ("skins", "cameras") if file.items(name))
+
+
+def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:
+    """Yield (node, parent) of the default scene, parents first; parent -1 for roots."""
+    items, scenes = file.items("nodes"), file.items("scenes")
+    children = {child for item in items for child in item.get("children", [])}
+    if scenes:
+        roots = file.item("scenes", file.root.get("scene", 0)).get("nodes", [])
+    else:
+        roots = [index for index in range(len(items)) if index not in children]
+    waiting = [(root, -1) for root in reversed(roots)]
+    seen: set[int] = set()
+    while waiting:
+        index, parent = waiting.pop()
+        if index in seen:
+            name = items[index].get("name", f"node {index}")
+            raise file.fault(f"node {name!r}", "has two parents, or is its own")
+        seen.add(index)
+        yield index, parent
+        waiting += [
+            (child, index) for child in reversed(file.item("nodes", index).get("children", []))
+        ]
+
+
+def _mesh(meshes: Meshes, item: dict[str, Any]) -> tuple[int, ...]:
+    return meshes[item["mesh"]] if "mesh" in item else ()
+
+
+def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node:
+    matrix = item.get("matrix")
+    return Node(
+        name=item.get("name", f"node {index}"),
+        parent=parent,
+        translation=np.array(item.get("translation", (0, 0, 0)), np.float64).reshape(3),
+        rotation=normalize(np.array(item.get("rotation", (0, 0, 0, 1)), np.float64).reshape(4)),
+        scale=np.array(item.get("scale", (1, 1, 1)), np.float64).reshape(3),
+        # Column-major in the file.
+        matrix=None if matrix is None else np.array(matrix, np.float64).reshape(4, 4).T,
+        mesh=_mesh(meshes, item),
+    )
+
+
+def _mark_moving(nodes: list[Node], moving: set[int]) -> tuple[Node, ...]:
+    marked: list[Node] = []
+    for index, node in enumerate(nodes):
+        inherited = node.parent >= 0 and marked[node.parent].moving
+        marked.append(replace(node, moving=inherited or index in moving))
+    return tuple(marked)
+
+
+def _animations(
+    file: GltfFile, place: dict[int, int], unsupported: set[str]
+) -> tuple[Animation, ...]:
+    animations = []
+    for index, item in enumerate(file.items("animations")):
+        name = item.get("name", f"animation {index}")
+        channels = [
+            _channel(file, name, item["samplers"][channel["sampler"]], channel["target"], place)
+            for channel in item["channels"]
+            if _animates(channel["target"], place, unsupported)
+        ]
+        if channels:
+            duration_s = max(float(channel.times_s[-1]) for channel in channels)
+            animations.append(Animation(name, tuple(channels), duration_s))
+    return tuple(animations)
+
+
+def _animates(target: dict[str, Any], place: dict[int, int], unsupported: set[str]) -> bool:
+    if target["path"] not in ("translation", "rotation", "scale"):
+        unsupported.add(f"animation of {target['path']}")
+        return False
+    return target.get("node") in place
+
+
+def _channel(
+    file: GltfFile,
+    name: str,
+    sampler: dict[str, Any],
+    target: dict[str, Any],
+    place: dict[int, int],
+) -> Channel:
+    what, path = f"animation {name!r}", target["path"]
+    times_s = file.accessor(sampler["input"], what, ["SCALAR"])[:, 0].astype(np.float64)
+    kind = "VEC4" if path == "rotation" else "VEC3"
+    values = file.accessor(sampler["output"], what, [kind]).astype(np.float64)
+    interpolation = sampler.get("interpolation", "LINEAR")
+    parts = 3 if interpolation == "CUBICSPLINE" else 1
+    if len(values) != parts * len(times_s):
+        raise file.fault(what, f"has {len(values)} values for {len(times_s)} key frames")
+    if (np.diff(times_s) < 0).any():
+        raise file.fault(what, "has times that do not rise")
+    if np.abs(values).max() > FARTHEST:
+        raise file.fault(what, f"has a value of more than {FARTHEST:g}")
+    keys = values.reshape(-1, parts, values.shape[1])
+    if path == "rotation" and (_lengths(keys[:, parts // 2]) < SHORTEST_QUATERNION).any():
+        raise file.fault(what, "has a rotation of length 0, which is none")
+    return Channel(
+        place[target["node"]], path, times_s, keys if parts > 1 else values, interpolation
+    )
+
+
+def _lengths(vectors: Array) -> Array:
+    return np.asarray(np.linalg.norm(vectors, axis=-1))
+
+
+def _lights(
+    file: GltfFile, place: dict[int, int], nodes: tuple[Node, ...], unsupported: set[str]
+) -> tuple[PointLight, ...]:
+    """Return the lamps of KHR_lights_punctual where their nodes are at time zero."""
+    extension = file.root.get("extensions", {}).get("KHR_lights_punctual", {})
+    world = _world(nodes)
+    lights = []
+    for gltf_index, index in place.items():
+        reference = file.root["nodes"][gltf_index].get("extensions", {})
+        if "KHR_lights_punctual" not in reference:
+            continue
+        light = extension["lights"][reference["KHR_lights_punctual"]["light"]]
+        if light["type"] == "point":
+            lights.append(_lamp(light, world[index][:3, 3]))
+        else:
+            unsupported.add(f"{light['type']} lights")
+    return tuple(lights)
+
+
+def _lamp(light: dict[str, Any], position: Any) -> PointLight:
+    strength = light.get("intensity", 1.0)
+    red, green, blue = (strength * channel for channel in light.get("color", (1.0, 1.0, 1.0)))
+    reach_m = light.get("range", float(np.sqrt(max(red, green, blue) / _FAINTEST)))
+    x, y, z = (float(value) for value in position)
+    return PointLight((x, y, z), (red, green, blue), reach_m)
+
+
+def _world(nodes: tuple[Node, ...]) -> Any:
+    world = parent_from_node(nodes, (), 0.0)
+    for index, node in enumerate(nodes):
+        if node.parent >= 0:
+            world[index] = world[node.parent] @ world[index]
+    return world

@@ -1,0 +1,216 @@
+"""Meshes, materials and textures of a glTF file."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.scene.data import Image, Material, Primitive
+from vrcomfort.scene.gltf.file import GltfFile
+from vrcomfort.scene.gltf.parts import FARTHEST
+
+Meshes = list[tuple[int, ...]]
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6
+_UNSIGNED = (5121, 5123, 5125)
+_MOST_HALF = 65_504.0
+"""Greatest number of half precision, in which the GPU has normals and colours."""
+_REPEATS = {10497: True, 33071: False, 33648: True}
+_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"}
+#: Material extensions that are honoured here; any other is named as unsupported.
+_MATERIAL_EXTENSIONS = {"KHR_materials_emissive_strength"}
+
+
+def read_materials(
+    file: GltfFile, unsupported: set[str]
+) -> tuple[tuple[Material, ...], tuple[Image, ...]]:
+    """Return materials (the last is glTF's default material) and the images they use."""
+    textures = _Textures(file, unsupported)
+    materials = [_material(item, textures) for item in file.items("materials")]
+    return (*materials, Material("default", metallic=1.0, roughness=1.0)), tuple(textures.images)
+
+
+class _Textures:
+    """Turns glTF textures (image + sampler) into `Image` indices, each loaded once."""
+
+    def __init__(self, file: GltfFile, unsupported: set[str]) -> None:
+        self.file = file
+        self.unsupported = unsupported
+        self.images: list[Image] = []
+        self._known: dict[tuple[int, tuple[bool, bool]], int] = {}
+
+    def index(self, info: dict[str, Any] | None) -> int | None:
+        """Return the image index for a textureInfo object."""
+        if info is None:
+            return None
+        self.unsupported.update(info.get("extensions", {}))
+        if info.get("texCoord", 0) != 0:
+            self.unsupported.add(f"TEXCOORD_{info['texCoord']}")
+            return None
+        texture = self.file.item("textures", info["index"])
+        if "source" not in texture:
+            self.unsupported.update(texture.get("extensions", {"textures without an image": {}}))
+            return None
+        repeat = self._repeat(texture)
+        key = (texture["source"], repeat)
+        if key not in self._known:
+            self._known[key] = len(self.images)
+            self.images.append(Image(self.file.image(texture["source"]), repeat))
+        return self._known[key]
+
+    def _repeat(self, texture: dict[str, Any]) -> tuple[bool, bool]:
+        if "sampler" not in texture:
+            return True, True
+        sampler = self.file.item("samplers", texture["sampler"])
+        wraps = sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)
+        if 33648 in wraps:
+            self.unsupported.add("mirrored repeat (repeated instead)")
+        return _REPEATS[wraps[0]], _REPEATS[wraps[1]]
+
+
+def _material(item: dict[str, Any], textures: _Textures) -> Material:
+    surface = item.get("pbrMetallicRoughness", {})
+    normal = item.get("normalTexture")
+    if "occlusionTexture" in item:
+        textures.unsupported.add("occlusion textures")
+    extensions = item.get("extensions", {})
+    textures.unsupported.update(set(extensions) - _MATERIAL_EXTENSIONS)
+    strength = extensions.get("KHR_materials_emissive_strength", {}).get("emissiveStrength", 1.0)
+    red, green, blue = item.get("emissiveFactor", (0.0, 0.0, 0.0))
+    return Material(
+        name=item.get("name", ""),
+        base_color=tuple(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0))),
+        base_color_image=textures.index(surface.get("baseColorTexture")),
+        normal_image=textures.index(normal),
+        normal_scale=(normal or {}).get("scale", 1.0),
+        metallic=surface.get("metallicFactor", 1.0),
+        roughness=surface.get("roughnessFactor", 1.0),
+        metallic_roughness_image=textures.index(surface.get("metallicRoughnessTexture")),
+        emissive=(red * strength, green * strength, blue * strength),
+        emissive_image=textures.index(item.get("emissiveTexture")),
+        alpha_mode=item.get("alphaMode", "OPAQUE"),
+        alpha_cutoff=item.get("alphaCutoff", 0.5),
+        double_sided=item.get("doubleSided", False),
+    )
+
+
+def read_meshes(file: GltfFile, unsupported: set[str]) -> tuple[tuple[Primitive, ...], Meshes]:
+    """Return all primitives, and for each glTF mesh the indices of its primitives."""
+    primitives: list[Primitive] = []
+    meshes: Meshes = []
+    default_material = len(file.items("materials"))
+    for mesh in file.items("meshes"):
+        first = len(primitives)
+        for item in mesh["primitives"]:
+            what = f"mesh {mesh.get('name', len(meshes))!r}"
+            primitive = _primitive(file, item, what, default_material, unsupported)
+            if primitive is not None:
+                primitives.append(primitive)
+        meshes.append(tuple(range(first, len(primitives))))
+    return tuple(primitives), meshes
+
+
+def _primitive(
+    file: GltfFile,
+    item: dict[str, Any],
+    what: str,
+    default_material: int,
+    unsupported: set[str],
+) -> Primitive | None:
+    _name_unsupported(item, unsupported)
+    mode = item.get("mode", _TRIANGLES)
+    if mode not in (_TRIANGLES, _STRIP, _FAN):
+        unsupported.add("points and lines")
+        return None
+    position = item["attributes"].get("POSITION")
+    if position is None or "bufferView" not in file.item("accessors", position):
+        return None
+    positions = file.accessor(position, what, ["VEC3"]).astype(np.float32)
+    if np.abs(positions).max() > FARTHEST:
+        raise file.fault(what, f"has a position of more than {FARTHEST:g}")
+    indices = _triangles(_corners(file, item, what, len(positions), mode), mode)
+    return _assembled(file, item, what, positions, indices, item.get("material", default_material))
+
+
+def _name_unsupported(item: dict[str, Any], unsupported: set[str]) -> None:
+    extra = set(item["attributes"]) - _USED_ATTRIBUTES
+    if any(name.startswith(("JOINTS", "WEIGHTS")) for name in extra):
+        unsupported.add("skins")
+    if "targets" in item:
+        unsupported.add("morph targets")
+    unsupported.update(item.get("extensions", {}))
+
+
+def _corners(
+    file: GltfFile, item: dict[str, Any], what: str, count: int, mode: int
+) -> NDArray[np.uint32]:
+    """Return the (n,) vertices of which triangles are made, in the file's order."""
+    if "indices" not in item:
+        flat = np.arange(count, dtype=np.uint32)
+    elif file.item("accessors", item["indices"])["componentType"] not in _UNSIGNED:
+        raise file.fault(what, "has indices that are not unsigned whole numbers")
+    else:
+        flat = file.accessor(item["indices"], what, ["SCALAR"])[:, 0].astype(np.uint32)
+    if flat.max() >= count:
+        raise file.fault(what, f"has indices out of range: {flat.max()} of {count} vertices")
+    if len(flat) < 3 or (mode == _TRIANGLES and len(flat) % 3):
+        raise file.fault(what, f"has {len(flat)} corners, which are no whole triangles")
+    return flat
+
+
+def _triangles(flat: NDArray[np.uint32], mode: int) -> NDArray[np.uint32]:
+    """Return (m, 3) indices of a list, a strip or a fan of triangles."""
+    if mode == _TRIANGLES:
+        return flat.reshape(-1, 3)
+    if mode == _FAN:
+        return np.stack([np.full(len(flat) - 2, flat[0]), flat[1:-1], flat[2:]], axis=1)
+    strip = np.stack([flat[:-2], flat[1:-1], flat[2:]], axis=1)
+    strip[1::2] = strip[1::2, [1, 0, 2]]
+    return strip
+
+
+def _assembled(
+    file: GltfFile,
+    item: dict[str, Any],
+    what: str,
+    positions: NDArray[np.float32],
+    indices: NDArray[np.uint32],
+    material: int,
+) -> Primitive:
+    attributes = item["attributes"]
+
+    def read(name: str, *kinds: str, most: float) -> NDArray[np.float32] | None:
+        if name not in attributes:
+            return None
+        values = file.accessor(attributes[name], what, kinds)
+        if len(values) != len(positions):
+            raise file.fault(what, f"has {len(values)} {name} for {len(positions)} POSITION")
+        if np.abs(values).max() > most:
+            raise file.fault(what, f"has a number of more than {most:g} in {name}")
+        return values.astype(np.float32)
+
+    normals = read("NORMAL", "VEC3", most=_MOST_HALF)
+    uvs = read("TEXCOORD_0", "VEC2", most=FARTHEST)
+    colors = read("COLOR_0", "VEC3", "VEC4", most=_MOST_HALF)
+    if uvs is None:
+        uvs = np.zeros((len(positions), 2), np.float32)
+    if colors is not None and colors.shape[1] == 3:
+        colors = np.concatenate([colors, np.ones((len(colors), 1), np.float32)], axis=1)
+    if normals is None:
+        # Flat normals, as the specification asks (§3.7.2.1): no corner is shared any more.
+        corners = indices.ravel()
+        positions, uvs = positions[corners], uvs[corners]
+        colors = None if colors is None else colors[corners]
+        indices = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
+        normals = _flat_normals(positions)
+    return Primitive(positions, normals, uvs, colors, indices, material)
+
+
+def _flat_normals(corners: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return (3 m, 3) unit normals of m triangles given by their (3 m, 3) corners."""
+    a, b, c = np.moveaxis(corners.astype(np.float64).reshape(-1, 3, 3), 1, 0)
+    normal = np.cross(b - a, c - a)
+    length = np.linalg.norm(normal, axis=1, keepdims=True)
+    normal = np.where(length > 0, normal / np.where(length > 0, length, 1.0), [0.0, 1.0, 0.0])
+    return np.repeat(normal, 3, axis=0).astype(np.float32)

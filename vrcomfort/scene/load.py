@@ -1,0 +1,104 @@
+"""Loads any glTF 2.0 file, and the TOML side-car beside it, as a `Scene`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.resources import data_folder
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.defaults import with_defaults
+from vrcomfort.scene.gltf.file import STRUCTURE_ERRORS, read_gltf_file
+from vrcomfort.scene.gltf.graph import read_graph, refuse_compressed
+from vrcomfort.scene.gltf.mesh import read_materials, read_meshes
+from vrcomfort.scene.gltf.parts import FARTHEST
+from vrcomfort.scene.side_car import apply_side_car
+
+SUFFIXES = (".glb", ".gltf")
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """Load a shipped scene by its name, or any .glb or .gltf file by its path.
+
+    What the file has and this loader does not support is named in one string in
+    `Scene.warnings`.
+
+    Raises
+    ------
+    InputError
+        If there is no such scene or file, or it (or its side-car) is broken.
+    """
+    path = find_scene(name_or_path)
+    try:
+        scene, stand_ins = _read(path)
+    except InputError:
+        raise
+    except STRUCTURE_ERRORS as error:
+        raise InputError(
+            f"is not valid glTF 2.0 ({type(error).__name__}: {error}); "
+            "check it with a glTF validator and export it again",
+            file=path,
+        ) from error
+    scene = with_defaults(scene)
+    side_car = path.with_suffix(".toml")
+    return apply_side_car(scene, stand_ins, side_car) if side_car.is_file() else scene
+
+
+def find_scene(name_or_path: str | Path) -> Path:
+    """Return the path of a scene file given by name or path."""
+    path = Path(name_or_path)
+    if path.suffix.lower() in SUFFIXES:
+        if path.is_dir():
+            raise InputError("is a folder; a scene is a .glb or .gltf file", file=path)
+        if not path.is_file():
+            raise InputError("there is no such scene file; check the path", file=path)
+        return path
+    folder = data_folder("scenes")
+    shipped = sorted(file.stem for file in folder.glob("*.glb"))
+    if str(name_or_path) in shipped:
+        return folder / f"{name_or_path}.glb"
+    raise InputError(
+        f"there is no scene {str(name_or_path)!r}; use one of {', '.join(shipped)} "
+        "or the path of a .glb or .gltf file"
+    )
+
+
+def _read(path: Path) -> tuple[Scene, dict[str, tuple[int, ...]]]:
+    """Return the scene as the glTF file has it, and the meshes of nodes outside its graph."""
+    file = read_gltf_file(path)
+    refuse_compressed(file)
+    unsupported: set[str] = set()
+    materials, images = read_materials(file, unsupported)
+    primitives, meshes = read_meshes(file, unsupported)
+    if not primitives:
+        raise InputError(
+            "has no triangles that can be drawn"
+            + (f" (it needs {', '.join(sorted(unsupported))})" if unsupported else ""),
+            file=path,
+        )
+    nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
+    scene = Scene(path.stem, nodes, primitives, materials, images, animations)
+    _check_places(scene, path)
+    scene = replace(scene, environment=replace(scene.environment, point_lights=lights))
+    return replace(scene, warnings=_warning(path, unsupported)), stand_ins
+
+
+def _check_places(scene: Scene, path: Path) -> None:
+    """Refuse what single precision cannot place: matrices multiply along a branch."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        world = scene.world_from_node(0.0)
+        placed = (np.abs(world) <= FARTHEST).all(axis=(1, 2))
+    for node in np.array(scene.nodes)[~placed][:1]:
+        message = (
+            f"node {node.name!r} is scaled or moved by more than {FARTHEST:g} with those above"
+        )
+        raise InputError(f"{message} it; export the file again in metres", file=path)
+
+
+def _warning(path: Path, unsupported: set[str]) -> tuple[str, ...]:
+    if not unsupported:
+        return ()
+    return (f"{path.name}: not supported and left out: {', '.join(sorted(unsupported))}",)

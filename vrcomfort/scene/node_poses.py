@@ -1,0 +1,76 @@
+"""Where every node is now and was a frame ago; only what moves is computed again."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array, Pose
+from vrcomfort.scene.animation import sample_all
+from vrcomfort.scene.data import Scene, trs_matrix
+
+KEPT = 2
+"""Times whose matrices are kept: this frame's and the one before."""
+
+
+class NodePoses:
+    """World-from-node matrices of a scene.
+
+    `Scene.world_from_node` walks all nodes; this keeps the static ones and walks the moving.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self._scene = scene
+        self._static = scene.world_from_node(0.0)
+        self.locked = _locked(scene)
+        self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
+        self._walk = np.flatnonzero(self.moving).tolist()
+        self._any_locked = bool(self.locked.any())
+        self._placed: dict[float, Array] = {}
+
+    def world_from_node(self, time_s: float, head: Pose) -> Array:
+        """Return (n, 4, 4) world-from-node at `time_s`; head-locked nodes hang on `head`.
+
+        Do not write into it: it is kept, for the next frame asks again for this one's time.
+        """
+        world = self._placed.get(time_s)
+        if world is None:
+            world = self._place(time_s)
+            self._placed = dict([*self._placed.items(), (time_s, world)][-KEPT:])
+        if not self._any_locked:
+            return world
+        world = world.copy()
+        world[self.locked] = head.matrix() @ world[self.locked]
+        return world
+
+    def _place(self, time_s: float) -> Array:
+        world = self._static.copy()
+        moved = sample_all(self._scene.animations, time_s) if self._walk else {}
+        for index in self._walk:
+            node = self._scene.nodes[index]
+            parent = world[node.parent] if node.parent >= 0 else np.eye(4)
+            world[index] = parent @ (
+                node.matrix
+                if node.matrix is not None
+                else trs_matrix(
+                    moved.get((index, "translation"), node.translation),
+                    moved.get((index, "rotation"), node.rotation),
+                    moved.get((index, "scale"), node.scale),
+                )
+            )
+        return world
+
+
+def relative_rows(world_from_node: Array, nodes: NDArray[np.intp], origin_m: Array) -> Array:
+    """Return (n, 3, 4) relative-from-node rows, subtracted in float64."""
+    rows = world_from_node[nodes, :3]
+    rows[:, :, 3] -= origin_m
+    return np.asarray(rows)
+
+
+def _locked(scene: Scene) -> NDArray[np.bool_]:
+    """Return (n,) True for nodes that are head-locked, or below one that is."""
+    locked = np.zeros(len(scene.nodes), dtype=bool)
+    for index, node in enumerate(scene.nodes):
+        locked[index] = node.head_locked or (node.parent >= 0 and locked[node.parent])
+    return locked

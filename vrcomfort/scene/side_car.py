@@ -1,0 +1,289 @@
+"""The TOML file beside a scene: light, air, where to stand and walk, what nodes mean.
+
+Angles are degrees here and only here; colours are linear RGB.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
+from vrcomfort.protocol.settings_file import in_words
+from vrcomfort.scene.data import (
+    Environment,
+    LodLevel,
+    Node,
+    PointLight,
+    Rgb,
+    Scene,
+    WalkableArea,
+)
+
+Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
+Share = Annotated[float, Field(ge=0, le=1)]
+NotNegative = Annotated[float, Field(ge=0, le=1e9)]
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
+Color = tuple[NotNegative, NotNegative, NotNegative]
+Point = tuple[Finite, Finite, Finite]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Sun(_Table):
+    """Where the sun stands: azimuth 0 is −Z ("north"), 90 is +X ("east")."""
+
+    azimuth_deg: Finite = 40.0
+    elevation_deg: Annotated[float, Field(ge=-90, le=90)] = 50.0
+    irradiance: Color = Environment.sun_irradiance
+    shadow_distance_m: Positive = Environment.shadow_distance_m
+
+
+class Sky(_Table):
+    """Radiance of the sky and of the ground's reflection."""
+
+    zenith: Color = Environment.sky_zenith
+    horizon: Color = Environment.sky_horizon
+    ground: Color = Environment.ground
+    cloud_cover: Share = 0.0
+    in_vertex_alpha: bool = False
+    """See `Environment.ambient_in_vertex_alpha`."""
+
+
+class Fog(_Table):
+    """Air light and extinction."""
+
+    color: Color = Environment.fog_color
+    density_per_m: NotNegative = 0.0
+
+
+class Lamp(_Table):
+    """A point light."""
+
+    position: Point
+    intensity: Color
+    range_m: Positive
+
+
+class Spawn(_Table):
+    """The floor point where a participant starts; yaw 0 looks along −Z, positive turns left."""
+
+    position: Point
+    yaw_deg: Finite = 0.0
+
+
+class Ramp(_Table):
+    """A slope: the foot is at the floor's `height_m`, the top at `top_m`; x and z of both."""
+
+    foot_xz: tuple[Finite, Finite]
+    top_xz: tuple[Finite, Finite]
+    top_m: Finite
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Ramp:
+        if self.foot_xz == self.top_xz:
+            raise ValueError("foot and top are at the same place; a ramp leads from one to another")
+        return self
+
+
+class Walkable(_Table):
+    """A piece of floor: level, or where `ramp` gives two heights, rising from one to the other.
+
+    A ramp over a flight of stairs spares people the jolt of every step.
+    """
+
+    height_m: Finite = 0.0
+    polygon_xz: Annotated[list[tuple[Finite, Finite]], Field(min_length=3)]
+    ramp: Ramp | None = None
+
+    def floor(self) -> WalkableArea:
+        """Return the floor as scenes hold it."""
+        polygon = np.array(self.polygon_xz)
+        if self.ramp is None:
+            return WalkableArea(polygon, self.height_m)
+        foot, way = np.array(self.ramp.foot_xz), np.subtract(self.ramp.top_xz, self.ramp.foot_xz)
+        slope = (self.ramp.top_m - self.height_m) / (way @ way) * way
+        return WalkableArea(polygon, self.height_m - float(slope @ foot), tuple(slope.tolist()))
+
+
+class Lod(_Table):
+    """From this distance on draw the mesh of `node` (a node outside the scene; "" for none).
+
+    ``*`` in `node` stands for the name of the node that is replaced.
+    """
+
+    from_distance_m: Positive
+    node: str
+
+
+class NodeSettings(_Table):
+    """What the glTF file cannot say about its nodes; left out means unchanged."""
+
+    semantic_weight: Annotated[float, Field(gt=0, le=1)] | None = None
+    """W_S of the autofocus zone: 1 for what people are to look at, 0.004 for the rest."""
+    head_locked: bool | None = None
+    ambient: Share | None = None
+    casts_shadow: bool | None = None
+    lod: tuple[Lod, ...] = ()
+
+
+class SideCar(_Table):
+    """The whole file. Keys of `nodes` are node names or patterns with * and ?."""
+
+    exposure: Positive = 1.0
+    sun: Sun = Sun()
+    sky: Sky = Sky()
+    fog: Fog = Fog()
+    lamps: tuple[Lamp, ...] = ()
+    spawn: Spawn | None = None
+    walkable: tuple[Walkable, ...] = ()
+    nodes: dict[str, NodeSettings] = {}
+
+
+def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Path) -> Scene:
+    """Return the scene with everything that its side-car says.
+
+    Parameters
+    ----------
+    stand_ins
+        Primitives of the nodes outside the scene graph, by node name, for levels of detail.
+
+    Raises
+    ------
+    InputError
+        If the side-car has an error or names a node that the scene does not have.
+    """
+    side_car = read_side_car(path)
+    _check_patterns(side_car, scene, stand_ins, path)
+    return replace(
+        scene,
+        environment=_environment(side_car, scene.environment.point_lights),
+        spawn=_spawn(side_car.spawn) if side_car.spawn else scene.spawn,
+        walkable=tuple(area.floor() for area in side_car.walkable) or scene.walkable,
+        nodes=_nodes(scene.nodes, side_car.nodes, stand_ins),
+    )
+
+
+def read_side_car(path: Path) -> SideCar:
+    """Read and validate a side-car file."""
+    try:
+        text = path.read_text(encoding="utf-8")
+        return SideCar.model_validate(tomllib.loads(text))
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise InputError(
+            f"{place}: {in_words(first)}", file=path, line=_line_of(text, first["loc"])
+        ) from None
+    except (ValueError, RecursionError) as error:
+        at = re.search(r"line (\d+), column (\d+)", str(error))
+        line, column = (int(at[1]), int(at[2])) if at else (None, None)
+        raise InputError(
+            f"is not valid TOML: {error}", file=path, line=line, column=column
+        ) from None
+
+
+def _line_of(text: str, location: tuple[int | str, ...]) -> int | None:
+    """Return the line of the last key of `location` that appears in the text."""
+    for key in reversed([part for part in location if isinstance(part, str)]):
+        pattern = re.compile(rf'(^|[\s.\["{{,]){re.escape(key)}["\].]*\s*(=|\]|$)')
+        for number, line in enumerate(text.splitlines(), start=1):
+            if pattern.search(line):
+                return number
+    return None
+
+
+def _check_patterns(
+    side_car: SideCar, scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Path
+) -> None:
+    text = path.read_text(encoding="utf-8")
+    for pattern, settings in side_car.nodes.items():
+        names = [node.name for node in scene.nodes if fnmatchcase(node.name, pattern)]
+        wanted = {_stand_in(level, name) for level in settings.lod for name in names} - {""}
+        missing = sorted(wanted - stand_ins.keys())
+        if names and not missing:
+            continue
+        fault = (
+            f"lod of {pattern!r} names {missing[0]!r}, which is no mesh outside the scene graph"
+            if missing
+            else f"no node of the scene is called {pattern!r}"
+        )
+        raise InputError(fault, file=path, line=_line_of(text, (pattern,)))
+
+
+def _stand_in(level: Lod, name: str) -> str:
+    return level.node.replace("*", name)
+
+
+def _environment(side_car: SideCar, lamps_of_file: tuple[PointLight, ...]) -> Environment:
+    azimuth, elevation = np.radians([side_car.sun.azimuth_deg, side_car.sun.elevation_deg])
+    lamps = tuple(
+        PointLight(lamp.position, lamp.intensity, lamp.range_m) for lamp in side_car.lamps
+    )
+    return Environment(
+        sun_direction=np.array(
+            [
+                np.sin(azimuth) * np.cos(elevation),
+                np.sin(elevation),
+                -np.cos(azimuth) * np.cos(elevation),
+            ]
+        ),
+        sun_irradiance=_rgb(side_car.sun.irradiance),
+        sky_zenith=_rgb(side_car.sky.zenith),
+        sky_horizon=_rgb(side_car.sky.horizon),
+        ground=_rgb(side_car.sky.ground),
+        exposure=side_car.exposure,
+        fog_color=_rgb(side_car.fog.color),
+        fog_density_per_m=side_car.fog.density_per_m,
+        cloud_cover=side_car.sky.cloud_cover,
+        shadow_distance_m=side_car.sun.shadow_distance_m,
+        ambient_in_vertex_alpha=side_car.sky.in_vertex_alpha,
+        point_lights=lamps_of_file + lamps,
+    )
+
+
+def _rgb(color: Color) -> Rgb:
+    return color[0], color[1], color[2]
+
+
+def _spawn(spawn: Spawn) -> Pose:
+    return Pose(np.array(spawn.position), axis_angle([0.0, 1.0, 0.0], np.radians(spawn.yaw_deg)))
+
+
+def _nodes(
+    nodes: tuple[Node, ...],
+    settings: dict[str, NodeSettings],
+    stand_ins: dict[str, tuple[int, ...]],
+) -> tuple[Node, ...]:
+    changed: list[Node] = []
+    for node in nodes:
+        new = node
+        for pattern, entry in settings.items():
+            if fnmatchcase(node.name, pattern):
+                new = _changed(new, entry, stand_ins)
+        inherited = node.parent >= 0 and changed[node.parent].head_locked
+        changed.append(replace(new, head_locked=new.head_locked or inherited))
+    return tuple(changed)
+
+
+def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ...]]) -> Node:
+    given = entry.model_dump(
+        include={"semantic_weight", "head_locked", "ambient", "casts_shadow"}, exclude_none=True
+    )
+    lod = tuple(
+        LodLevel(
+            level.from_distance_m, stand_ins[_stand_in(level, node.name)] if level.node else ()
+        )
+        for level in sorted(entry.lod, key=lambda level: level.from_distance_m)
+    )
+    return replace(node, **given, lod=lod or node.lod)

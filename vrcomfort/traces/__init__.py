@@ -1,0 +1,1 @@
+"""Head and gaze traces: columns, reading, importing, interpolation, synthesis."""

@@ -1,0 +1,243 @@
+"""Head traces: poses over time, as arrays, with their files.
+
+A trace file is a CSV with the pose columns of `frames.csv` (`records.pose_columns`): time and
+head are required, the rest is optional and further columns are ignored.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.csv_table import plain_digits
+from vrcomfort.errors import InputError
+from vrcomfort.geometry import Array
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.pose_columns import AVATAR, HEAD
+from vrcomfort.traces.columns import (
+    DISCONTINUITY,
+    EYES,
+    FOVS,
+    PERIOD,
+    TIME,
+    TRIAL,
+    UNITY_HEADER,
+    cuts_of,
+    eyes_of,
+    fovs_of,
+    has_group,
+    periods_of,
+    require_trace,
+    require_unity,
+    track_of,
+)
+from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
+from vrcomfort.traces.pose_track import PoseTrack, Times
+from vrcomfort.traces.table import Table, int64, read_table
+from vrcomfort.traces.unity_euler import orientations_from_unity, positions_from_unity
+
+Format = Literal["unity-euler"]
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """What a head did.
+
+    Parameters
+    ----------
+    time_ns
+        (n,) int64, rising.
+    head
+        stage-from-head.
+    cuts
+        (n,) bool, True where the sample has nothing to do with the one before; the first is.
+    period_ns
+        (n,) int64 frame period at each sample, or None.
+    eyes
+        stage-from-eye, left and right, or None.
+    fovs
+        (n, 2, 4) half angles left, right, up, down of both eyes in radians, or None.
+    avatar
+        world-from-stage, or None where the trace knows no world.
+    trial
+        Name of the trial of each sample, or None.
+    gaze
+        What an eye tracker saw, or None.
+    warnings
+        What was left out while reading.
+    sha256
+        Of the file that it, or more than it, was read from; None where it is of no file.
+    """
+
+    time_ns: Times
+    head: PoseTrack
+    cuts: NDArray[np.bool_]
+    period_ns: Times | None = None
+    eyes: tuple[PoseTrack, PoseTrack] | None = None
+    fovs: Array | None = None
+    avatar: PoseTrack | None = None
+    trial: tuple[str, ...] | None = None
+    gaze: GazeTrack | None = None
+    warnings: tuple[str, ...] = ()
+    sha256: str | None = field(default=None, repr=False)
+
+    def __len__(self) -> int:
+        return len(self.time_ns)
+
+    @property
+    def duration_s(self) -> float:
+        """Return the time from the first to the last sample."""
+        return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
+
+    @property
+    def median_period_ns(self) -> int:
+        """Return the median time between samples (cuts aside), 1/72 s for a single sample."""
+        steps = np.diff(self.time_ns)[~self.cuts[1:]]
+        return int(np.median(steps)) if len(steps) else round(1e9 / 72)
+
+    def only_trial(self, name: str) -> Trace:
+        """Return the samples of one trial.
+
+        Raises
+        ------
+        InputError
+            If the trace has no such trial.
+        """
+        trials = np.array(self.trial or ())
+        keep = trials == name
+        if not keep.any():
+            known = ", ".join(dict.fromkeys(self.trial or ())) or "none"
+            raise InputError(f"the trace has no trial {name!r}; it has: {known}")
+        return self._part(keep)
+
+    def _part(self, keep: NDArray[np.bool_]) -> Trace:
+        # A gap left by samples that are not kept is a cut, like the start.
+        after_gap = np.concatenate([[True], np.diff(np.flatnonzero(keep)) > 1])
+        return replace(
+            self,
+            time_ns=self.time_ns[keep],
+            head=self.head[keep],
+            cuts=self.cuts[keep] | after_gap,
+            period_ns=None if self.period_ns is None else self.period_ns[keep],
+            eyes=None if self.eyes is None else (self.eyes[0][keep], self.eyes[1][keep]),
+            fovs=None if self.fovs is None else self.fovs[keep],
+            avatar=None if self.avatar is None else self.avatar[keep],
+            trial=tuple(np.array(self.trial)[keep].tolist()) if self.trial else None,
+        )
+
+
+def read_trace(path: str | Path) -> Trace:
+    """Read a trace, or a recorded `frames.csv`, which is one.
+
+    A half-written last line is left out and named in `Trace.warnings`. The `gaze.csv` that a
+    session leaves beside its `frames.csv` belongs to it.
+
+    Raises
+    ------
+    InputError
+        With file, line and column: a missing column, an empty cell, NaN, a quaternion that is
+        not unit, time that does not rise, or a file of another kind.
+    """
+    table = read_table(path, require_trace)
+    trial = tuple(table.text(TRIAL)) if table.has([TRIAL]) else None
+    return Trace(
+        time_ns=table.rising(TIME, table.integers(TIME)),
+        head=track_of(table, HEAD),
+        cuts=cuts_of(table, trial),
+        period_ns=periods_of(table),
+        eyes=eyes_of(table),
+        fovs=fovs_of(table),
+        avatar=track_of(table, AVATAR) if has_group(table, AVATAR) else None,
+        trial=trial,
+        gaze=_gaze_beside(table.file),
+        warnings=table.warnings,
+        sha256=hashlib.sha256(table.file.read_bytes()).hexdigest(),
+    )
+
+
+def _gaze_beside(file: Path) -> GazeTrack | None:
+    gaze = file.with_name(GazeRow.FILE)
+    return read_gaze(gaze) if file.name == FrameRow.FILE and gaze.exists() else None
+
+
+def write_trace(trace: Trace, path: str | Path) -> None:
+    """Write a trace; floats as the shortest text that reads back the same."""
+    columns = _written_columns(trace)
+    with Path(path).open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows(zip(*columns.values(), strict=True))
+
+
+def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
+    """Read a head trace that another program wrote.
+
+    `unity-euler`: a header separated by spaces or commas (``Time x y z alpha beta gamma``), rows
+    separated by commas; seconds, metres and Euler degrees about x, y and z in Unity's left-handed
+    frame, applied in Unity's order: z, x, y.
+
+    Raises
+    ------
+    InputError
+        With file, line and column, as `read_trace`.
+    """
+    if format not in _IMPORTERS:
+        raise InputError(f"unknown trace format {format!r}; known: {', '.join(_IMPORTERS)}")
+    return _IMPORTERS[format](path)
+
+
+def _import_unity(path: str | Path) -> Trace:
+    table = read_table(path, require_unity)
+    time_ns = np.array([_nanoseconds(table, row) for row in range(len(table.rows))], np.int64)
+    cuts = np.zeros(len(time_ns), dtype=bool)
+    cuts[0] = True
+    return Trace(
+        time_ns=table.rising("Time", time_ns),
+        head=PoseTrack(
+            positions_from_unity(table.positions(UNITY_HEADER[1:4])),
+            orientations_from_unity(table.floats(UNITY_HEADER[4:])),
+        ),
+        cuts=cuts,
+        warnings=table.warnings,
+    )
+
+
+_IMPORTERS: dict[str, Callable[[str | Path], Trace]] = {"unity-euler": _import_unity}
+
+
+def _nanoseconds(table: Table, row: int) -> int:
+    # Decimal keeps what the file says: a float64 of seconds since 1970 is 200 ns coarse.
+    cell = table.rows[row][0]
+    try:
+        return int64(int((Decimal(plain_digits(cell)) * 10**9).to_integral_value()))
+    except (InvalidOperation, ValueError, OverflowError):
+        raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
+
+
+def _written_columns(trace: Trace) -> dict[str, list[str]]:
+    columns = {TIME: [str(value) for value in trace.time_ns.tolist()]}
+    if trace.period_ns is not None:
+        columns[PERIOD] = [str(value) for value in trace.period_ns.tolist()]
+    if trace.trial is not None:
+        columns[TRIAL] = list(trace.trial)
+    if trace.cuts[1:].any():
+        columns[DISCONTINUITY] = [str(int(cut)) for cut in trace.cuts.tolist()]
+    groups: list[tuple[tuple[str, ...], Array]] = [(HEAD, trace.head.cells())]
+    if trace.eyes is not None:
+        groups += [(name, eye.cells()) for name, eye in zip(EYES, trace.eyes, strict=True)]
+    if trace.fovs is not None:
+        groups += [(name, trace.fovs[:, eye]) for eye, name in enumerate(FOVS)]
+    if trace.avatar is not None:
+        groups.append((AVATAR, trace.avatar.cells()))
+    for group, table in groups:
+        for name, values in zip(group, table.T.tolist(), strict=True):
+            columns[name] = [repr(value) for value in values]
+    return columns
