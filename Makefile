@@ -2,12 +2,13 @@
 BIN := .venv/bin
 OUT ?= out
 
-.PHONY: help setup demo test test-slow test-openxr explore runtime check bench scenes clean
+.PHONY: help setup demo test test-slow test-local test-openxr explore runtime check bench scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
 	@echo "make test    the tests, but for the slow ones"
 	@echo "make test-slow   those: whole studies, rebuilt scenes, wheels, views through the lens"
+	@echo "make test-local  those of published data that may not be shipped (VRCOMFORT_REFERENCE_DATA=FOLDER)"
 	@echo "make explore     the property tests with other, and more, examples"
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
 	@echo "make test-openxr the tests that need one, in it"
@@ -23,11 +24,15 @@ demo: setup
 
 test:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow"
+	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not needs_reference_data"
 
 test-slow:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist load -m "slow and not monado"
+	@$(BIN)/pytest -q -n 2 --dist load -m "slow and not monado and not needs_reference_data"
+
+test-local:
+	@scripts/setup.sh --tests
+	@$(BIN)/pytest -q -m needs_reference_data
 
 explore:
 	@scripts/setup.sh --tests
