@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.table import Result
-from vrcomfort.headset.base import Frame
+from vrcomfort.frame import Frame
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene

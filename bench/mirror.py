@@ -10,8 +10,8 @@ import moderngl
 import numpy as np
 
 from bench.table import Result, write
+from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import prepare
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.mirror import USUAL_HZ, Mirror
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.window import Window

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.table import Result
+from vrcomfort.frame import Frame
 from vrcomfort.gpu.timer import is_software
-from vrcomfort.headset.base import Frame
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur, SpeedBlur
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene

@@ -17,9 +17,9 @@ import moderngl
 from PIL import Image
 
 from vrcomfort.cli.wiring import DEFAULT_CONDITION
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu.gl import create_context
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.eye_painter import EyePainter, WindowPanel
 from vrcomfort.headset.inputs import KeyInput
 from vrcomfort.headset.monado import Monado

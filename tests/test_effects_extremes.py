@@ -7,8 +7,8 @@ import pytest
 from test_effects_optics import evaluate
 
 from tests.support.render import at, eye, glowing, scene, wall
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics import motion
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur

@@ -5,8 +5,8 @@ import pytest
 from pydantic import ValidationError
 from test_effects_reference import FOV, SIZE_PX, half_plane
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur

@@ -6,8 +6,8 @@ import pytest
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.cli.wiring import require_eye_tracker
 from vrcomfort.errors import InputError
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
-from vrcomfort.headset.base import Frame
 from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus

@@ -14,8 +14,8 @@ import pytest
 
 from tests.support.openxr import Participant, needs_monado
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, Quad, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")

@@ -15,7 +15,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from vrcomfort.headset.base import Frame
+from vrcomfort.frame import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.timing import TimingTrust, rate_runtime, time_frames
 from vrcomfort.traces.pose_track import PoseTrack

@@ -25,7 +25,7 @@ import xr
 
 from tests.support.openxr_layers import Interceptor, answer
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
-from vrcomfort.headset.openxr.binding import OPENGL
+from vrcomfort.headset.openxr.graphics_binding import OPENGL
 from vrcomfort.headset.openxr.instance import connect
 
 pytestmark = needs_monado
@@ -122,7 +122,9 @@ def test_a_runtime_without_a_needed_extension_is_refused_by_name(monado: Monado)
 
 
 def test_without_a_context_there_is_nothing_to_bind(tmp_path: Path) -> None:
-    client = "from vrcomfort.headset.openxr.binding import current_binding; current_binding()"
+    client = (
+        "from vrcomfort.headset.openxr.graphics_binding import current_binding; current_binding()"
+    )
     done = subprocess.run(
         [sys.executable, "-c", client], capture_output=True, text=True, check=False
     )

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.support.openxr import Participant, fresh_monado, needs_monado
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, yaw_pitch_roll
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.protocol import Condition, DepthOfField, MotionBlur

@@ -15,8 +15,8 @@ import pytest
 from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort import session
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.protocol import load_protocol
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session.panel_screen import PanelScreen

@@ -18,8 +18,8 @@ import pytest
 from tests.support.openxr import Participant, fresh_monado, needs_monado
 from tests.support.study import smoke_with
 from tests.support.x_server import x_server
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.remote_feed import RemoteState
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.floors import Floors

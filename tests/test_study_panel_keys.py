@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.respondent.base import Form, Withdrew

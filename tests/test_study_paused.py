@@ -10,7 +10,7 @@ import pytest
 
 from tests.support.resume import go, rows
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
-from vrcomfort.headset.base import Frame, HeadsetEvent
+from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.records import session_folder
 from vrcomfort.respondent import Withdrew
 from vrcomfort.session import run

@@ -1,1 +1,102 @@
-"""What renderer, headset and session say of a frame."""
+"""What headset, renderer and session say of one frame: the same words, and no OpenGL."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Array, Gaze, Pose, View
+
+MEAN_IPD_M = 0.063
+"""The average distance between adults' pupils (Carnegie & Rhee 2015)."""
+
+DROPPED_INTERVAL_PERIODS = 1.2
+"""A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
+
+
+@dataclass(frozen=True)
+class Frame:
+    """One frame that the headset asks for.
+
+    Parameters
+    ----------
+    index
+        Counts up from 0 over the life of the headset.
+    predicted_display_time_ns, period_ns
+        When the frame is expected to be seen, and the time between frames.
+    head_pose
+        stage-from-head.
+    views
+        Left and right eye, stage-from-eye.
+    avatar_pose
+        world-from-stage: where locomotion (or a trace's anchor) has put the tracked space.
+    should_render
+        False where nobody sees the frame.
+    discontinuity
+        True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    paused
+        True where the participant sees nothing of it (headset taken off or asleep): time that
+        does not count as exposure.
+    gaze
+        Where the participant looks, None without an eye tracker.
+    """
+
+    index: int
+    predicted_display_time_ns: int
+    period_ns: int
+    head_pose: Pose
+    views: tuple[View, View]
+    avatar_pose: Pose
+    should_render: bool = True
+    discontinuity: bool = False
+    paused: bool = False
+    gaze: Gaze | None = None
+
+
+@dataclass(frozen=True)
+class HeadsetEvent:
+    """Something that happened to the headset, for the record.
+
+    Parameters
+    ----------
+    name
+        In ``snake_case``: ``session_state``, ``tracking_lost``, ``recentered`` ...
+    detail
+        What it changed to, in words.
+    """
+
+    name: str
+    detail: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class FocusSample:
+    """The focus of one frame.
+
+    Parameters
+    ----------
+    frame_index
+        `Frame.index`.
+    focus_m, focus_raw_m
+        After and before the refocus law, metres along the head's forward axis.
+    rays_m
+        (9,) metres along the head's forward axis, NaN where focus is not found by rays.
+    used
+        (9,) bool, False for outliers.
+    """
+
+    frame_index: int
+    focus_m: float
+    focus_raw_m: float
+    rays_m: Array
+    used: NDArray[np.bool_]
+
+
+class GpuTime(NamedTuple):
+    """What a frame (`Frame.index`) cost the GPU."""
+
+    frame_index: int
+    gpu_ms: float

@@ -11,8 +11,8 @@ from types import NoneType, UnionType
 import numpy as np
 from pydantic import BaseModel, ValidationError
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import (

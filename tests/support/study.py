@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.csv_table import CsvTable
+from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View
-from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder

@@ -12,7 +12,7 @@ from vrcomfort.errors import InputError
 if TYPE_CHECKING:
     import moderngl
 
-    from vrcomfort.headset.openxr.survey import HeadsetFacts, RuntimeFacts, SessionFacts
+    from vrcomfort.headset.openxr.capabilities import HeadsetFacts, RuntimeFacts, SessionFacts
     from vrcomfort.headset.timing import TimingTest
 
 TIMING_TEST_S = 5.0
@@ -33,7 +33,7 @@ def examine(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
     part = "OpenXR bindings"
     try:
         yield _there(part, f"pyopenxr {require_bindings()}, with its loader")
-        from vrcomfort.headset.openxr import survey
+        from vrcomfort.headset.openxr import capabilities as survey
 
         part = "OpenXR runtime"
         runtime = survey.find_runtime()

@@ -103,7 +103,7 @@ def tracks_eyes() -> bool:
         If there is no runtime, or no headset; says what to do.
     """
     require_bindings()
-    from vrcomfort.headset.openxr.survey import find_headset
+    from vrcomfort.headset.openxr.capabilities import find_headset
 
     return find_headset().gaze
 

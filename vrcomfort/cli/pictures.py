@@ -21,12 +21,12 @@ from vrcomfort.cli.terminal import (
     warn,
 )
 from vrcomfort.cli.wiring import (
-    DEFAULT_IPD_M,
     open_trace,
     pick_condition,
     require_recorded_gaze,
 )
 from vrcomfort.errors import InputError, spare
+from vrcomfort.frame import MEAN_IPD_M
 
 SceneOption = Annotated[
     str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
@@ -98,7 +98,7 @@ def render(
         shown,
         poses=poses,
         size_px=parse_size(size),
-        ipd_m=study.headset.ipd_m if study else DEFAULT_IPD_M,
+        ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         out=output_folder(out),
         reference_samples=reference,
         quiet=quiet,
@@ -142,7 +142,7 @@ def play(
         study.scene_source(scene) if study else scene,
         shown,
         size_px=parse_size(size),
-        ipd_m=study.headset.ipd_m if study else DEFAULT_IPD_M,
+        ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         frames=frames,
         refresh_hz=refresh_hz,
         video=video,

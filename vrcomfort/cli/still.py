@@ -18,7 +18,7 @@ from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:
-    from vrcomfort.headset.base import Frame
+    from vrcomfort.frame import Frame
     from vrcomfort.render.frames import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.data import Scene
@@ -129,7 +129,7 @@ def still(
 def _frame(
     index: int, head: Pose, size_px: tuple[int, int], ipd_m: float, *, still: bool = False
 ) -> Frame:
-    from vrcomfort.headset.base import Frame
+    from vrcomfort.frame import Frame
     from vrcomfort.headset.playback import default_fovs
 
     half = np.array([ipd_m / 2, 0.0, 0.0])

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from vrcomfort.traces.trace import Trace
 
 
-DEFAULT_IPD_M = 0.063
-"""The average of adults (Carnegie & Rhee 2015)."""
-
 EYE_HEIGHT_M = 1.6
 """Where a picture is taken from if nothing else is said."""
 

@@ -13,6 +13,7 @@ from typing import NamedTuple, TypeAlias
 
 import moderngl
 
+from vrcomfort.frame import GpuTime
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.gl import LATENCY
 
@@ -25,13 +26,6 @@ _TIME_ELAPSED, _TIMESTAMP, _QUERY_RESULT = 0x88BF, 0x8E28, 0x8866
 
 Lap: TypeAlias = Callable[[], float]
 """Tells the seconds between two time stamps, once they have arrived."""
-
-
-class GpuTime(NamedTuple):
-    """What a frame (`Frame.index`) cost the GPU."""
-
-    frame_index: int
-    gpu_ms: float
 
 
 class GpuTimer:

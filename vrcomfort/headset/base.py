@@ -3,68 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from vrcomfort.geometry import Gaze, Pose, View
+from vrcomfort.frame import Frame, HeadsetEvent
 
 if TYPE_CHECKING:
     import moderngl
-
-
-@dataclass(frozen=True)
-class Frame:
-    """One frame that the headset asks for.
-
-    Parameters
-    ----------
-    index
-        Counts up from 0 over the life of the headset.
-    predicted_display_time_ns, period_ns
-        When the frame is expected to be seen, and the time between frames.
-    head_pose
-        stage-from-head.
-    views
-        Left and right eye, stage-from-eye.
-    avatar_pose
-        world-from-stage: where locomotion (or a trace's anchor) has put the tracked space.
-    should_render
-        False where nobody sees the frame.
-    discontinuity
-        True where the pose before has nothing to do with this one (first frame, loop, teleport).
-    paused
-        True where the participant sees nothing of it (headset taken off or asleep): time that
-        does not count as exposure.
-    gaze
-        Where the participant looks, None without an eye tracker.
-    """
-
-    index: int
-    predicted_display_time_ns: int
-    period_ns: int
-    head_pose: Pose
-    views: tuple[View, View]
-    avatar_pose: Pose
-    should_render: bool = True
-    discontinuity: bool = False
-    paused: bool = False
-    gaze: Gaze | None = None
-
-
-@dataclass(frozen=True)
-class HeadsetEvent:
-    """Something that happened to the headset, for the record.
-
-    Parameters
-    ----------
-    name
-        In ``snake_case``: ``session_state``, ``tracking_lost``, ``recentered`` ...
-    detail
-        What it changed to, in words.
-    """
-
-    name: str
-    detail: str = ""
 
 
 class Headset(Protocol):

@@ -10,8 +10,8 @@ from typing import Literal
 import moderngl
 import numpy as np
 
+from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
-from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
@@ -55,7 +55,7 @@ class DesktopSettings:
     image_size_px: tuple[int, int] = (640, 800)
     layout: Layout = "side_by_side"
     field_rad: float = np.pi / 2
-    ipd_m: float = 0.063
+    ipd_m: float = MEAN_IPD_M
     eye_height_m: float = 1.6
     walking_speed_m_s: float = WALKING_SPEED_M_S
 

@@ -10,8 +10,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Quad
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.eye_painter import EyePainter, WindowPanel, fitted
 from vrcomfort.headset.inputs import KeyInput
 from vrcomfort.headset.window import Window

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
-from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.trace import Trace
 
@@ -76,7 +76,7 @@ class PlaybackHeadset:
         *,
         image_size_px: tuple[int, int],
         refresh_hz: float | None = None,
-        ipd_m: float = 0.063,
+        ipd_m: float = MEAN_IPD_M,
         fovs: tuple[Fov, Fov] | None = None,
         spawn: Pose | None = None,
         loop: bool = True,

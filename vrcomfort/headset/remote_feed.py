@@ -15,18 +15,18 @@ from typing import Self
 import numpy as np
 
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.geometry import Fov, Pose, View
 
 HEADER = b"mndrmt3\0"
 """Layout of Monado 25 (``r_interface.h``): little-endian, 376 bytes."""
 
 CONNECT_TIMEOUT_S = 10.0
-IPD_M = 0.063
 HALF_FOV = Fov(-0.7, 0.7, 0.7, -0.7)
 
 
 def _default_views() -> tuple[View, View]:
-    left, right = (Pose(np.array([x, 0.0, 0.0])) for x in (-IPD_M / 2, IPD_M / 2))
+    left, right = (Pose(np.array([x, 0.0, 0.0])) for x in (-MEAN_IPD_M / 2, MEAN_IPD_M / 2))
     return View(left, HALF_FOV), View(right, HALF_FOV)
 
 

@@ -10,10 +10,8 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS
 from vrcomfort.headset.base import Headset
-
-DROPPED_INTERVAL = 1.2
-"""A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
 SIMULATORS = ("simulat", "emulat", "remote hmd", "qwerty", "null", "dummy")
 """Words in the names of runtimes and headsets that show nothing to anybody."""
@@ -112,7 +110,7 @@ def _summary(
     interval_ms: NDArray[np.float64], period_ms: NDArray[np.float64], wait_ms: NDArray[np.float64]
 ) -> TimingTest:
     periods = interval_ms / period_ms[1:]
-    late = periods > DROPPED_INTERVAL
+    late = periods > DROPPED_INTERVAL_PERIODS
     return TimingTest(
         seconds=float(interval_ms.sum() / 1e3),
         frames=len(interval_ms) + 1,

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
+from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds, Settings
 from vrcomfort.protocol.settings_file import Name, Word
 
@@ -24,7 +25,7 @@ PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
 class Headset(Settings):
     """What the headset should be set to; a playback headset is built from it."""
 
-    ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = 0.063
+    ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
 
 
 class Locomotion(Settings):

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import moderngl
 
+from vrcomfort.frame import FocusSample, Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import plan
@@ -16,9 +17,9 @@ from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews, blur_of_one_view
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.effects.speed_blur import SpeedBlurPass
-from vrcomfort.render.focus.passes import FixedFocus, FocusPass, FocusSample, make_focus_pass
+from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
 from vrcomfort.render.focus.rays import screen_tangents
-from vrcomfort.render.frames import EyeImages, FrameToRender, head_from_gaze
+from vrcomfort.render.frames import EyeImages, head_from_gaze
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_pass import ScenePass
@@ -164,7 +165,7 @@ class ConditionPasses:
         if self._depth_of_field is not None:
             self._depth_of_field.forget()
 
-    def find_focus(self, frame: FrameToRender, world_from_head: Pose) -> tuple[FocusSample, ...]:
+    def find_focus(self, frame: Frame, world_from_head: Pose) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
             return ()

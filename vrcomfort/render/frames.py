@@ -3,53 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.geometry import Gaze, Pose, View
-from vrcomfort.gpu.timer import GpuTime
+from vrcomfort.frame import FocusSample, Frame, GpuTime
+from vrcomfort.geometry import Gaze
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.focus.passes import FocusSample
 
 
-class FrameToRender(Protocol):
-    """What the renderer reads of a headset's frame (`headset.base.Frame`)."""
-
-    @property
-    def index(self) -> int:
-        """Count of the frame."""
-
-    @property
-    def predicted_display_time_ns(self) -> int:
-        """When it is seen."""
-
-    @property
-    def period_ns(self) -> int:
-        """Time between frames of which none is dropped."""
-
-    @property
-    def head_pose(self) -> Pose:
-        """stage-from-head."""
-
-    @property
-    def views(self) -> tuple[View, View]:
-        """Left and right eye, stage-from-eye."""
-
-    @property
-    def avatar_pose(self) -> Pose:
-        """world-from-stage."""
-
-    @property
-    def discontinuity(self) -> bool:
-        """Whether the frame before has nothing to do with this one."""
-
-    @property
-    def gaze(self) -> Gaze | None:
-        """Where the participant looks, None without an eye tracker."""
-
-
-def head_from_gaze(frame: FrameToRender) -> Gaze | None:
+def head_from_gaze(frame: Frame) -> Gaze | None:
     """Return a frame's gaze in the head's frame."""
     if frame.gaze is None:
         return None

@@ -18,16 +18,16 @@ from typing import Literal, NamedTuple
 
 import moderngl
 
+from vrcomfort.frame import FocusSample, Frame, GpuTime
 from vrcomfort.geometry import Pose, View
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
-from vrcomfort.gpu.timer import GpuTime, GpuTimer, make_gpu_timer
+from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
-from vrcomfort.render.focus.passes import FocusSample
-from vrcomfort.render.frames import EyeImages, FrameToRender, RenderedFrame
+from vrcomfort.render.frames import EyeImages, RenderedFrame
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import PlannedPass, plan_passes
 from vrcomfort.render.scene_pass import ScenePass
@@ -36,7 +36,6 @@ from vrcomfort.scene.data import Scene
 
 __all__ = [
     "EyeImages",
-    "FrameToRender",
     "PlannedPass",
     "RenderedFrame",
     "StereoRenderer",
@@ -136,7 +135,7 @@ class StereoRenderer:
 
     def render(
         self,
-        frame: FrameToRender,
+        frame: Frame,
         scene_time_s: float,
         on_eye: Callable[[int, EyeImages], None] | None = None,
     ) -> RenderedFrame:
@@ -158,7 +157,7 @@ class StereoRenderer:
 
     def _draw(
         self,
-        frame: FrameToRender,
+        frame: Frame,
         scene_time_s: float,
         on_eye: Callable[[int, EyeImages], None] | None,
     ) -> RenderedFrame:
@@ -216,7 +215,7 @@ class StereoRenderer:
             raise RuntimeError("StereoRenderer.begin was not called")
         return self._passes
 
-    def _eye(self, frame: FrameToRender, view: View, before: _Before | None) -> PlacedEye:
+    def _eye(self, frame: Frame, view: View, before: _Before | None) -> PlacedEye:
         head_from_eye = frame.head_pose.inverse() @ view.pose
         world_from_head = frame.avatar_pose @ frame.head_pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
@@ -239,7 +238,7 @@ class StereoRenderer:
         return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s), step)
 
 
-def _step(before: _Before, frame: FrameToRender) -> HeadStep:
+def _step(before: _Before, frame: Frame) -> HeadStep:
     elapsed_ns = frame.predicted_display_time_ns - before.display_time_ns
     return HeadStep(
         before.head_pose,

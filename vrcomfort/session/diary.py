@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.clock import Clock
 from vrcomfort.session.parts import Progress, ProgressCallback, Step

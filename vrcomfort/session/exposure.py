@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from vrcomfort.headset.base import Frame, Headset
+from vrcomfort.frame import Frame, GpuTime
+from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.diary import Diary
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.parts import GpuTime, Renderer
+from vrcomfort.session.parts import Renderer
 from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]

@@ -7,16 +7,13 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Protocol
 
-from vrcomfort.headset.base import Frame
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, FocusSample, Frame, GpuTime
 from vrcomfort.records import FrameRow, GazeRow, Row
-from vrcomfort.session.parts import FocusSample, GpuTime, RenderedFrame
+from vrcomfort.session.parts import RenderedFrame
 from vrcomfort.session.timing import TrialTiming
 
 _LATEST_FRAMES = 16
 """What has not come after so many frames does not come: the row is written without."""
-
-DROPPED_INTERVAL = 1.2
-"""A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
 
 class RowWriter(Protocol):
@@ -102,7 +99,7 @@ class FrameLog:
         now_ns, before_ns = frame.predicted_display_time_ns, self._shown_ns
         late = False
         if before_ns is not None and not frame.discontinuity:
-            late = now_ns - before_ns > DROPPED_INTERVAL * frame.period_ns
+            late = now_ns - before_ns > DROPPED_INTERVAL_PERIODS * frame.period_ns
             self.timing.intervals.add((now_ns - before_ns) / 1e6)
         self._shown_ns = now_ns
         self.timing.frames += 1

@@ -9,8 +9,8 @@ from typing import Protocol
 import numpy as np
 
 from vrcomfort.errors import headset_ended
+from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.playback import heading
 from vrcomfort.respondent.panel_layout import SIZE_PX

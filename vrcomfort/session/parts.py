@@ -6,47 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias
 
-import numpy as np
-from numpy.typing import NDArray
-
-from vrcomfort.headset.base import Frame, Headset
+from vrcomfort.frame import FocusSample, Frame, GpuTime
+from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
-
-
-class FocusSample(Protocol):
-    """Focus of one frame, read back some frames later."""
-
-    @property
-    def frame_index(self) -> int:
-        """Return the index of the frame that it belongs to."""
-
-    @property
-    def focus_m(self) -> float:
-        """Return the focus distance after the refocus law."""
-
-    @property
-    def focus_raw_m(self) -> float:
-        """Return the focus distance before it."""
-
-    @property
-    def rays_m(self) -> Sequence[float] | NDArray[np.floating]:
-        """Return the nine distances, the centre first."""
-
-    @property
-    def used(self) -> Sequence[bool] | NDArray[np.bool_]:
-        """Return which of the nine were averaged."""
-
-
-class GpuTime(Protocol):
-    """What a frame cost the GPU, read back some frames later."""
-
-    @property
-    def frame_index(self) -> int:
-        """Return the index of the frame that it belongs to."""
-
-    @property
-    def gpu_ms(self) -> float:
-        """Return the time."""
 
 
 class RenderedFrame(Protocol):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 
-from vrcomfort.headset.base import Frame
+from vrcomfort.frame import Frame
 from vrcomfort.tradeoff.methods import EFFECTS, Effect
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import MOTIONS, SCENES, Motion, pairs, with_motion

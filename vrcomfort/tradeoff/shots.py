@@ -9,9 +9,9 @@ import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.gpu import gl
-from vrcomfort.headset.base import Frame
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple, TypeAlias
 import moderngl
 import numpy as np
 
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.gl import color_texture
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
-from vrcomfort.headset.base import Frame
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass

@@ -10,8 +10,8 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View, axis_angle
-from vrcomfort.headset.base import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene

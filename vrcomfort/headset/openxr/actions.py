@@ -10,7 +10,7 @@ import xr
 
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
-from vrcomfort.headset.openxr.bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
+from vrcomfort.headset.openxr.action_bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.instance import Runtime, check
 from vrcomfort.headset.openxr.native import native

@@ -8,11 +8,11 @@ from contextlib import ExitStack, suppress
 import moderngl
 import xr
 
-from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr import depth, display
 from vrcomfort.headset.openxr.actions import Actions
-from vrcomfort.headset.openxr.binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.faults import running, starting
+from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.instance import connect
 from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
 from vrcomfort.headset.openxr.lifecycle import Lifecycle

@@ -11,15 +11,15 @@ import moderngl
 import xr
 
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset.base import Frame, HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
-from vrcomfort.headset.openxr.attendance import Attendance
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.participant_pose import ParticipantPose
+from vrcomfort.headset.openxr.presence import Presence
 from vrcomfort.headset.openxr.settings import OpenXrSettings
-from vrcomfort.headset.openxr.whereabouts import Whereabouts
 from vrcomfort.headset.timing import Timing, rate_runtime
 from vrcomfort.scene.floors import Floors
 
@@ -68,10 +68,10 @@ class OpenXrHeadset:
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
-        self._where = Whereabouts(
+        self._where = ParticipantPose(
             self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
         )
-        self._attendance = Attendance(self._xr.lifecycle, settings.patience_s, self._events.append)
+        self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
         self._wait_frame, self._begin_frame = native("xrWaitFrame"), native("xrBeginFrame")
         self._frame_state = xr.FrameState()
         self._end_frame = layers.FrameEnd(self._xr.session)
@@ -170,7 +170,7 @@ class OpenXrHeadset:
 
     def allow_absence(self, duration_s: float) -> None:
         """Wait so much longer than usual for a participant who has taken the headset off."""
-        self._attendance.allow(duration_s)
+        self._presence.allow(duration_s)
 
     def inputs(self) -> Inputs:
         """Return what the participant's hands, eyes and keys do in the last frame."""
@@ -239,7 +239,7 @@ class OpenXrHeadset:
         if self._open is not None:
             self._submit(self._open, None)
         self._cut |= not self._xr.lifecycle.running
-        if not self._attendance.wait():
+        if not self._presence.wait():
             return None
         if self._before_wait is not None:
             self._before_wait()
@@ -257,7 +257,7 @@ class OpenXrHeadset:
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        self._cut |= self._attendance.update(inputs)
+        self._cut |= self._presence.update(inputs)
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
@@ -267,7 +267,7 @@ class OpenXrHeadset:
             avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
-            paused=self._attendance.away,
+            paused=self._presence.away,
             gaze=inputs.gaze,
         )
         self._next_index, self._cut = self._next_index + 1, False
@@ -295,6 +295,6 @@ class OpenXrHeadset:
         if not self._xr.lifecycle.running:
             return
         xr.request_exit_session(self._xr.session)
-        self._attendance.until(EXIT_S)
+        self._presence.until(EXIT_S)
         for frame in islice(iter(self._next_frame, None), EXIT_FRAMES):
             self._submit(frame, None)

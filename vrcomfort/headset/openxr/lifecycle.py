@@ -10,7 +10,7 @@ from typing import Any
 
 import xr
 
-from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.instance import STEREO
 from vrcomfort.headset.openxr.native import native

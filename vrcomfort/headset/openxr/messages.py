@@ -7,7 +7,7 @@ from typing import Any
 
 import xr
 
-from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.frame import HeadsetEvent
 
 DEBUG_UTILS = xr.EXT_DEBUG_UTILS_EXTENSION_NAME
 Notify = Callable[[HeadsetEvent], None]

@@ -10,8 +10,8 @@ import moderngl
 import xr
 
 from vrcomfort.errors import InputError
-from vrcomfort.headset.openxr.binding import make_current
 from vrcomfort.headset.openxr.faults import lost
+from vrcomfort.headset.openxr.graphics_binding import make_current
 from vrcomfort.headset.openxr.native import native
 
 FORMATS = {0x8C43: "SRGB8_ALPHA8"}

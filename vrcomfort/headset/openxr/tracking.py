@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import xr
 
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, View
-from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.headset.openxr.convert import view_from_xr
 from vrcomfort.headset.openxr.instance import EYES, STEREO
 from vrcomfort.headset.openxr.native import native

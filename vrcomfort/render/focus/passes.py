@@ -13,13 +13,14 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from vrcomfort.frame import FocusSample
 from vrcomfort.geometry import Gaze, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.optics.focus import RAYS
 from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.rays import GazeRays, NineRays, Probe, Sight
-from vrcomfort.render.focus.readback import FocusSample, Readback
+from vrcomfort.render.focus.readback import Readback
 from vrcomfort.render.focus.zone import AutofocusZone
 from vrcomfort.render.gpu_scene import GpuScene
 

@@ -3,41 +3,17 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
+from vrcomfort.frame import FocusSample
 from vrcomfort.geometry import Array
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.optics.focus import RAYS
 
 _NO_RAYS = np.full(RAYS, np.nan)
-
-
-@dataclass(frozen=True, eq=False)
-class FocusSample:
-    """The focus of one frame.
-
-    Parameters
-    ----------
-    frame_index
-        `Frame.index`.
-    focus_m, focus_raw_m
-        After and before the refocus law, metres along the head's forward axis.
-    rays_m
-        (9,) metres along the head's forward axis, NaN where focus is not found by rays.
-    used
-        (9,) bool, False for outliers.
-    """
-
-    frame_index: int
-    focus_m: float
-    focus_raw_m: float
-    rays_m: Array
-    used: NDArray[np.bool_]
 
 
 class Readback:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import moderngl
 import xr
 
-from vrcomfort.headset.openxr.binding import OPENGL
 from vrcomfort.headset.openxr.faults import starting
+from vrcomfort.headset.openxr.graphics_binding import OPENGL
 from vrcomfort.headset.openxr.headset import OpenXrHeadset
 from vrcomfort.headset.openxr.instance import (
     WANTED_EXTENSIONS,

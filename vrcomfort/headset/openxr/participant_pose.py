@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.geometry import Pose
-from vrcomfort.headset.base import HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion, floor_under, wish_of
 from vrcomfort.headset.openxr.connection import Connection
@@ -13,7 +13,7 @@ from vrcomfort.headset.openxr.tracking import Tracking
 from vrcomfort.scene.floors import Floors
 
 
-class Whereabouts:
+class ParticipantPose:
     """Head and eyes in the stage, and the stage in the world.
 
     Parameters

@@ -5,14 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from vrcomfort.headset.base import HeadsetEvent
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.openxr.bindings import HANDS
+from vrcomfort.headset.openxr.action_bindings import HANDS
 from vrcomfort.headset.openxr.faults import asleep
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
 
 
-class Attendance:
+class Presence:
     """Waits for a participant who has taken the headset off, but not for ever.
 
     Parameters
