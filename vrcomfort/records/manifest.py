@@ -15,7 +15,7 @@ from vrcomfort.protocol import Protocol
 from vrcomfort.records.recorder import replace_text
 from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
 
-_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
 
 @dataclass(frozen=True)
