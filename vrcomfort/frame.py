@@ -42,6 +42,11 @@ class Frame:
         does not count as exposure.
     gaze
         Where the participant looks, None without an eye tracker.
+    head_valid, head_tracked
+        Whether the headset knows the head's pose, and whether it has measured it for this frame.
+    session_state
+        Of the OpenXR session: ``synchronized``, ``visible`` (something of the runtime's has the
+        input), ``focused`` ...; blank where there is none.
     """
 
     index: int
@@ -54,6 +59,14 @@ class Frame:
     discontinuity: bool = False
     paused: bool = False
     gaze: Gaze | None = None
+    head_valid: bool = True
+    head_tracked: bool = True
+    session_state: str = ""
+
+    @property
+    def unfocused(self) -> bool:
+        """Whether the participant sees the frame, and the runtime's own menu has the input."""
+        return self.session_state == "visible"
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,16 @@
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.load import load_protocol, parse_protocol
-from vrcomfort.protocol.model import Ask, Order, Protocol, Ratings, Sequence, Simulation, Trial
+from vrcomfort.protocol.model import (
+    Ask,
+    Order,
+    Protocol,
+    Ratings,
+    Sequence,
+    Simulation,
+    Trial,
+    Unfocused,
+)
 
 __all__ = [
     "Ask",
@@ -16,6 +25,7 @@ __all__ = [
     "Sequence",
     "Simulation",
     "Trial",
+    "Unfocused",
     "load_protocol",
     "parse_protocol",
 ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field, PrivateAttr
 
@@ -80,6 +80,9 @@ class Ask(Settings):
     """Rest without the headset before asking."""
 
 
+Unfocused: TypeAlias = Literal["pause", "flag"]
+
+
 class Ratings(Settings):
     """A single-item scale answered during exposure."""
 
@@ -134,7 +137,10 @@ class Protocol(Settings):
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
-    """Share of dropped frames above which a trial is flagged; its data stay as they are."""
+    """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
+    unfocused: Unfocused = "pause"
+    """While a menu of the headset's is in front, the participant sees the scene and cannot stop:
+    `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
     conditions: Annotated[tuple[Condition, ...], Field(min_length=1)]

@@ -16,6 +16,10 @@ from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]
 
+FREEZE_S = 0.5
+"""A picture that stands still for longer is a freeze: what fell due in it was missed. After a
+shorter one, it is asked late."""
+
 
 @dataclass(frozen=True)
 class Stimulus:
@@ -83,17 +87,19 @@ class FrameLoop:
         shown_ns, before_ns = 0, None
         for frame in self._frames:
             self._note_events()
-            if frame.paused:  # nobody sees it: time that is no exposure
-                self.headset.submit(frame, None)
-                shown_ns += 0 if before_ns is None else frame.period_ns  # the last one seen
+            if not self._counts(frame, stimulus):
+                shown_ns += 0 if before_ns is None else frame.period_ns  # the last one that counted
                 before_ns = None
                 continue
             now_ns = frame.predicted_display_time_ns
-            shown_ns += 0 if before_ns is None else now_ns - before_ns
+            passed_ns = 0 if before_ns is None else now_ns - before_ns
+            shown_ns += passed_ns
             before_s, before_ns = self.elapsed_s, now_ns
             self.elapsed_s = shown_ns / 1e9
             self.context.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, stimulus)
+            if schedule and (frozen_s := (passed_ns - frame.period_ns) / 1e9) > FREEZE_S:
+                self._miss(stimulus, schedule, frozen_s)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
             # The next frame would lie more than half outside.
@@ -102,6 +108,17 @@ class FrameLoop:
                 self.elapsed_s = stimulus.duration_s
                 return "completed"
         return "headset_ended"
+
+    def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
+        """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""
+        if frame.paused:  # nobody sees it
+            self.headset.submit(frame, None)
+            self.log.add_hidden(frame)
+            return False
+        if frame.unfocused and self.context.protocol.unfocused == "pause":
+            self._draw(frame, stimulus)
+            return False
+        return True
 
     def _late_times(self) -> Sequence[GpuTime]:
         return self.context.renderer.drain_times() if self.log.times_gpu else ()
@@ -126,6 +143,12 @@ class FrameLoop:
         if schedule and (rated := schedule.update(felt_s, self.context.clock.now_s())):
             self._record(stimulus, schedule, rated)
             schedule.check(rated)
+
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule, frozen_s: float) -> None:
+        stretch, now_s = self.context.stretch, self.context.clock.now_s()
+        felt_s = self.elapsed_s * stretch
+        for missed in schedule.missed_while_frozen(felt_s, now_s, frozen_s, stretch):
+            self._record(stimulus, schedule, missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
         self.events.recorder.write_soon(

@@ -18,7 +18,7 @@ from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.ratings import RatingSchedule, StopRule
-from vrcomfort.session.timing import timing_row
+from vrcomfort.session.timing import timing_row, trial_flags
 
 REST_SLICE_S = 0.2
 """So often a rest looks up."""
@@ -241,7 +241,6 @@ class SessionFlow:
         }
 
     def _write_trial(self, place: TrialPlace, ending: _Ending) -> None:
-        limit_percent = self._context.protocol.max_dropped_percent
         trial = TrialRow(
             **self._identity(place, ending.start_s),
             end_s=self._context.clock.now_s(),
@@ -249,13 +248,14 @@ class SessionFlow:
             abort_code=ending.abort_code,
             frames=self._log.frames,
             dropped=self._log.dropped,
+            missed_refreshes=self._log.timing.missed_refreshes,
+            **self._log.timing.seen.cells(),
         )
-        timing = timing_row(trial, self._log.timing, limit_percent)
-        self._events.recorder.write(timing, trial)
-        if timing.flagged:
-            share = f"{timing.dropped_percent:g} % of {trial.frames} frames dropped"
-            text = f"trial {trial.trial}, attempt {trial.attempt}: {share}"
-            self._events.event("timing_flag", detail=f"{text}; the limit is {limit_percent:g} %")
+        flags = trial_flags(self._log.timing, self._context.protocol.max_dropped_percent)
+        self._events.recorder.write(timing_row(trial, self._log.timing, flags), trial)
+        if flags:
+            text = f"trial {trial.trial}, attempt {trial.attempt}: {'; '.join(flags)}"
+            self._events.event("timing_flag", detail=text)
             self._manifest.flag(text)
 
 

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Protocol
 
-from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, FocusSample, Frame, GpuTime
+from vrcomfort.frame import FocusSample, Frame, GpuTime
 from vrcomfort.records import FrameRow, GazeRow, Row
 from vrcomfort.session.interfaces import RenderedFrame
-from vrcomfort.session.timing import TrialTiming
+from vrcomfort.session.timing import TrialTiming, missed_refreshes
 
 _LATEST_FRAMES = 16
 """What has not come after so many frames does not come: the row is written without."""
@@ -70,7 +70,7 @@ class FrameLog:
         self, frame: Frame, rendered: RenderedFrame | None, *, trial: int, session_s: float
     ) -> None:
         """Take a frame, and whatever focus and GPU times arrived with it."""
-        dropped, time_ns = self._count(frame), self._continuous_ns(frame)
+        missed, time_ns = self._count(frame), self._continuous_ns(frame)
         self._waiting[frame.index] = FrameRow(
             session_s=session_s,
             xr_time_ns=time_ns,
@@ -81,9 +81,13 @@ class FrameLog:
             left=frame.views[0],
             right=frame.views[1],
             avatar=frame.avatar_pose,
+            head_valid=frame.head_valid,
+            head_tracked=frame.head_tracked,
+            session_state=frame.session_state or None,
             max_blur_px=rendered.max_blur_px if rendered else None,
             cpu_ms=rendered.cpu_ms if rendered else None,
-            dropped=int(dropped),
+            dropped=int(missed > 0),
+            missed_refreshes=missed,
             discontinuity=frame.discontinuity,
             gaze=None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze),
         )
@@ -95,16 +99,25 @@ class FrameLog:
         self.times_gpu = rendered.gpu_times is not None
         self.take(rendered.focus_samples, rendered.gpu_times or ())
 
-    def _count(self, frame: Frame) -> bool:
+    def add_hidden(self, frame: Frame) -> None:
+        """Take a frame that nobody sees: it has no row, and its time is no exposure."""
+        self.timing.seen.add(frame)
+        self._shown_ns = None
+
+    def _count(self, frame: Frame) -> int:
+        """Return how many refreshes were missed before a frame."""
         now_ns, before_ns = frame.predicted_display_time_ns, self._shown_ns
-        late = False
+        missed, timing = 0, self.timing
         if before_ns is not None and not frame.discontinuity:
-            late = now_ns - before_ns > DROPPED_INTERVAL_PERIODS * frame.period_ns
-            self.timing.intervals.add((now_ns - before_ns) / 1e6)
+            missed = missed_refreshes(now_ns - before_ns, frame.period_ns)
+            timing.intervals.add((now_ns - before_ns) / 1e6)
         self._shown_ns = now_ns
-        self.timing.frames += 1
-        self.timing.dropped += late
-        return late
+        timing.frames += 1
+        timing.dropped += missed > 0
+        timing.missed_refreshes += missed
+        timing.untracked += not frame.head_tracked
+        timing.seen.add(frame)
+        return missed
 
     def _continuous_ns(self, frame: Frame) -> int:
         """Keep time running forwards where a playback starts again with the next exposure."""
@@ -132,6 +145,7 @@ class FrameLog:
 
     def finish(self, samples: Iterable[FocusSample] = (), times: Iterable[GpuTime] = ()) -> None:
         """Write all rows that wait; what has not come for them is blank."""
+        self.timing.seen.end()
         self.take(samples, times)
         while self._waiting:
             self._write(next(iter(self._waiting)))

@@ -63,9 +63,32 @@ class RatingSchedule:
         latency_s = None if response is None else now_s - pending.onset_s
         return Rated(pending.onset_s, latency_s, response)
 
+    def missed_while_frozen(
+        self, elapsed_s: float, now_s: float, frozen_s: float, stretch: float
+    ) -> list[Rated]:
+        """Return the ratings that fell due while the picture stood still: nobody was asked.
+
+        Parameters
+        ----------
+        elapsed_s, now_s
+            At the first frame after it, as for `update`.
+        frozen_s
+            How long it stood still, in seconds shown.
+        stretch
+            Seconds of the protocol that each shown second stands for.
+        """
+        missed = []
+        last_s = min(elapsed_s, self._duration_s - self._settings.timeout_s)
+        while elapsed_s - frozen_s * stretch < (due_s := self._due_s()) <= last_s:
+            self._asked += 1
+            missed.append(Rated(now_s - (elapsed_s - due_s) / stretch, None, None))
+        return missed
+
+    def _due_s(self) -> float:
+        return self._settings.every_s * (self._asked + 1)
+
     def _prompt_if_due(self, elapsed_s: float, now_s: float) -> None:
-        due_s = self._settings.every_s * (self._asked + 1)
-        if due_s <= elapsed_s <= self._duration_s - self._settings.timeout_s:
+        if self._due_s() <= elapsed_s <= self._duration_s - self._settings.timeout_s:
             self._asked += 1
             self._pending = _Pending(elapsed_s, now_s)
             self._respondent.prompt(self.instrument, elapsed_s, self._settings.timeout_s)

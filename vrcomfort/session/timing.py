@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame
 from vrcomfort.records import TimingRow, TrialRow
 
 STEP_MS = 0.01
@@ -42,11 +44,80 @@ class Durations:
 
 
 @dataclass
+class SeenTime:
+    """What a participant saw in the seconds of a trial: their sum is the trial's length.
+
+    Parameters
+    ----------
+    live_s
+        A frame was shown for its period.
+    frozen_s
+        A frame stood for longer: refreshes passed without a new one.
+    hidden_s
+        Nothing was seen: the headset was taken off or asleep.
+    unfocused_s
+        The frame was shown, and something of the runtime's had the input.
+    """
+
+    live_s: float = 0.0
+    frozen_s: float = 0.0
+    hidden_s: float = 0.0
+    unfocused_s: float = 0.0
+    _frame: Frame | None = None
+    """The last frame, whose time is not over."""
+
+    def add(self, frame: Frame) -> None:
+        """Close the time of the frame before."""
+        before, self._frame = self._frame, frame
+        if before is None:
+            return
+        passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
+        if frame.discontinuity and not before.paused:  # no picture stood still meanwhile
+            shown_ns = min(passed_ns, before.period_ns) if passed_ns > 0 else before.period_ns
+            self.hidden_s += max(passed_ns - shown_ns, 0) / 1e9
+            passed_ns = shown_ns
+        self._count(before, passed_ns)
+
+    def end(self) -> None:
+        """Give the last frame its period."""
+        if self._frame is not None:
+            self._count(self._frame, self._frame.period_ns)
+            self._frame = None
+
+    def _count(self, frame: Frame, passed_ns: int) -> None:
+        if frame.paused:
+            self.hidden_s += passed_ns / 1e9
+            return
+        late = passed_ns > DROPPED_INTERVAL_PERIODS * frame.period_ns
+        shown_ns = frame.period_ns if late else passed_ns
+        self.frozen_s += (passed_ns - shown_ns) / 1e9
+        if frame.unfocused:
+            self.unfocused_s += shown_ns / 1e9
+        else:
+            self.live_s += shown_ns / 1e9
+
+    @property
+    def frozen_percent(self) -> float:
+        """Return the frozen share of the time in which something was seen."""
+        seen_s = self.live_s + self.frozen_s + self.unfocused_s
+        return round(100 * self.frozen_s / seen_s, 2) if seen_s else 0.0
+
+    def cells(self) -> dict[str, Any]:
+        """Return the seconds, named as the columns of ``trials.csv``."""
+        names = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
+        return {name: round(getattr(self, name), 9) for name in names}
+
+
+@dataclass
 class TrialTiming:
     """The frames of one trial so far."""
 
     frames: int = 0
     dropped: int = 0
+    missed_refreshes: int = 0
+    untracked: int = 0
+    """Frames whose head pose the headset had not measured."""
+    seen: SeenTime = field(default_factory=SeenTime)
     intervals: Durations = field(default_factory=Durations)
     cpu: Durations = field(default_factory=Durations)
     gpu: Durations = field(default_factory=Durations)
@@ -62,7 +133,37 @@ class TrialTiming:
         return {k: v for name, part in parts.items() for k, v in part.summary(name).items()}
 
 
-def timing_row(trial: TrialRow, timing: TrialTiming, limit_percent: float) -> TimingRow:
+def missed_refreshes(passed_ns: int, period_ns: int) -> int:
+    """Return how many refreshes passed between two frames without a new one."""
+    late = passed_ns > DROPPED_INTERVAL_PERIODS * period_ns
+    return max(round(passed_ns / period_ns) - 1, 1) if late else 0
+
+
+def trial_flags(timing: TrialTiming, limit_percent: float) -> list[str]:
+    """Say what an analyst should know of a trial, a clause each; nothing where all was well.
+
+    Parameters
+    ----------
+    limit_percent
+        How many per cent of the frames may be dropped, and of the time frozen.
+    """
+    flags, seen = [], timing.seen
+    if (timing.dropped_percent or 0) > limit_percent:
+        flags.append(f"{timing.dropped_percent:g} % of {timing.frames} frames dropped")
+    if seen.frozen_percent > limit_percent:
+        frozen = f"the picture stood still for {seen.frozen_s:.2f} s, {seen.frozen_percent:g} %"
+        flags.append(f"{frozen} of the time, and was live for {seen.live_s:.2f} s")
+    if flags:
+        flags.append(f"the limit is {limit_percent:g} %")
+    if 2 * timing.untracked > timing.frames:
+        flags.append(f"the head was not tracked in {timing.untracked} of {timing.frames} frames")
+    if seen.unfocused_s:
+        text = f"a menu of the runtime's was in front for {seen.unfocused_s:.2f} s"
+        flags.append(f"{text}: the participant saw it, and could not stop")
+    return flags
+
+
+def timing_row(trial: TrialRow, timing: TrialTiming, flags: Sequence[str]) -> TimingRow:
     """Return a trial's row of ``timing.csv``."""
     percent = timing.dropped_percent
     return TimingRow(
@@ -75,5 +176,5 @@ def timing_row(trial: TrialRow, timing: TrialTiming, limit_percent: float) -> Ti
         dropped=timing.dropped,
         dropped_percent=percent,
         **timing.summary(),
-        flagged=int(percent is not None and percent > limit_percent),
+        flagged=int(bool(flags)),
     )

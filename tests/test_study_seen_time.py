@@ -1,0 +1,134 @@
+"""How much of a trial was seen: live, frozen, hidden, unfocused; and what fell due meanwhile."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.support.resume import attempts, go, rows
+from tests.support.study import AheadHeadset, frame
+from vrcomfort.session.timing import SeenTime, missed_refreshes
+
+PERIOD_NS = 100_000_000
+
+
+def seen_of(frames) -> SeenTime:
+    seen = SeenTime()
+    for each in frames:
+        seen.add(each)
+    seen.end()
+    return seen
+
+
+def at(periods: int, **changes):
+    return replace(frame(periods), predicted_display_time_ns=periods * PERIOD_NS, **changes)
+
+
+def test_a_freeze_is_time_beyond_a_frames_own_period():
+    seen = seen_of([at(0), at(1), at(51), at(52)])
+    assert (seen.live_s, seen.frozen_s) == pytest.approx((0.4, 4.9))
+    assert seen.frozen_percent == pytest.approx(100 * 4.9 / 5.3, abs=0.01)
+
+
+@given(
+    st.lists(
+        st.tuples(
+            st.integers(1, 60), st.booleans(), st.booleans(), st.sampled_from(["", "visible"])
+        )
+    )
+)
+def test_the_four_kinds_of_time_add_up_to_the_trial(steps):
+    frames, periods = [at(0)], 0
+    for step, paused, discontinuity, state in steps:
+        periods += step
+        frames.append(at(periods, paused=paused, discontinuity=discontinuity, session_state=state))
+    seen = seen_of(frames)
+    whole_s = (periods + 1) * PERIOD_NS / 1e9
+    assert seen.live_s + seen.frozen_s + seen.hidden_s + seen.unfocused_s == pytest.approx(whole_s)
+    assert min(seen.cells().values()) >= 0
+
+
+def test_time_while_the_headset_is_off_is_hidden():
+    frames = [at(0), at(1, paused=True), at(2, paused=True), at(3, discontinuity=True)]
+    seen = seen_of(frames)
+    assert (seen.live_s, seen.hidden_s, seen.frozen_s) == pytest.approx((0.2, 0.2, 0.0))
+
+
+def test_a_runtimes_menu_in_front_is_unfocused_time():
+    seen = seen_of([at(0), at(1, session_state="visible"), at(2, session_state="focused")])
+    assert (seen.live_s, seen.unfocused_s) == pytest.approx((0.2, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("periods", "missed"), [(1.0, 0), (1.2, 0), (1.3, 1), (2.0, 1), (3.0, 2), (50.0, 49)]
+)
+def test_refreshes_are_counted_not_late_frames(periods, missed):
+    assert missed_refreshes(round(periods * PERIOD_NS), PERIOD_NS) == missed
+
+
+class Freezes(AheadHeadset):
+    """Stands still for 5 of 10 s, from the 20th frame on."""
+
+    def frames(self):
+        for index in range(self.frames_left):
+            yield at(index if index < 20 else index + 50)
+
+
+def test_a_trial_that_froze_says_so_and_keeps_its_live_time(tmp_path):
+    outcome = go(tmp_path, headset_for=lambda *_: Freezes())
+    trial = rows(tmp_path, "trials")[0]
+    assert trial["status"] == "completed"
+    assert float(trial["live_s"]) == pytest.approx(5.0, abs=0.2)
+    assert float(trial["frozen_s"]) == pytest.approx(5.0, abs=0.2)
+    assert (trial["dropped"], trial["missed_refreshes"]) == ("1", "50")
+    assert rows(tmp_path, "timing")[0]["flagged"] == "1"
+    assert any("stood still for 5.00 s" in warning for warning in outcome.warnings)
+    frames = [row for row in rows(tmp_path, "frames") if row["trial"] == "1"]
+    assert sum(int(row["missed_refreshes"]) for row in frames) == 50
+
+
+def test_a_rating_that_fell_due_in_a_freeze_is_a_row(tmp_path):
+    go(tmp_path, headset_for=lambda *_: Freezes())
+    whole = tmp_path / "whole"
+    whole.mkdir()
+    go(whole)
+    frozen, asked = (
+        [r for r in rows(at, "ratings") if r["trial"] == "1"] for at in (tmp_path, whole)
+    )
+    assert len(frozen) == len(asked), "each rating that was due has its row"
+    missed = [row for row in frozen if row["missed"] == "1"]
+    assert missed
+    for row in missed:
+        assert (row["response"], row["latency_s"]) == ("", "")
+
+
+def test_a_trial_without_tracking_is_flagged_and_never_silently_completed(tmp_path):
+    class Lost(AheadHeadset):
+        def frames(self):
+            for index in range(self.frames_left):
+                yield at(index, head_tracked=index < 20)
+
+    outcome = go(tmp_path, headset_for=lambda *_: Lost())
+    assert rows(tmp_path, "timing")[0]["flagged"] == "1"
+    assert any("the head was not tracked in 90 of 100 frames" in each for each in outcome.warnings)
+    tracked = [row["head_tracked"] for row in rows(tmp_path, "frames") if row["trial"] == "1"]
+    assert tracked == ["1"] * 10 + ["0"] * 90, "the first ten were training"
+
+
+def test_a_menu_in_front_pauses_the_exposure(tmp_path):
+    class Menu(AheadHeadset):
+        """For 30 of its frames the runtime's menu is in front."""
+
+        def frames(self):
+            for index in range(self.frames_left):
+                state = "visible" if 20 <= index < 50 else "focused"
+                yield at(index, session_state=state)
+
+    go(tmp_path, headset_for=lambda *_: Menu())
+    trial = rows(tmp_path, "trials")[0]
+    assert float(trial["live_s"]) == pytest.approx(10.0, abs=0.2)
+    assert float(trial["unfocused_s"]) == pytest.approx(3.0, abs=0.2)
+    assert [row[3] for row in attempts(tmp_path)] == ["completed", "completed"]
