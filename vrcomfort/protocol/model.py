@@ -138,6 +138,9 @@ class Protocol(Settings):
     """Rest between two exposures of a session."""
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
     """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
+    resumed_questions_within_s: Rest = 600.0
+    """An interrupted session first asks what was open after its last exposure, if that is not
+    longer ago; later, those items are missed."""
     unfocused: Unfocused = "pause"
     """While a menu of the headset's is in front, the participant sees the scene and cannot stop:
     `pause` counts no exposure then, `flag` counts it and flags the trial."""

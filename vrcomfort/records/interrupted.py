@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import csv
+import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +45,14 @@ class Interrupted:
         What the manifest says.
     warnings
         What was half-written and has been cut off, one sentence each.
+    answered
+        (trial or None, timepoint, instrument) → names of the items that have a row.
+    last_trial
+        The trial that ended last, if it was not aborted; else None.
+    ended_by
+        What ended the participant's study in that trial: ``withdrawn`` or ``stopped``; else None.
+    exposure_ended_s_ago
+        How long ago that trial ended, by the wall clock; None where nothing tells.
     """
 
     done: int
@@ -51,6 +61,10 @@ class Interrupted:
     xr_time_ns: int | None
     manifest: Mapping[str, Any] = field(repr=False)
     warnings: tuple[str, ...]
+    answered: Mapping[tuple[int | None, str, str], frozenset[str]] = field(default_factory=dict)
+    last_trial: int | None = None
+    ended_by: str | None = None
+    exposure_ended_s_ago: float | None = None
 
 
 def take_up(folder: Path) -> Interrupted:
@@ -65,6 +79,7 @@ def take_up(folder: Path) -> Interrupted:
         If a file is damaged, or from a version with other columns.
     """
     manifest = read_manifest(folder)
+    trials_written_s = _modified_s(folder / TrialRow.FILE)
     cuts = [mend(folder / row_type.FILE, row_type.columns()) for row_type in SESSION_ROWS]
     files = [(folder / row_type.FILE, row_type.columns()) for row_type in OPTIONAL_ROWS]
     cuts += [mend(file, columns) for file, columns in files if file.exists()]
@@ -74,6 +89,7 @@ def take_up(folder: Path) -> Interrupted:
     trials = list(_rows(folder, TrialRow))
     if begun and not any(_is_attempt(row, begun) for row in trials):
         trials.append(_killed(folder, begun, frames, end_s))
+    last_trial, ended_by = _last_trial(trials)
     return Interrupted(
         done=max((int(row["trial"]) for row in trials if row["status"] == "completed"), default=0),
         attempts=Counter(int(row["trial"]) for row in trials),
@@ -81,7 +97,44 @@ def take_up(folder: Path) -> Interrupted:
         xr_time_ns=frames.last_ns,
         manifest=manifest,
         warnings=tuple(cut for cut in cuts if cut),
+        answered=_answered(folder),
+        last_trial=last_trial,
+        ended_by=ended_by,
+        exposure_ended_s_ago=_seconds_since(manifest, last_trial, trials_written_s),
     )
+
+
+_ENDED_THE_STUDY = ("withdrawn", "stopped")
+
+
+def _last_trial(trials: Sequence[Cells]) -> tuple[int | None, str | None]:
+    """Return the trial that ended last, unless it was aborted, and what ended the study in it."""
+    if not trials or trials[-1]["status"] not in {"completed", *_ENDED_THE_STUDY}:
+        return None, None
+    status = trials[-1]["status"]
+    return int(trials[-1]["trial"]), status if status in _ENDED_THE_STUDY else None
+
+
+def _answered(folder: Path) -> dict[tuple[int | None, str, str], frozenset[str]]:
+    found: dict[tuple[int | None, str, str], set[str]] = {}
+    for row in _rows(folder, QuestionnaireRow):
+        trial = int(row["trial"]) if row["trial"] else None
+        found.setdefault((trial, row["timepoint"], row["instrument"]), set()).add(row["item"])
+    return {key: frozenset(items) for key, items in found.items()}
+
+
+def _modified_s(file: Path) -> float | None:
+    return file.stat().st_mtime if file.exists() else None
+
+
+def _seconds_since(
+    manifest: Mapping[str, Any], trial: int | None, written_s: float | None
+) -> float | None:
+    """Return how long ago a trial ended: by the manifest, or by when its row was written."""
+    ended = manifest.get("exposure_ended") or {}
+    if trial is not None and ended.get("trial") == trial:
+        written_s = datetime.fromisoformat(ended["at"]).timestamp()
+    return None if written_s is None else max(time.time() - written_s, 0.0)
 
 
 _NUMBERS: Mapping[type[Row], Mapping[str, type[int | float]]] = {

@@ -59,6 +59,11 @@ class Manifest:
         Frames of this run without a row in ``frames.csv``: the disk was too slow.
     under_way
         Trial, attempt and start of the exposure that has begun and not ended.
+    exposure_ended
+        Number of the trial that ended last, and when on the wall clock.
+    missed_questions
+        Questionnaires that an interruption cut off and that were not asked in time, a sentence
+        each.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
     """
@@ -80,6 +85,8 @@ class Manifest:
     timing_flags: list[str] = field(default_factory=list)
     frames_not_recorded: int = 0
     under_way: dict[str, Any] | None = None
+    exposure_ended: dict[str, Any] | None = None
+    missed_questions: list[str] = field(default_factory=list)
     memory: dict[str, Any] | None = None
 
     def write(self, folder: Path) -> None:
@@ -123,6 +130,8 @@ class Manifest:
             "settings": protocol.model_dump(mode="json"),
             "earlier_runs": self.earlier_runs,
             "under_way": self.under_way,
+            "exposure_ended": self.exposure_ended,
+            "missed_questions": self.missed_questions,
             "memory": self.memory,
         }
 
@@ -130,7 +139,8 @@ class Manifest:
 _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
-    "settings", "timing_flags", "earlier_runs", "under_way", "memory",
+    "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
+    "memory",
 )  # fmt: skip
 
 

@@ -21,6 +21,9 @@ class Clock(Protocol):
     def wait(self, duration_s: float) -> None:
         """Let this much time pass."""
 
+    def of_people(self, duration_s: float) -> float:
+        """Return how much of a time on the wall clock has passed for the participant."""
+
 
 class VirtualClock:
     """Passes only when told. Counts nanoseconds, so that sums are exact."""
@@ -44,6 +47,10 @@ class VirtualClock:
         """Move the time on, without waiting."""
         self.advance(duration_s)
 
+    def of_people(self, duration_s: float) -> float:  # noqa: ARG002
+        """Return 0: simulated participants do not live on while the program is not running."""
+        return 0.0
+
 
 class WallClock:
     """The machine's monotonic clock."""
@@ -65,3 +72,7 @@ class WallClock:
     def wait(self, duration_s: float) -> None:
         """Sleep."""
         time.sleep(duration_s)
+
+    def of_people(self, duration_s: float) -> float:
+        """Return all of it."""
+        return duration_s

@@ -17,6 +17,7 @@ from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
+from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row, trial_flags
 
@@ -60,6 +61,9 @@ class SessionFlow:
         self._interrupted = interrupted
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
+        self._open = (
+            OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
+        )
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -92,6 +96,7 @@ class SessionFlow:
 
     def _everything(self) -> None:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
+        self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
             self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
@@ -100,7 +105,36 @@ class SessionFlow:
                 self._rest(self._context.protocol.break_s)
             self._ask("before_trial", place)
             self._trial(place)
-        self._ask("session_end", TrialPlace())
+        if places or self._open is None:
+            self._ask("session_end", TrialPlace())
+        else:
+            self._missed(self._open.ask("session_end", TrialPlace()))
+
+    def _ask_what_was_open(self) -> None:
+        """Ask what a session that goes on owes to its last exposure.
+
+        Raises
+        ------
+        Withdrew
+            If that exposure had ended the participant's study.
+        """
+        if self._open is None or not self._open.before.last_trial:
+            return
+        last = self._open.before.last_trial
+        place = self._places[last - 1]
+        ended = self._open.before.ended_by
+        try:
+            self._missed(self._open.ask("after_trial", place, after_withdrawal=ended is not None))
+        except Withdrew as refusal:
+            if ended is None:
+                raise
+            self._events.event("questionnaire_refused", detail=str(refusal))
+        if ended is not None:
+            raise Withdrew(f"{ended} in trial {last}, before the session was interrupted")
+
+    def _missed(self, sentences: list[str]) -> None:
+        for sentence in sentences:
+            self._manifest.miss(sentence)
 
     def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
         for ask in self._context.protocol.asks(when):
@@ -136,7 +170,7 @@ class SessionFlow:
             raise
         finally:
             self._write_trial(place, ending)
-        self._manifest.boundary()
+        self._manifest.end_exposure(place.trial or 0)
         if ending.abort_code == "headset_ended":
             raise headset_ended("in the middle of an exposure")
         if reason is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vrcomfort.protocol import Ask
-from vrcomfort.questionnaire import INSTRUMENTS
+from vrcomfort.questionnaire import INSTRUMENTS, Instrument
 from vrcomfort.records import QuestionnaireRow
 from vrcomfort.respondent import Form
 from vrcomfort.session.context import SessionContext
@@ -15,17 +15,28 @@ class Interview:
 
     Each answer is a row at once, on the disk before the next is asked; a correction takes the place
     of the row before. Every answer as it was given is an event.
+
+    Parameters
+    ----------
+    open_items
+        The instrument with those of its items that are still open; all of them without it.
     """
 
     def __init__(
-        self, context: SessionContext, events: EventLog, ask: Ask, place: TrialPlace
+        self,
+        context: SessionContext,
+        events: EventLog,
+        ask: Ask,
+        place: TrialPlace,
+        open_items: Instrument | None = None,
     ) -> None:
         self._context = context
         self._events = events
         self._ask = ask
         self._place = place
-        self._instrument = INSTRUMENTS[ask.instrument]
-        self._order = {item.name: n for n, item in enumerate(self._instrument.items, start=1)}
+        whole = INSTRUMENTS[ask.instrument]
+        self._instrument = open_items or whole
+        self._order = {item.name: n for n, item in enumerate(whole.items, start=1)}
         self._rows: dict[str, QuestionnaireRow] = {}
 
     def hold(self, *, after_withdrawal: bool) -> None:
@@ -75,5 +86,5 @@ class Interview:
         )
 
     def _tell(self) -> None:
-        done, total = len(self._rows), len(self._order)
+        done, total = len(self._rows), len(self._instrument.items)
         self._events.tell("questionnaire", self._place, done, total, self._ask.timepoint)

@@ -50,6 +50,18 @@ class ManifestWriter:
         self._manifest.under_way = row
         self._write()
 
+    def end_exposure(self, trial: int) -> None:
+        """Note when an exposure ended: what is asked after it may be asked only for a while."""
+        self._manifest.exposure_ended = {"trial": trial, "at": now()}
+        self.boundary()
+
+    def miss(self, sentence: str) -> None:
+        """Note a questionnaire that was not asked in time; a later sentence says it again."""
+        what = sentence.partition(":")[0]
+        kept = [each for each in self._manifest.missed_questions if not each.startswith(what)]
+        self._manifest.missed_questions = [*kept, sentence]
+        self._write()
+
     def flag(self, sentence: str) -> None:
         """Note a trial whose timing was worse than the protocol allows."""
         self._manifest.timing_flags.append(sentence)

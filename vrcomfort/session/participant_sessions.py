@@ -123,6 +123,8 @@ class ParticipantSessions:
             clamps=limits(context.protocol),
             earlier_runs=[*then.get("earlier_runs", []), *([facts_of_run(then)] if then else [])],
             timing_flags=list(then.get("timing_flags", [])),
+            exposure_ended=then.get("exposure_ended"),
+            missed_questions=list(then.get("missed_questions", [])),
             memory=then.get("memory"),
         )
 
@@ -130,6 +132,7 @@ class ParticipantSessions:
         """Tell what was cut off, and write into the participant's note what was flagged."""
         flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
         self.notices.extend([*(before.warnings if before else ()), *flags])
+        self.notices.extend(manifest.missed_questions)
         if flags:
             note = "; ".join(f"session {number}, {flag}" for flag in flags)
             with suppress(InputError):  # it stands in the manifest and in the events, too
