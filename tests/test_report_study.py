@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 
 from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign
+from tests.support.resume import go
+from tests.support.study import Scripted
 from vrcomfort.questionnaire import score
 from vrcomfort.report import build_report
+from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
 
 
@@ -264,3 +267,49 @@ def test_identical_answers_are_no_evidence(tmp_path):
     results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
     assert (results["tests"][0]["p"], results["tests"][0]["effect"]) == (1.0, None)
     assert len(ITEMS) == 16
+
+
+# --- What interruptions left, and who was real --------------------------------------------------
+
+
+def recorded(folder: Path, names: dict[str, str]) -> None:
+    """Record the small study: participant → kind of respondent."""
+    for name, kind in names.items():
+        go(folder, Scripted(name=kind), participant=name)
+
+
+def test_a_questionnaire_that_was_finished_after_an_interruption_is_one(tmp_path):
+    go(tmp_path, Scripted(interrupt_at_item="nausea"))
+    go(tmp_path, Scripted(), resume=True)
+    results = report(tmp_path / "S", tmp_path / "out")
+    assert results["quality"]["excluded_questionnaires"] == []
+    assert results["quality"]["questionnaires"] == 5, "two baselines, two posts, one recovery"
+
+
+def test_an_exposure_after_which_nothing_was_asked_is_told(tmp_path):
+    go(tmp_path, Scripted())
+    file = tmp_path / "S/sub-P01/ses-1/questionnaires.csv"
+    lines = file.read_text().splitlines(keepends=True)
+    file.write_text("".join(line for line in lines if not line.startswith("P01,1,1,1,1,")))
+    summary = build_report(tmp_path / "S", out=tmp_path / "out")
+    missing = json.loads(summary.results.read_text())["quality"]["excluded_questionnaires"]
+    assert [row["reason"] for row in missing] == ["no question was answered after this exposure"]
+    assert any("no question was answered" in warning for warning in summary.warnings)
+    assert "no question was answered" in summary.index.read_text()
+
+
+def test_real_and_simulated_participants_are_kept_apart(tmp_path):
+    recorded(tmp_path, {"P01": "scripted", "P02": "scripted", "P03": "simulated"})
+    real = build_report(tmp_path / "S", out=tmp_path / "real")
+    assert real.participants == 2
+    assert any("2 real and 1 simulated" in warning for warning in real.warnings)
+    assert "P03" not in (tmp_path / "real" / "results.json").read_text()
+    simulated = build_report(tmp_path / "S", out=tmp_path / "simulated", simulated=True)
+    assert simulated.participants == 1
+
+
+def test_what_is_reported_of_a_frozen_exposure_is_its_live_time(tmp_path):
+    trial = {"start_s": "10", "end_s": "20", "live_s": "4.5"}
+    assert trial_s(trial) == 4.5
+    assert trial_s({**trial, "live_s": ""}) == 10.0
+    assert trial_s({}) is None

@@ -12,7 +12,7 @@ from vrcomfort.session import Outcome
 
 
 def go(tmp_path: Path, respondent: Any = None, **more: Any) -> Outcome:
-    """Run session 1 of P01; `interrupt` is (exposure, frame), or None."""
+    """Run session 1 of P01, or of `participant`; `interrupt` is (exposure, frame), or None."""
     exposure, at_frame = more.pop("interrupt", None) or (0, None)
     begun = []
 
@@ -22,7 +22,7 @@ def go(tmp_path: Path, respondent: Any = None, **more: Any) -> Outcome:
 
     return run(
         more.pop("protocol", None) or tiny_protocol(tmp_path),
-        "P01",
+        more.pop("participant", "P01"),
         study=tmp_path / more.pop("study", "S"),
         load_scene=lambda source: source,
         headset_for=more.pop("headset_for", headset_for),

@@ -29,6 +29,12 @@ def report(
     plan: Annotated[
         Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
     ] = None,
+    simulated: Annotated[
+        bool,
+        typer.Option(
+            "--simulated", help="Of a study with both, the simulated participants, not the real."
+        ),
+    ] = False,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -39,7 +45,7 @@ def report(
     """
     from vrcomfort.report import build_report
 
-    summary = build_report(study, plan=plan, out=output_folder(out))
+    summary = build_report(study, plan=plan, out=output_folder(out), simulated=simulated or None)
     for warning in summary.warnings:
         warn(warning)
     if as_json:

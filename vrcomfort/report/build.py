@@ -16,7 +16,7 @@ from vrcomfort.report.figures import (
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import load_plan
 from vrcomfort.report.results import analyse, to_json
-from vrcomfort.report.study_data import read_study
+from vrcomfort.report.study_data import of_one_kind, read_study
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.words import headline
 from vrcomfort.report.writing import file_name, write_report
@@ -58,7 +58,9 @@ class ReportSummary:
     warnings: tuple[str, ...]
 
 
-def build_report(source: Path, *, plan: Path | None = None, out: Path) -> ReportSummary:
+def build_report(
+    source: Path, *, plan: Path | None = None, out: Path, simulated: bool | None = None
+) -> ReportSummary:
     """Write the report of a study.
 
     Parameters
@@ -67,6 +69,9 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
     plan
         An analysis plan; without one, the shipped plan of the study's protocol or the default.
+    simulated
+        Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
+        where there are any.
     out
         Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
         Tables and figures of an earlier report that this one does not have are removed.
@@ -77,7 +82,7 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    study = read_study(Path(source))
+    study = _of_one_kind(read_study(Path(source)), simulated)
     chosen = load_plan(plan, protocol=study.protocol)
     results, scored = analyse(study, chosen)
     figures = draw_figures(study, results, scored)
@@ -90,6 +95,14 @@ def build_report(source: Path, *, plan: Path | None = None, out: Path) -> Report
     spare([Path(source), plan], [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
     return _summary(Path(out), results)
+
+
+def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
+    """Real and simulated participants are in no table together."""
+    if simulated is None:
+        simulated = all(each.get("respondent") == "simulated" for each in study.manifests)
+        simulated = simulated and bool(study.manifests)
+    return of_one_kind(study, simulated=simulated)
 
 
 def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:

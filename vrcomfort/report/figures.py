@@ -19,6 +19,7 @@ from vrcomfort.questionnaire import SSQ
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up, planned_exposures
+from vrcomfort.report.study_data import trial_s
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -217,12 +218,8 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
 
 
 def _unit(trials: list[dict[str, str]]) -> tuple[float, str]:
-    longest = max(_length_s(t) for t in trials)
+    longest = max(trial_s(t) or 0.0 for t in trials)
     return (60.0, "min") if longest >= 90 else (1.0, "s")
-
-
-def _length_s(trial: dict[str, str]) -> float:
-    return float(trial.get("end_s") or 0) - float(trial.get("start_s") or 0)
 
 
 def _exposures_of(
@@ -230,7 +227,7 @@ def _exposures_of(
 ) -> None:
     scale, start = _unit(trials)[0], 0.0
     for trial in trials:
-        length = _length_s(trial) / scale
+        length = (trial_s(trial) or 0.0) / scale
         colour = COLOURS[place.get(trial["condition"], 5) % len(COLOURS)]
         axes.barh(row, length, left=start, height=0.62, color=colour, alpha=0.8,
                   edgecolor="white", lw=1.2)  # fmt: skip

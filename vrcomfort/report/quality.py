@@ -5,17 +5,20 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.questionnaire import SSQ
+
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
 
-def quality(study: StudyData, scored: Exposures, unused: list[str]) -> dict[str, Any]:
+def quality(study: StudyData, scored: Exposures, plan: Plan, unused: list[str]) -> dict[str, Any]:
     """Collect counts and sentences for the section on data quality."""
     return {
         "questionnaire_files": study.files,
         "questionnaires": len(study.sheets),
-        "excluded_questionnaires": list(scored.excluded),
+        "excluded_questionnaires": [*scored.excluded, *_never_asked(study, plan)],
         "scored_after_early_end": int(scored.table["early"].sum()),
         "reading": [*study.warnings, *unused],
         "frames": _frames(study),
@@ -33,7 +36,50 @@ def _frames(study: StudyData) -> dict[str, Any] | None:
     if not frames:
         return None
     trust = sorted({str(m["timing_trust"]) for m in study.manifests if m.get("timing_trust")})
-    return {"shown": frames, "dropped": dropped, "timing_trust": trust}
+    return {"shown": frames, "dropped": dropped, "timing_trust": trust, **_seen(study)}
+
+
+def _seen(study: StudyData) -> dict[str, float]:
+    """Add up what was seen in how many seconds, over the trials that say so."""
+    said = [trial for trial in study.trials if trial.get("live_s")]
+    names = ("live_s", "frozen_s", "hidden_s", "unfocused_s") if said else ()
+    return {name: sum(float(trial[name] or 0) for trial in said) for name in names}
+
+
+def _never_asked(study: StudyData, plan: Plan) -> list[dict[str, str]]:
+    """Return completed exposures after which a question was due, and nothing was answered."""
+    answered = {
+        (s.participant, s.session, s.trial)
+        for s in study.sheets
+        if s.timepoint == plan.exposure_timepoint
+    }
+    asking = _asking_sessions(study, plan)
+    return [
+        {
+            "participant": trial["participant"],
+            "questionnaire": f"session {trial['session']}, exposure {trial['trial']}, "
+            f"{trial['condition']}, {plan.exposure_timepoint}",
+            "reason": "no question was answered after this exposure",
+            "place": f"sub-{trial['participant']}/ses-{trial['session']}/questionnaires.csv",
+        }
+        for trial in study.trials
+        if trial["status"] == "completed"
+        and (trial["participant"], trial["session"]) in asking
+        and (trial["participant"], trial["session"], trial["trial"]) not in answered
+    ]
+
+
+def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
+    """Return (participant, session) of those whose protocol asks after each exposure."""
+    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": SSQ.name}
+    return {
+        (str(manifest.get("participant")), str(manifest.get("session")))
+        for manifest in study.manifests
+        if any(
+            asked.items() <= ask.items()
+            for ask in (manifest.get("settings") or {}).get("questionnaires", [])
+        )
+    }
 
 
 def _ratings(study: StudyData) -> dict[str, int] | None:

@@ -89,7 +89,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "items": mean_answers(scored.table, conditions, tests),
         **_models(scored.table, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
-        "quality": quality(study, scored, unused_timepoints(study, plan)),
+        "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
     return plain(results), scored
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,10 @@ _NEEDED_ELSEWHERE = {
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
 }
-_NUMBERS = ("start_s", "end_s", "frames", "dropped", "missed")
+_NUMBERS = (
+    "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
+    "live_s", "frozen_s", "hidden_s", "unfocused_s",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,53 @@ def read_study(source: Path) -> StudyData:
         files=len(files),
         warnings=tuple(warnings),
     )
+
+
+def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
+    """Keep the simulated participants of a study, or everybody else; say so where it had both.
+
+    Raises
+    ------
+    InputError
+        If the study has none of that kind.
+    """
+    kinds = {
+        str(each.get("participant")): each.get("respondent") == "simulated"
+        for each in study.manifests
+    }
+    everybody = {sheet.participant for sheet in study.sheets}
+    kept = {name for name in everybody if kinds.get(name, False) == simulated}
+    what = "simulated" if simulated else "real"
+    if not kept:
+        raise InputError(f"this study has no {what} participants")
+    left = len(everybody - kept)
+    if not left:
+        return study
+    other = "real" if simulated else "simulated"
+    note = f"this study has {len(kept)} {what} and {left} {other} participants; only the {what} are"
+    hint = "leave --simulated out" if simulated else "give --simulated"
+    rows: dict[str, Any] = {
+        name: tuple(
+            row
+            for row in getattr(study, name)
+            if kinds.get(str(row.get("participant", "")), False) == simulated
+        )
+        for name in ("participants", "trials", "ratings", "manifests")
+    }
+    return replace(
+        study,
+        sheets=tuple(sheet for sheet in study.sheets if sheet.participant in kept),
+        warnings=(*study.warnings, f"{note} in this report; for the others {hint}"),
+        **rows,
+    )
+
+
+def trial_s(trial: dict[str, str]) -> float | None:
+    """Return how long a trial's stimulus was seen: its live time, or (not recorded) its length."""
+    try:
+        return float(trial.get("live_s") or float(trial["end_s"]) - float(trial["start_s"]))
+    except (KeyError, ValueError):
+        return None
 
 
 def _files(source: Path, name: str) -> list[Path]:
@@ -185,6 +235,8 @@ class _SheetsOfFile:
         run = self._runs.get(person, 0)
         if row.get("resumed", "").strip() not in {"", "0"}:
             sheet = self.found.get((*key, run))
+            if sheet is not None and item not in sheet.answers:
+                return run  # what an interruption cut off has been finished
             repeated = sheet is not None and item in sheet.answers
             run = max(run, 1) + (repeated and run > 0)
             self._runs[person] = run

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.withdrawal import fisher_exact
 
 if TYPE_CHECKING:
@@ -72,16 +73,9 @@ def _from_trial(trial: dict[str, str]) -> Withdrawal:
         position=trial["trial"],
         condition=trial["condition"],
         scene=trial["scene"],
-        after_s=_seconds(trial),
+        after_s=trial_s(trial),
         how=ENDED[trial["status"]],
     )
-
-
-def _seconds(trial: dict[str, str]) -> float | None:
-    try:
-        return float(trial["end_s"]) - float(trial["start_s"])
-    except (KeyError, ValueError):
-        return None
 
 
 def count_withdrawals(study: StudyData, found: list[Withdrawal]) -> dict[str, Any]:
