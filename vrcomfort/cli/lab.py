@@ -103,6 +103,7 @@ class StudyLab:
             clock=VirtualClock() if kind is RespondentKind.SIMULATED else WallClock(),
             machine=machine,
             screen=live.screen if live else None,
+            watchdog=live.watchdog if live else None,
             progress=tell,
         )
 

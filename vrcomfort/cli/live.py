@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vrcomfort.geometry import Pose
     from vrcomfort.headset.base import Headset
     from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.headset.window import Window
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
@@ -46,6 +47,8 @@ class LiveLab:
     ----------
     panel, screen
         A respondent who answers in the headset, and where the questions stand.
+    watchdog
+        Of the headset's runtime, where it has one.
     """
 
     headset: LiveHeadset
@@ -53,6 +56,7 @@ class LiveLab:
     panel: Respondent
     screen: PanelScreen
     machine: Machine
+    watchdog: Watchdog | None = None
 
     def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
         """Lead the participant to the scene's starting point."""
@@ -64,7 +68,9 @@ class LiveLab:
 
 
 @contextmanager
-def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | None]:
+def rehearse(
+    trace: Path | None, answers: Path | None, watchdog: Watchdog | None = None
+) -> Iterator[Rehearsal | None]:
     """Start a Monado runtime of our own where there is a trace; it is the active one meanwhile.
 
     Parameters
@@ -73,6 +79,8 @@ def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | N
         What its head follows: one sample per frame.
     answers
         What its controllers answer: whole numbers, in the order of the questions.
+    watchdog
+        Ends the runtime, too, where it must end the program.
 
     Raises
     ------
@@ -90,6 +98,8 @@ def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | N
     head_trace = open_trace(trace)
     script = _read_answers(answers) if answers else []
     with Monado() as monado, monado.feed() as feed:
+        if watchdog is not None:
+            watchdog.last_acts += [monado.kill, monado.stop]
         heads = map(head_trace.head.pose, cycle(range(len(head_trace))))
         yield Rehearsal(feed, heads, iter(script))
 
@@ -116,6 +126,7 @@ def live_lab(
     refresh_hz: float | None = None,
     rehearsal: Rehearsal | None = None,
     mirror: bool = False,
+    watchdog: Watchdog | None = None,
 ) -> Iterator[LiveLab]:
     """Connect to the active OpenXR runtime; everything is released at the end.
 
@@ -125,6 +136,8 @@ def live_lab(
         Who moves the head and answers, where no person does.
     mirror
         Show the operator what the participant sees.
+    watchdog
+        Of the runtime.
 
     Raises
     ------
@@ -165,7 +178,7 @@ def live_lab(
             timing_trust=headset.timing.trust,
         )
         person = _person(screen, rehearsal, keyboard=mirror)
-        yield LiveLab(headset, renderer, person, screen, machine)
+        yield LiveLab(headset, renderer, person, screen, machine, watchdog)
 
 
 def open_window(

@@ -32,14 +32,13 @@ from vrcomfort.cli.wiring import (
     require_recorded_gaze,
 )
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.live import LiveLab
     from vrcomfort.session import Outcome
     from vrcomfort.session.rehearsal import Rehearsal
-
-EXIT_RUNTIME_LOST = 3
 
 
 def register(app: typer.Typer) -> None:
@@ -116,11 +115,12 @@ def run(
     lab = StudyLab(study, out, playback, seed, exposure_s)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
-        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers))
+        watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
+        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
         _require_gaze(headset, study, playback)
         numbers = [session or next_session(out, participant)]
         place = owned.enter_context(lab.reserve(participant, numbers, kind, resume=resume))
-        live = _connect(owned, headset, study, size_px, options, rehearsal)
+        live = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
         bars = owned.enter_context(SessionBars(quiet))
         try:
             outcome = lab.run(place, kind, bars.tell, live)
@@ -146,6 +146,7 @@ def _connect(
     size_px: tuple[int, int] | None,
     options: dict[str, Any],
     rehearsal: Rehearsal | None,
+    watchdog: Watchdog | None,
 ) -> LiveLab | None:
     if headset is HeadsetKind.OPENXR:
         lab = live_lab(
@@ -154,6 +155,7 @@ def _connect(
             refresh_hz=options["--refresh-hz"],
             rehearsal=rehearsal,
             mirror=options["--mirror"],
+            watchdog=watchdog,
         )
         return owned.enter_context(lab)
     if headset is HeadsetKind.DESKTOP:

@@ -53,6 +53,7 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
+        self._rating: tuple[Exhibit, RatingSchedule | None] | None = None
 
     def show(
         self,
@@ -70,14 +71,24 @@ class FrameLoop:
         """
         self.elapsed_s = 0.0
         self.log.start_trial()
+        self._rating = exhibit, schedule
         try:
             return self._run(exhibit, schedule, progress)
         finally:
             try:
                 self.log.finish(self.renderer.drain(), self._late_times())
             finally:  # a disk that refuses a frame may yet take a rating
-                if schedule and (rated := schedule.close()):
-                    self._record(exhibit, schedule, rated)
+                self._close_rating()
+
+    def abandon(self) -> None:
+        """Write all rows that wait, from another thread, while the loop's own hangs."""
+        self.log.finish()
+        self._close_rating()
+
+    def _close_rating(self) -> None:
+        (exhibit, schedule), self._rating = self._rating or (None, None), None
+        if exhibit and schedule and (rated := schedule.close()):
+            self._record(exhibit, schedule, rated)
 
     def _run(
         self,

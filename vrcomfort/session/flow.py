@@ -80,6 +80,7 @@ class SessionFlow:
         self._interrupted = interrupted
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(diary.recorder, last_ns=last_ns)
+        self._open_trial: tuple[Place, _Ending, FrameLoop | None] | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -97,6 +98,19 @@ class SessionFlow:
             return "withdrawn", str(reason)
         self._diary.event("session_end")
         return "completed", ""
+
+    def give_up(self, abort_code: str) -> None:
+        """Write what is known of the exposure under way, while its own thread hangs.
+
+        What the GPU still has (focus and times of the last frames) is lost.
+        """
+        if self._open_trial is not None:
+            place, ending, loop = self._open_trial
+            if loop is not None:
+                loop.abandon()
+            ending.abort_code = abort_code
+            self._write_trial(place, ending)
+        self._diary.event(abort_code)
 
     def _begin(self) -> None:
         before = self._interrupted
@@ -146,6 +160,7 @@ class SessionFlow:
         """Expose, write the trial's row whatever happens, and ask how it was."""
         ending = _Ending(self._lab.clock.now_s())
         self._log.start_trial()
+        self._open_trial = place, ending, None
         try:
             reason = self._expose(place, ending)
         except KeyboardInterrupt:
@@ -155,6 +170,7 @@ class SessionFlow:
             ending.abort_code = "runtime_lost"
             raise
         finally:
+            self._open_trial = None
             self._write_trial(place, ending)
         self._ledger.boundary()
         if ending.abort_code == "headset_ended":
@@ -172,6 +188,7 @@ class SessionFlow:
     def _expose(self, place: Place, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
+        self._open_trial = place, ending, loop
         try:
             if place.trial == 1:
                 self._train(loop, place, ending)

@@ -14,7 +14,14 @@ from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.flow import Lab
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.parts import (
+    HeadsetFor,
+    LoadScene,
+    NoWatchdog,
+    ProgressCallback,
+    Renderer,
+    Watchdog,
+)
 from vrcomfort.session.parts import silent as no_progress
 from vrcomfort.session.resume import Earlier, choose_sessions
 from vrcomfort.session.work import Outcome, Work
@@ -94,6 +101,7 @@ class Reservation:
         clock: Clock | None = None,
         machine: Machine | None = None,
         screen: PanelScreen | None = None,
+        watchdog: Watchdog | None = None,
         progress: ProgressCallback = no_progress,
     ) -> Outcome:
         """Run the sessions.
@@ -104,6 +112,8 @@ class Reservation:
             `VirtualClock` (the default) for simulated participants, `WallClock` for people.
         screen
             Where questions are asked in the headset: what happens to it meanwhile is recorded.
+        watchdog
+            Closes the records where the headset's runtime hangs.
 
         Returns
         -------
@@ -123,5 +133,6 @@ class Reservation:
         work = Work(
             self.study, lab, self.participant, self.design.sequence(row.sequence), respondent,
             self.design.seed, machine or Machine(), self.earlier.take_up(), screen,
+            watchdog or NoWatchdog(),
         )  # fmt: skip
         return work.run(self.numbers)

@@ -24,7 +24,9 @@ from vrcomfort.session.diary import Diary
 from vrcomfort.session.flow import Lab, SessionFlow, SessionStatus
 from vrcomfort.session.ledger import Ledger, limits
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import Progress
+from vrcomfort.session.parts import NoWatchdog, Progress, Watchdog
+
+RUNTIME_HUNG = "runtime_hung"
 
 
 @dataclass(frozen=True)
@@ -64,6 +66,7 @@ class Work:
     machine: Machine
     interrupted: Mapping[int, Interrupted]
     screen: PanelScreen | None
+    watchdog: Watchdog = field(default_factory=NoWatchdog)
     notices: list[str] = field(default_factory=list)
 
     def run(self, numbers: Iterable[int]) -> Outcome:
@@ -111,11 +114,24 @@ class Work:
             )
             manifest.write(recorder.folder)
             try:
-                status, note = _kept(flow, ledger, recorder)
+                with self.watchdog.guard(lambda: self._give_up(number, flow, ledger, recorder)):
+                    status, note = _kept(flow, ledger, recorder)
             finally:
                 self._look_at(number, manifest, before)
         self.lab.progress(Progress("end", self.participant, number, text=status))
         return status, note
+
+    def _give_up(self, number: int, flow: SessionFlow, ledger: Ledger, recorder: Recorder) -> None:
+        """Close the records from another thread: the session's own hangs, and never comes back."""
+        try:
+            flow.give_up(RUNTIME_HUNG)
+        finally:
+            try:
+                recorder.close()
+            finally:
+                ledger.close("aborted")
+                note = f"session {number} aborted: the headset's runtime hung"
+                set_status(self.study, self.participant, "enrolled", note)
 
     def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
         then = before.manifest if before else {}

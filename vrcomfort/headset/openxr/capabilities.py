@@ -16,6 +16,7 @@ from vrcomfort.headset.openxr.instance import (
     offered_extensions,
     runtime_name,
 )
+from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.timing import Timing, TimingTest, time_frames
 
@@ -70,11 +71,11 @@ def find_runtime() -> RuntimeFacts:
     """
     with starting():
         extensions = offered_extensions()
-        instance = xr.create_instance(xr.InstanceCreateInfo())
+        instance = watched(xr.create_instance, xr.InstanceCreateInfo())
         try:
             return RuntimeFacts(runtime_name(instance), tuple(sorted(extensions)))
         finally:
-            xr.destroy_instance(instance)
+            watched(xr.destroy_instance, instance)
 
 
 def find_headset() -> HeadsetFacts:

@@ -16,6 +16,7 @@ from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, 
 from vrcomfort.headset.openxr.instance import connect
 from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
+from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.spaces import Stage
 from vrcomfort.headset.openxr.swapchain import (
@@ -74,11 +75,11 @@ class Connection:
         self.runtime = connect(self._settings, binding.extensions, notify)
         self._owned.callback(self.runtime.release)
         create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
-        self.session = xr.create_session(self.runtime.instance, create)
-        self._owned.callback(xr.destroy_session, self.session)
+        self.session = watched(xr.create_session, self.runtime.instance, create)
+        self._owned.callback(watched, xr.destroy_session, self.session)
         self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
         self.stage = Stage(self.session, self._settings.eye_height_m)
-        formats = xr.enumerate_swapchain_formats(self.session)
+        formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)
         self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
         self._no_depth = depth.why_not(self.runtime.extensions, formats)

@@ -16,11 +16,12 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 from vrcomfort.headset.openxr.participant_pose import ParticipantPose
 from vrcomfort.headset.openxr.presence import Presence
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.timing import Timing, rate_runtime
+from vrcomfort.headset.watchdog import RUNTIME_CALLS
 from vrcomfort.scene.floors import Floors
 
 if TYPE_CHECKING:
@@ -205,6 +206,9 @@ class OpenXrHeadset:
 
     def take_events(self) -> list[HeadsetEvent]:
         """Return what happened since the last call."""
+        stalls = RUNTIME_CALLS.stalls
+        while stalls:  # another thread appends
+            self._events.append(HeadsetEvent("runtime_stalled", stalls.popleft()))
         events = list(self._events)
         self._events.clear()
         return events
@@ -227,7 +231,7 @@ class OpenXrHeadset:
     def request_exit(self) -> None:
         """Ask the runtime to end the session: `frames` ends soon after."""
         with faults.running():
-            xr.request_exit_session(self._xr.session)
+            watched(xr.request_exit_session, self._xr.session)
 
     def __enter__(self) -> Self:
         return self
@@ -294,7 +298,7 @@ class OpenXrHeadset:
             self._submit(self._open, None)
         if not self._xr.lifecycle.running:
             return
-        xr.request_exit_session(self._xr.session)
+        watched(xr.request_exit_session, self._xr.session)
         self._presence.until(EXIT_S)
         for frame in islice(iter(self._next_frame, None), EXIT_FRAMES):
             self._submit(frame, None)

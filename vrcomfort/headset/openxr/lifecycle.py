@@ -13,7 +13,7 @@ import xr
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.instance import STEREO
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 State = xr.SessionState
 POLL_S = 0.01
@@ -122,11 +122,11 @@ class Lifecycle:
         self.state = State(event.state)
         self._notify(HeadsetEvent("session_state", self.state.name.lower()))
         if self.state == State.READY:
-            xr.begin_session(self._session, xr.SessionBeginInfo(STEREO))
+            watched(xr.begin_session, self._session, xr.SessionBeginInfo(STEREO))
             self.running = True
         elif self.state == State.STOPPING:
             self.running = False
-            xr.end_session(self._session)
+            watched(xr.end_session, self._session)
         elif self.state == State.EXITING:
             self.ended = True
         elif self.state == State.LOSS_PENDING:

@@ -8,7 +8,7 @@ import xr
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.locomotion import floor_under
 from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
@@ -37,7 +37,7 @@ class Stage:
 
     def __init__(self, session: xr.Session, eye_height_m: float) -> None:
         self._session = session
-        offered = {Space(each) for each in xr.enumerate_reference_spaces(session)}
+        offered = {Space(each) for each in watched(xr.enumerate_reference_spaces, session)}
         self._type = next(each for each in PREFERRED if each in offered)
         self.kind = self._type.name.lower()
         floor_m = -eye_height_m if self._type is Space.LOCAL else 0.0
@@ -62,10 +62,12 @@ class Stage:
     def recenter(self, head: Pose) -> None:
         """Move the origin to the floor under `head`, and turn −Z to where it looks."""
         self._origin = self._origin @ floor_under(head)
-        xr.destroy_space(self.space)
+        watched(xr.destroy_space, self.space)
         self.space = self._reference(self._type, self._origin)
 
     def _reference(self, kind: xr.ReferenceSpaceType, origin: Pose) -> xr.Space:
-        return xr.create_reference_space(
-            self._session, xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin))
+        return watched(
+            xr.create_reference_space,
+            self._session,
+            xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin)),
         )

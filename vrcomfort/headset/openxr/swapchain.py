@@ -12,7 +12,7 @@ import xr
 from vrcomfort.errors import InputError
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.graphics_binding import make_current
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 FORMATS = {0x8C43: "SRGB8_ALPHA8"}
 """Our images are sRGB-encoded in 8 bits: this format takes their bytes as they are."""
@@ -72,8 +72,8 @@ class Swapchain:
         self._wait = native("xrWaitSwapchainImage", usual=xr.Result.TIMEOUT_EXPIRED)
         self._release = native("xrReleaseSwapchainImage")
         self._index = ctypes.c_uint32()
-        self._handle = xr.create_swapchain(session, _create_info(size_px, image_format))
-        images = xr.enumerate_swapchain_images(self._handle, xr.SwapchainImageOpenGLKHR)
+        self._handle = watched(xr.create_swapchain, session, _create_info(size_px, image_format))
+        images = watched(xr.enumerate_swapchain_images, self._handle, xr.SwapchainImageOpenGLKHR)
         self.names = [int(image.image) for image in images]
         area = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*size_px))
         self.sub_image = xr.SwapchainSubImage(self._handle, area)
@@ -99,7 +99,7 @@ class Swapchain:
     def release(self) -> None:
         """Give the images back for good."""
         self.names.clear()
-        xr.destroy_swapchain(self._handle)
+        watched(xr.destroy_swapchain, self._handle)
 
 
 class Canvas:
