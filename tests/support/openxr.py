@@ -60,3 +60,16 @@ def validation(report: Path) -> Iterator[tuple[str, ...]]:
     }
     with active_environment(variables):
         yield VALIDATION, BEST_PRACTICES
+
+
+def services_of(pid: int) -> list[int]:
+    """Return the Monado services that a process has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, rest = stat.read_text().rpartition(") ")
+        except OSError:
+            continue
+        if "monado" in name and int(rest.split()[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found

@@ -44,6 +44,8 @@ class RuntimeCalls:
     ----------
     under_way
         The call, or None. Each call is an object of its own.
+    hung
+        The call that the watchdog has told of.
     held
         While True nobody comes back from a call: another thread closes the records.
     stalls
@@ -52,6 +54,7 @@ class RuntimeCalls:
 
     def __init__(self) -> None:
         self.under_way: Call | None = None
+        self.hung: Call | None = None
         self.held = False
         self.stalls: deque[str] = deque()
 
@@ -61,18 +64,24 @@ class RuntimeCalls:
 
     def end(self) -> None:
         """Take note that it has returned."""
+        call = self.under_way
+        if call is not None and call is self.hung:
+            self._wait(2 * POLL_S)
         self.under_way = None
         if self.held:
-            self._hold()
+            self._wait()
 
-    def _hold(self) -> None:
+    def _wait(self, duration_s: float = 0.0) -> None:
+        """Let the watchdog decide first: a signal that has brought the call back ends it."""
         interrupted = False
-        while self.held:
+        enough_s = time.monotonic() + duration_s
+        while self.held or time.monotonic() < enough_s:
             try:
-                time.sleep(POLL_S)
+                time.sleep(POLL_S / 2)
             except KeyboardInterrupt:  # the watchdog has heard it, too
                 interrupted = True
         if interrupted:
+            self.under_way = None
             raise KeyboardInterrupt
 
 
@@ -120,7 +129,6 @@ class Watchdog:
         self.last_acts: list[Callable[[], object]] = []
         self._close: Callable[[], None] | None = None
         self._closed = self._asked = self._done = False
-        self._hung: Call | None = None
         self._ear, self._mouth = socket.socketpair()
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
 
@@ -156,7 +164,8 @@ class Watchdog:
 
     def _watch(self) -> None:
         while not self._done:
-            self._asked |= self._hear()
+            if self._hear():
+                self._asked = True
             self._look()
 
     def _hear(self) -> bool:
@@ -165,17 +174,18 @@ class Watchdog:
         return bool(heard) and any(number in STOPPING for number in self._ear.recv(64))
 
     def _look(self) -> None:
-        call = self._calls.under_way
-        if self._hung is not None and call is not self._hung:
-            self._came_back(self._hung)
+        calls = self._calls
+        call, hung = calls.under_way, calls.hung
+        if hung is not None and call is not hung:
+            self._came_back(hung)
         if call is None:
             return
         waited_s = time.monotonic() - call[1]
         if waited_s < self._notice_s:
             return
         ending = self._asked or self._closed or waited_s >= self._patience_s
-        if self._hung is not call:
-            self._hung = call
+        if calls.hung is not call:
+            calls.hung = call
             self._say(self._sentence(call, ending=ending))
         if ending:
             self._give_up(call)
@@ -190,7 +200,7 @@ class Watchdog:
         )
 
     def _came_back(self, call: Call) -> None:
-        self._hung = None
+        self._calls.hung = None
         words = f"{call[0]} returned after {time.monotonic() - call[1]:.1f} s"
         self._calls.stalls.append(words)
         self._say(f"the OpenXR runtime answers again: {words}")
