@@ -74,7 +74,7 @@ class Connection:
         self._platform = binding.platform
         self.runtime = connect(self._settings, binding.extensions, notify)
         self._owned.callback(self.runtime.release)
-        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
+        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.pointer)
         self.session = watched(xr.create_session, self.runtime.instance, create)
         self._owned.callback(watched, xr.destroy_session, self.session)
         self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
