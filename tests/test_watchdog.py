@@ -1,4 +1,4 @@
-"""A runtime that hangs is told, and Ctrl-C is answered while the main thread is deaf inside of C."""
+"""A runtime that hangs is told, and Ctrl-C is answered while the main thread is deaf in C."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`design` and `plan`: what a protocol will do, before anybody puts a headset on."""
+"""`design`: who meets what in which order, before anybody puts a headset on."""
 
 from __future__ import annotations
 
@@ -8,23 +8,15 @@ from typing import Annotated, Any
 import typer
 from rich.table import Table
 
-from vrcomfort.cli.terminal import (
-    Json,
-    ProtocolArgument,
-    Seed,
-    Size,
-    answer,
-    console,
-    parse_size,
-)
+from vrcomfort.cli.options import Json, ProtocolArgument, Seed
+from vrcomfort.cli.terminal import answer, console
 from vrcomfort.design import Audit, Design, FactorAudit, audit, build_design
 from vrcomfort.protocol import Sequence, load_protocol
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands."""
+    """Add the command."""
     app.command()(design)
-    app.command()(plan)
 
 
 def design(
@@ -50,25 +42,6 @@ def design(
         f"\n{counted.remainder}\nThe slot of a participant who withdraws or is excluded goes back "
         "to the pool: the next one enrolled takes the sequence that has the fewest people."
     )
-
-
-def plan(protocol: ProtocolArgument, size: Size = "1832x1920", as_json: Json = False) -> None:
-    """Show which passes each condition needs in each scene and why, and what it costs.
-
-    GPU memory is what is allocated here, for both eyes at --size. Cost and error are those shipped
-    for the condition's settings, where they have been measured.
-
-    - `vrcomfort plan carnegie_2015`
-    - `vrcomfort plan my_study.toml --size 2064x2208 --json`
-    """
-    from vrcomfort.cli import plan_table
-
-    study = load_protocol(protocol)
-    found = plan_table.planned(study, parse_size(size))
-    if as_json:
-        answer(found.as_data())
-    else:
-        plan_table.show(found, study)
 
 
 def _design_as_data(sequences: list[Sequence], counted: Audit) -> dict[str, Any]:
