@@ -42,6 +42,12 @@ class Frame:
         does not count as exposure.
     gaze
         Where the participant looks, None without an eye tracker.
+    head_valid
+        False where the headset does not know the head: the poses are the last known.
+    head_tracked
+        False where no sensor sees the head: the poses are inferred, or the last known.
+    session_state
+        OpenXR's, in lower case: "visible", "focused" ...; empty where there is none.
     """
 
     index: int
@@ -54,6 +60,9 @@ class Frame:
     discontinuity: bool = False
     paused: bool = False
     gaze: Gaze | None = None
+    head_valid: bool = True
+    head_tracked: bool = True
+    session_state: str = ""
 
 
 @dataclass(frozen=True)

@@ -159,7 +159,7 @@ class PanelScreen:
     def _tell(self, notice: Callable[[HeadsetEvent], None]) -> None:
         for event in self._headset.take_events():
             notice(event)
-            if event.name == "recentered":
+            if event.name in {"recentered", "head_found"}:  # where it stands means nothing now
                 self._place_again()
 
     def _place_again(self) -> None:

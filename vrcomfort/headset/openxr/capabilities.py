@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import xr
@@ -54,7 +55,7 @@ class SessionFacts:
         Of the area of each eye's image, what the lens never shows (left, right).
     """
 
-    details: dict[str, str]
+    details: dict[str, Any]
     refresh_hz: float
     refresh_rates_hz: tuple[float, ...]
     hidden_percent: tuple[float, float]

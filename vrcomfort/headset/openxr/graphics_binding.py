@@ -18,6 +18,8 @@ from vrcomfort.errors import InputError
 OPENGL = xr.KHR_OPENGL_ENABLE_EXTENSION_NAME
 EGL_ENABLE = xr.MNDX_EGL_ENABLE_EXTENSION_NAME
 
+FRAMEBUFFER_SRGB = 0x8DB9
+
 NO_CONTEXT = "no OpenGL context is current; make the headset after the context"
 
 
@@ -46,8 +48,13 @@ class Binding:
 
 
 def make_current(ctx: moderngl.Context) -> None:
-    """Take the context back: a runtime may leave its own, or none, behind."""
+    """Take the context back: a runtime may leave its own, or none, behind.
+
+    `XR_KHR_opengl_enable` lets it use the context in the calls that make and end sessions, frames
+    and images. Our images are encoded already: drawing and copying must not do it once more.
+    """
     ctx.__enter__()  # type: ignore[no-untyped-call]  # leaving again would restore the runtime's
+    ctx.disable_direct(FRAMEBUFFER_SRGB)
 
 
 def current_binding() -> Binding:

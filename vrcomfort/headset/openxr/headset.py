@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import moderngl
 import xr
@@ -73,7 +73,8 @@ class OpenXrHeadset:
             self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
         )
         self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
-        self._wait_frame, self._begin_frame = native("xrWaitFrame"), native("xrBeginFrame")
+        self._wait_frame = native("xrWaitFrame")
+        self._begin_frame = native("xrBeginFrame", usual=xr.Result.FRAME_DISCARDED)
         self._frame_state = xr.FrameState()
         self._end_frame = layers.FrameEnd(self._xr.session)
         self._open: Frame | None = None
@@ -88,9 +89,15 @@ class OpenXrHeadset:
         return f"openxr: {self._xr.runtime.headset_name} ({self._xr.runtime.name})"
 
     @property
-    def details(self) -> dict[str, str]:
-        """Return what a manifest should know about runtime and headset."""
-        return {**self._xr.details, "timing": self.timing.reason}
+    def details(self) -> dict[str, Any]:
+        """Return what a manifest should know about runtime and headset.
+
+        ``ipd_m_of_runtime`` is the distance between the eyes that is shown; there from the first
+        frame on in which the head is known.
+        """
+        ipd_m = self._where.tracking.ipd_m
+        shown = {} if ipd_m is None else {"ipd_m_of_runtime": ipd_m}
+        return {**self._xr.details, "timing": self.timing.reason, **shown}
 
     @property
     def timing(self) -> Timing:
@@ -190,7 +197,7 @@ class OpenXrHeadset:
     @faults.running()
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
-        panel = layers.PanelLayer(self._xr.canvas, size_px, quad, self._panels.remove)
+        panel = layers.PanelLayer(self._xr.panel_canvas, size_px, quad, self._panels.remove)
         self._panels.append(panel)
         return panel
 
@@ -249,7 +256,9 @@ class OpenXrHeadset:
             self._before_wait()
         self._wait_frame(self._xr.session, None, self._frame_state)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
-        self._begin_frame(self._xr.session, None)
+        if self._begin_frame(self._xr.session, None) != 0:  # the frame before was not ended
+            self._events.append(HeadsetEvent("frame_discarded", "by the runtime: it was not seen"))
+        self._xr.make_current()
         self._inputs = None
         self._open = self._frame(self._frame_state)
         return self._open
@@ -261,18 +270,22 @@ class OpenXrHeadset:
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        self._cut |= self._presence.update(inputs)
+        self._cut |= self._presence.update(inputs, located=self._where.tracking.found)
+        tracking = self._where.tracking
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
             period_ns=self._period_ns,
-            head_pose=self._where.tracking.head,
-            views=self._where.tracking.views,
+            head_pose=tracking.head,
+            views=tracking.views,
             avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=self._presence.away,
             gaze=inputs.gaze,
+            head_valid=tracking.valid,
+            head_tracked=tracking.tracked,
+            session_state=self._xr.lifecycle.state_name,
         )
         self._next_index, self._cut = self._next_index + 1, False
         return frame
@@ -285,12 +298,14 @@ class OpenXrHeadset:
         composed: list[layers.Layer] = []
         space = self._xr.stage.space
         if frame.should_render:
-            if eyes is not None:
+            tracking = self._where.tracking
+            if eyes is not None and tracking.found:  # else they would be seen from nowhere
                 self._xr.eyes.draw(eyes)
-                composed.append(self._xr.eyes.structure(space, self._where.tracking.xr_views))
+                composed.append(self._xr.eyes.structure(space, tracking.xr_views))
             composed += [layer for each in self._panels if (layer := each.structure(space))]
         self._open = None
         self._end_frame(frame.predicted_display_time_ns, composed)
+        self._xr.make_current()
 
     def _leave(self) -> None:
         """Give empty frames until the runtime has ended the session."""

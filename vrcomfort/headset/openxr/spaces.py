@@ -14,6 +14,9 @@ Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
 """The floor as origin where there is one; LOCAL starts at eye height."""
 
+HEAD_TRACKED = int(
+    xr.SpaceLocationFlags.ORIENTATION_TRACKED_BIT | xr.SpaceLocationFlags.POSITION_TRACKED_BIT
+)
 VALID = int(xr.SpaceLocationFlags.ORIENTATION_VALID_BIT | xr.SpaceLocationFlags.POSITION_VALID_BIT)
 
 
@@ -33,6 +36,10 @@ class Stage:
         Which of the runtime's spaces it is, as ``stage``, ``local_floor`` or ``local``.
     space
         The handle that layers and locations refer to.
+    origin
+        Of the stage, in that space of the runtime.
+    head_tracked
+        Whether sensors saw the head when it was last located.
     """
 
     def __init__(self, session: xr.Session, eye_height_m: float) -> None:
@@ -41,11 +48,12 @@ class Stage:
         self._type = next(each for each in PREFERRED if each in offered)
         self.kind = self._type.name.lower()
         floor_m = -eye_height_m if self._type is Space.LOCAL else 0.0
-        self._origin = Pose(np.array([0.0, floor_m, 0.0]))
-        self.space = self._reference(self._type, self._origin)
+        self.origin = Pose(np.array([0.0, floor_m, 0.0]))
+        self.space = self._reference(self._type, self.origin)
         self._head = self._reference(Space.VIEW, Pose())
         self._locate = native("xrLocateSpace")
         self._location = xr.SpaceLocation()
+        self.head_tracked = False
 
     def locate(self, space: xr.Space, time_ns: int) -> Pose | None:
         """Return stage-from-`space`, or None where it is not known."""
@@ -57,13 +65,15 @@ class Stage:
 
     def locate_head(self, time_ns: int) -> Pose | None:
         """Return stage-from-head, or None where tracking is lost."""
-        return self.locate(self._head, time_ns)
+        head = self.locate(self._head, time_ns)
+        self.head_tracked = self._location._location_flags & HEAD_TRACKED == HEAD_TRACKED
+        return head
 
     def recenter(self, head: Pose) -> None:
         """Move the origin to the floor under `head`, and turn −Z to where it looks."""
-        self._origin = self._origin @ floor_under(head)
+        self.origin = self.origin @ floor_under(head)
         watched(xr.destroy_space, self.space)
-        self.space = self._reference(self._type, self._origin)
+        self.space = self._reference(self._type, self.origin)
 
     def _reference(self, kind: xr.ReferenceSpaceType, origin: Pose) -> xr.Space:
         return watched(
