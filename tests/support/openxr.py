@@ -41,9 +41,9 @@ class Participant:
 
 
 @contextmanager
-def fresh_monado(folder: Path) -> Iterator[Monado]:
+def fresh_monado(folder: Path, *, sways: bool = False) -> Iterator[Monado]:
     """Yield a runtime of one's own, to be killed."""
-    with Monado(log=folder / "monado.txt") as monado:
+    with Monado(log=folder / "monado.txt", sways=sways) as monado:
         yield monado
 
 

@@ -66,6 +66,7 @@ def openxr_setup(
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.respondent.panel_layout import SIZE_PX
     from vrcomfort.session.panel_screen import PanelScreen
 
     with ExitStack() as owned:
@@ -83,6 +84,7 @@ def openxr_setup(
         headset = owned.enter_context(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
+        headset.prepare_panel(SIZE_PX)
         screen = PanelScreen(headset)
         renderer = StereoRenderer(
             ctx,

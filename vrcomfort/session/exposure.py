@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +15,21 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.ratings import Rated, RatingSchedule
+
+
+@contextmanager
+def collector_at_rest() -> Iterator[None]:
+    """Let Python's collector of cycles look at nothing that is there now.
+
+    Looking at everything takes as long as some frames; what frames make is little.
+    """
+    gc.collect()
+    gc.freeze()
+    try:
+        yield
+    finally:
+        gc.unfreeze()
+
 
 Ending = Literal["completed", "headset_ended"]
 
@@ -68,7 +85,8 @@ class FrameLoop:
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
         try:
-            return self._run(stimulus, schedule, progress)
+            with collector_at_rest():
+                return self._run(stimulus, schedule, progress)
         finally:
             try:
                 self.log.finish(self.context.renderer.drain(), self._late_times())

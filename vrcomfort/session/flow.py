@@ -191,6 +191,8 @@ class SessionFlow:
 
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
+        if context.screen is not None:
+            context.screen.show_loading()
         scene = context.load_scene(protocol.scene_source(place.scene))
         headset = context.headset_for(place.scene, scene)
         self._manifest.note_headset(headset, protocol.headset.ipd_m)

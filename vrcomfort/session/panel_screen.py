@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -13,7 +14,7 @@ from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.respondent.panel_layout import SIZE_PX
-from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.respondent.panel_picture import Page, Painter, Picture
 from vrcomfort.respondent.pointing import Pointing
 
 DISTANCE_M = 1.25
@@ -21,6 +22,8 @@ WIDTH_M = 1.04
 """45 degrees wide at its distance."""
 DROP_M = 0.1
 """A little below the eyes, where reading tires less."""
+LOADING_FRAMES = 10
+"""So many at most, where nobody sees them."""
 
 
 class Panel(Protocol):
@@ -131,6 +134,15 @@ class PanelScreen:
         seen = any(hand.aim for hand in hands) or (gaze is not None and gaze.valid)
         return Pointing(point, dwelling=point is not None, unable=not seen)
 
+    def show_loading(self) -> None:
+        """Show that something is being loaded: runtimes show the last frame until another comes."""
+        self.show(loading_picture())
+        for _ in range(LOADING_FRAMES):
+            panel, frame = self._panel, self._pass_frame()
+            if frame.should_render and panel is self._panel:
+                break
+        self.show(None)
+
     def next_frame(self) -> None:
         """Let a frame pass that shows the panel alone.
 
@@ -139,6 +151,9 @@ class PanelScreen:
         RuntimeLostError
             If the headset ends the session while a question is open.
         """
+        self._pass_frame()
+
+    def _pass_frame(self) -> Frame:
         if self._frames is None:
             self._frames = self._headset.frames()
         frame = next(self._frames, None)
@@ -147,6 +162,7 @@ class PanelScreen:
         self._headset.submit(frame, None)
         if self.notice is not None:
             self._tell(self.notice)
+        return frame
 
     def allow_absence(self, duration_s: float) -> None:
         """Let the participant take the headset off for so long."""
@@ -178,3 +194,9 @@ def before(head: Pose) -> Quad:
     level = Pose(head.position, heading(head))
     place = level @ Pose(np.array([0.0, -DROP_M, -DISTANCE_M]))
     return Quad(place, (WIDTH_M, WIDTH_M * SIZE_PX[1] / SIZE_PX[0]))
+
+
+@lru_cache(maxsize=1)
+def loading_picture() -> Picture:
+    """Return what stands there while a scene is loaded and its shaders are compiled."""
+    return Painter().draw(Page("", "Loading …", ()), None, None)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Self
@@ -68,6 +69,7 @@ class OpenXrHeadset:
         settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
+        self._hidden_panels: list[layers.PanelLayer] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
         self._where = ParticipantPose(
             self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
@@ -197,9 +199,26 @@ class OpenXrHeadset:
     @faults.running()
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
-        panel = layers.PanelLayer(self._xr.panel_canvas, size_px, quad, self._panels.remove)
+        panel = next((each for each in self._hidden_panels if each.size_px == size_px), None)
+        if panel is None:
+            panel = self._new_panel(size_px, quad)
+        else:
+            self._hidden_panels.remove(panel)
+            panel.move(quad)
         self._panels.append(panel)
         return panel
+
+    @faults.running()
+    def prepare_panel(self, size_px: tuple[int, int]) -> None:
+        """Make the images of a panel now, so that `show_panel` need not in a scene."""
+        self._hidden_panels.append(self._new_panel(size_px, Quad(Pose(), (1.0, 1.0))))
+
+    def _new_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
+        return layers.PanelLayer(self._xr.panel_canvas, size_px, quad, self._put_aside)
+
+    def _put_aside(self, panel: layers.PanelLayer) -> None:
+        self._panels.remove(panel)
+        self._hidden_panels.append(panel)
 
     def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
         """Put the floor point and heading of the participant on `spawn`, next frame."""
@@ -231,9 +250,16 @@ class OpenXrHeadset:
         except (xr.exception.ResultException, RuntimeLostError):
             pass  # the runtime is gone already
         finally:
-            for panel in list(self._panels):
-                panel.hide()
-            self._xr.release()
+            self._release()
+
+    def _release(self) -> None:
+        panels = [*self._panels, *self._hidden_panels]
+        self._panels.clear()
+        self._hidden_panels.clear()
+        with suppress(xr.exception.ResultException):  # a runtime that is gone keeps nothing
+            for panel in panels:
+                panel.release()
+        self._xr.release()
 
     def request_exit(self) -> None:
         """Ask the runtime to end the session: `frames` ends soon after."""
