@@ -84,3 +84,29 @@ def test_whatever_state_the_runtime_leaves_the_images_keep_their_bytes(
     assert set(got) == {noise}
     other.release()
     make_current(ctx)
+
+
+def test_a_panel_that_was_prepared_or_hidden_is_shown_without_new_images(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    made: list[tuple[int, int]] = []
+
+    def create(follow: Any, session: Any, info: Any, swapchain: Any) -> Any:
+        made.append((info.contents.width, info.contents.height))
+        return follow(session, info, swapchain)
+
+    picture = np.full((4, 8, 4), 255, np.uint8)
+    with headset(ctx, feed, xrCreateSwapchain=create) as session:
+        session.prepare_panel((8, 4))
+        before = len(made)
+        for _ in range(3):
+            panel = session.show_panel((8, 4), QUAD)
+            assert panel.picture is None
+            panel.draw(picture)
+            for frame in islice(session.frames(), 2):
+                session.submit(frame, None)
+            panel.hide()
+        assert len(made) == before
+        session.show_panel((8, 4), QUAD)
+        session.show_panel((8, 4), QUAD)
+        assert made[before:] == [(8, 4)]
