@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from tests.oracles.motion import SPEED_LIMIT_PX
 from tests.support.effects import rgb_of, textures
 from tests.support.extremes import (
     FOCUS_M,
@@ -31,7 +32,6 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.headset.eye_painter import EyePainter
-from vrcomfort.optics.motion import SPEED_LIMIT_PX
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.oracles.circle_of_confusion import lens_radius_px
 from tests.support.effects import defocus_of, square_pixels, textures
 from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
@@ -29,7 +30,7 @@ distances = st.floats(0.05, 2e4)
 def radius_px(distance_m, **settings):
     depth = NEAR_M / np.asarray(distance_m, float)
     wide = {"near_m": NEAR_M, "radius_limit_px": 1e12, "infinity_m": 1e6, **settings}
-    return coc.lens_radius_px(depth, **wide)
+    return lens_radius_px(depth, **wide)
 
 
 def test_a_camera_lens_by_hand():
@@ -113,7 +114,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         px = lens_radius.px_per_dioptre(
             settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf
         )
-        twin = coc.lens_radius_px(
+        twin = lens_radius_px(
             z, px_per_dioptre=px, focus_m=float(np.float32(focus_m)),
             near_m=np.float64(np.float32(near_m)), radius_limit_px=1e9,
             offset_m=float(np.float32(0.01)),

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.oracles.motion import streak_taps
 from tests.support.effects import motion_blur, motion_blur_pass, rgb_of
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.optics.motion import streak_taps
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_effects_optics import evaluate
 
+from tests.oracles import motion
 from tests.support.effects import motion_blur, motion_blur_pass, texels_of
-from vrcomfort.optics import motion
 
 WIDTH, HEIGHT, FINER = 160, 128, 4
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 20.0, "samples": 16}

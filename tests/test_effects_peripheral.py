@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.oracles import circle_of_confusion as coc
 from tests.support.effects import defocus_of, depth_of_field, square_pixels
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
-from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import DepthOfField
 from vrcomfort.protocol.conditions import Peripheral
 

@@ -8,7 +8,7 @@
 // The paper's cocSize is a DIAMETER: its offsets lie in a disc of radius 0.5. Its circles are
 // normalised by the largest one. Depth is compared through the signed radius, which orders depth;
 // where two radii are clamped alike both branches weigh 1.
-// NumPy twin: vrcomfort/optics/gathering.py. Hillaire et al. 2008, Fig. 3, with the sample's colour
+// NumPy twin: tests/oracles/poisson_taps.py. Hillaire et al. 2008, Fig. 3, with the sample's colour
 // (the print has its circle of confusion) in the sum.
 uniform sampler2D points;
 uniform sampler2D rotations;

@@ -11,7 +11,7 @@
 //
 // The far circle is as it is; the wider of the two counts. Every tap weighs the same: sharp fronts
 // leak, and a background beside a blurred front is blurred with it (the paper says so of both).
-// NumPy twin: vrcomfort/optics/gathering.py. Mantiuk et al. 2011, Eq. 2 and section 4.
+// NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, Eq. 2 and section 4.
 uniform sampler2D points;
 uniform sampler2D near_mean;
 uniform vec2 offsets[TAPS];   // in a disc of radius 0.5

@@ -4,7 +4,7 @@
 // Input:  points of defocus.frag (signed CoC RADIUS, px of image width, negative in front).
 // Output: r = mean of the front's radii, positive; 0 where nothing is in front. Size / CELL, rounded
 //         up: cells at the rim average the pixels that exist.
-// NumPy twin: vrcomfort/optics/gathering.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
+// NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
 // of its size in every dimension".
 uniform sampler2D points;
 

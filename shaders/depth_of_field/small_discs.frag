@@ -10,7 +10,7 @@
 // of its sides: so that is the disc over which these two trade light. What one pixel gives is what
 // the other gets: light is kept, and a pixel of an edge, whose colour is of both surfaces and whose
 // depth is of one, does not count for either. Only where views are many: what one of them hides,
-// the others see. Twin: vrcomfort/optics/small_discs.py.
+// the others see. Twin: tests/oracles/small_discs.py.
 #include "coc.glsl"
 
 uniform sampler2D points;

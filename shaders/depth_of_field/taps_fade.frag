@@ -6,7 +6,7 @@
 // Output: rgb, linear HDR.
 //
 // Half of the image, blown up, is as blurred as a disc of 2 px (optics/pyramid.py); the cross-fade is
-// linear in variance, from the 0.5 px that change nothing. Twin: optics.taps.fade. Pixels that are not
+// linear in variance, from the 0.5 px that change nothing. Twin: tests/oracles/taps.py. Pixels that are not
 // square get the disc's area.
 uniform sampler2D colour;
 uniform sampler2D halves;

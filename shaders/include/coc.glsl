@@ -2,7 +2,7 @@
 //
 // Every amount is a RADIUS in pixels of image width; negative in front of the focus distance,
 // positive behind it. NumPy twins: vrcomfort/optics/circle_of_confusion.py, where the formulas are
-// derived; of margin_px, nearer and is_alike, vrcomfort/optics/fronts.py. Sources: Carnegie & Rhee
+// derived; of margin_px, nearer and is_alike, tests/oracles/gather.py. Sources: Carnegie & Rhee
 // 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al. 2008.
 
 const float PI = 3.14159265358979;

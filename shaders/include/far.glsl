@@ -1,7 +1,7 @@
 // Very wide discs on texels of LEVEL px: how wide a disc is there, and what a texel knows of fronts.
 //
 // Radii are signed where they are called so, in pixels of image width; negative in front of the focus.
-// Twins: vrcomfort/optics/far_layers.py.
+// Twins: tests/oracles/coarse_layers.py.
 
 // Radius in texels: such texels and their enlargement blur by themselves, with this variance.
 const float LEVEL_VARIANCE_PX2 = float(LEVEL * LEVEL - 1) / 3.0;

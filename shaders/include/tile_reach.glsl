@@ -1,6 +1,6 @@
 // How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger;
 // MARGIN_PX: how much farther others may need something. r, g of a tile are its least and greatest
-// signed RADIUS, px of image width. Twin: vrcomfort/optics/tile_kinds.py.
+// signed RADIUS, px of image width. Twin: tests/oracles/tile_classes.py.
 
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 

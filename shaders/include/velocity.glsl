@@ -1,6 +1,6 @@
 // Motion on the image: pixels per frame, now minus before, +x right, +y up.
 //
-// NumPy twins: vrcomfort/optics/motion.py.
+// NumPy twins: tests/oracles/motion.py.
 
 const float SPEED_LIMIT_PX = 16384.0;  // half floats hold it; far above every streak limit
 const float BEHIND = 1e-3;  // what was behind the eye came from its rim: least ratio of w

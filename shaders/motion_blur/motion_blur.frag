@@ -13,7 +13,7 @@
 // of the image. Up to 2 px apart the filter reads every pixel, so a short streak takes few taps: one
 // on either side up to 2.5 px. Beyond `few_taps` they move apart, and from 1 / `taps_per_px` on
 // their number grows with the streak. No noise, so the same scene point blurs alike in both eyes.
-// Source: ours; the midpoint rule. NumPy twin: optics.motion.streak_taps.
+// Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_taps.
 #include "velocity.glsl"
 #include "streak.glsl"
 #include "streak_kinds.glsl"

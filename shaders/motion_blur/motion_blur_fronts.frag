@@ -34,7 +34,7 @@
 // No noise, so the same scene point blurs alike in both eyes; samples grow with the streak instead.
 // McGuire et al. 2012, "A reconstruction filter for plausible motion blur"; p's own direction and
 // the neighbourhood's as in Guertin et al. 2013, "A fast and stable feature-aware motion blur
-// filter"; the crossing one and the shares are ours. NumPy twin: optics.motion.share_along.
+// filter"; the crossing one and the shares are ours. NumPy twin: tests/oracles/motion.py, share_along.
 #include "velocity.glsl"
 #include "streak.glsl"
 #include "streak_kinds.glsl"

@@ -1,6 +1,6 @@
 """Small discs as reads that cover them, every texel once: no OpenGL. All radii are in pixels.
 
-NumPy twins, in float64, of ``shaders/depth_of_field/taps_cover.frag``. Between as many reads that
+For ``shaders/depth_of_field/taps_cover.frag``. Between as many reads that
 are spread over the disc by their area alone, as those of `optics.taps` are, there are gaps, and
 some texels count twice: a light of a pixel becomes spots. All choices are ours.
 """
@@ -10,16 +10,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_weight
 
 TALLEST = 1.5
 """In a headset pixels are at most so much taller than wide."""
 
 NARROWER_PX = 0.05
-"""How much narrower a disc is on the pixel grid: :func:`fronts.grid_radius_px` says why."""
+"""How much narrower a disc is on the pixel grid: `grid_radius_px` of ``gather.glsl`` says why."""
 
 INWARD_PX = 0.75
 """How far a read of 2 × 2 texels would move inwards, were all of it beyond the disc's rim."""
@@ -57,34 +55,6 @@ def cover(taps: int, width_px: int, *, tallest: float = TALLEST) -> Cover:
     inwards = INWARD_PX / away
     pairs = np.column_stack([halves, away, inwards])[needed]
     return Cover(pairs, beyond - width_px / 2 + NARROWER_PX)
-
-
-def weight(away_px: ArrayLike, radius_px: ArrayLike, width_px: int, /) -> Array:
-    """Return the (...,) part of a read so far from the middle of a disc that is inside.
-
-    Its rim falls over the width of what is read.
-    """
-    inside: Array = disc_weight(away_px, np.asarray(radius_px) - NARROWER_PX, width_px)
-    return inside
-
-
-def covered(radius_px: float, found: Cover, width_px: int, pixel_aspect: float = 1.0) -> Array:
-    """Return (n, 3): x and y (px) of the reads for a disc, and their weights, which add up to 1.
-
-    Wider discs than the widest spread the reads. Texels beside the disc's own are in twos, and a
-    read of 2 × 2 counts for four.
-    """
-    spread = max(radius_px / found.widest_px, 1.0)
-    halves, inwards = found.pairs[:, :2], found.pairs[:, 3]
-    away = np.hypot(halves[:, 0], halves[:, 1] / pixel_aspect)
-    inside = weight(away, radius_px / spread, width_px)
-    if width_px > 1:
-        halves = halves * (1 - inwards * (1 - inside))[:, None]
-    own = [[0.0, 0.0, float(weight(0.0, radius_px / spread, width_px))]]
-    one = np.column_stack([spread * halves, inside * width_px**2])
-    reads = np.concatenate([own, one, one * [-1, -1, 1]])
-    shares: Array = reads / [1, 1, reads[:, 2].sum()]
-    return shares
 
 
 def _texels(count: int) -> Array:

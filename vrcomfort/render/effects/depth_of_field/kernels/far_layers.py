@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics.far_layers import MOST_TEXEL_PX, far_px
+from vrcomfort.optics.gather_resolution import COARSEST_TEXEL_PX, coarser_above_px
 from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import (
@@ -47,7 +47,7 @@ def far_layers(
 
 
 class FarLayers:
-    """Draws very wide discs on texels twice as wide as those of `finer` (:func:`far_px`).
+    """Draws very wide discs on texels twice as wide as those of `finer` (:func:`coarser_above_px`).
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ class FarLayers:
     ) -> None:
         self.texel_px = texel_px = 2 * finer.texel_px
         rings = defines["RINGS"]
-        self.above_px = far_px(rings, finer.texel_px)
+        self.above_px = coarser_above_px(rings, finer.texel_px)
         """Discs are drawn here from this radius on."""
         self._kinds = make_reach_pass(
             ctx,
@@ -147,4 +147,4 @@ def read_wider(
 
 
 def _needs_wider(limit_px: float, rings: int, texel_px: int) -> bool:
-    return texel_px < MOST_TEXEL_PX and limit_px > far_px(rings, texel_px)
+    return texel_px < COARSEST_TEXEL_PX and limit_px > coarser_above_px(rings, texel_px)

@@ -10,7 +10,7 @@ import numpy as np
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics import far_layers, fronts
+from vrcomfort.optics.gather_resolution import coarser_above_px, small_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
 from vrcomfort.render.effects.depth_of_field.kernels import far_layers as far
@@ -31,9 +31,9 @@ class VrcomfortKernel:
     """Tile-classified gather with a back and a front layer (``depth_of_field.frag``).
 
     Every pixel of a disc is looked at up to a radius that grows with the `rings`
-    (:func:`fronts.small_px`). Wider discs come from half resolution and, where their samples would
-    lie far apart, from less (`FarLayers`), in 32-bit floats, so that a constant image is rounded
-    once. Each tile is drawn by a program of its kind; where nothing is
+    (:func:`gather_resolution.small_px`). Wider discs come from half resolution
+    and, where their samples would lie far apart, from less (`FarLayers`), in 32-bit floats, so that
+    a constant image is rounded once. Each tile is drawn by a program of its kind; where nothing is
     blurred it is copied, and where nothing is blurred around it there are no points either.
     """
 
@@ -44,15 +44,15 @@ class VrcomfortKernel:
         defocus: Defocus,
         settings: DepthOfField,
     ) -> None:
-        small_px = fronts.small_px(settings.rings)
+        small = small_px(settings.rings)
         self._ctx, self._defocus, self._rings = ctx, defocus, settings.rings
         around_px = far.read_around_px(defocus.limit_px, settings.rings)
-        self._kinds = TileKinds(ctx, defocus, small_px=small_px, read_around_px=around_px)
+        self._kinds = TileKinds(ctx, defocus, small_px=small, read_around_px=around_px)
         self._tiles = TilePasses(ctx, defocus, self._kinds.kinds)
         self._directions = _Directions(
             coc.ring_directions(settings.rings).astype(np.float32).tobytes()
         )
-        self._defines: dict[str, Any] = {"RINGS": settings.rings, "SMALL_PX": small_px}
+        self._defines: dict[str, Any] = {"RINGS": settings.rings, "SMALL_PX": small}
         blurred, points = self._level(1), self._level(1)
         self.target = blurred.texture
         image = {"colour": colour}
@@ -70,7 +70,7 @@ class VrcomfortKernel:
         ]
         self._after: list[FullscreenPass] = []
         self._far: far.FarLayers | None = None
-        if defocus.limit_px > small_px:
+        if defocus.limit_px > small:
             self._add_wide(all_around, blurred)
 
     def render(self, pixel_aspect: float) -> None:
@@ -135,7 +135,7 @@ class VrcomfortKernel:
                 "LAYERED",
                 {**all_around, **layers},
                 blurred,
-                {"WIDE_LAYERS": 1, "FAR_PX": far_layers.far_px(self._rings, half.texel_px)},
+                {"WIDE_LAYERS": 1, "FAR_PX": coarser_above_px(self._rings, half.texel_px)},
                 constants=self._directions,
             )
         )

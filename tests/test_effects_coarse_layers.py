@@ -6,10 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_effects_optics import evaluate
 
+from tests.oracles import coarse_layers, tile_classes
+from tests.oracles.tile_classes import Grid
 from tests.support.effects import texels_of
 from tests.support.kernels import blur, defocused
-from vrcomfort.optics import far_layers, tile_kinds
-from vrcomfort.optics.tile_kinds import Grid, RingKind
+from vrcomfort.optics.gather_resolution import coarser_above_px
+from vrcomfort.optics.tile_kinds import RingKind
 from vrcomfort.render.effects.depth_of_field.kernels.far_layers import FarLayers
 from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import make_level
 from vrcomfort.render.effects.depth_of_field.kernels.tiles import TileKinds
@@ -163,7 +165,7 @@ def test_tiles_of_wide_texels_are_their_twin(ctx, pixel_aspect):
     far = FarLayers(ctx, defocus, half, inputs, {"RINGS": 3, "SMALL_PX": 4.7})
     far.render(pixel_aspect)
     reach, kinds = (texels_of(each) for each in (tiles.reach, far.kinds))
-    twin = tile_kinds.far_kinds(
+    twin = tile_classes.far_kinds(
         reach[..., :2], Grid(defocus.tile_px, pixel_aspect, margin_px=8), far_px=12.0
     )
     np.testing.assert_array_equal(kinds[..., 0], twin)
@@ -177,22 +179,22 @@ def test_shared_formulas_are_their_twins(ctx):
     call = "vec4(disc_texels(x.x), packed_front(x.x, x.y), unpacked_front(packed_front(x.x, x.y)))"
     texels_, packed, radius, coverage = evaluate(ctx, "far.glsl", call, rows).T
     signed_px, part = rows[:, 0].astype(float), rows[:, 1].astype(float)
-    np.testing.assert_allclose(texels_, far_layers.disc_texels(signed_px, 4), rtol=1e-5)
-    np.testing.assert_allclose(packed, far_layers.packed_front(signed_px, part), atol=2e-3)
+    np.testing.assert_allclose(texels_, coarse_layers.disc_texels(signed_px, 4), rtol=1e-5)
+    np.testing.assert_allclose(packed, coarse_layers.packed_front(signed_px, part), atol=2e-3)
     np.testing.assert_allclose(radius, signed_px, atol=1 / 128 + 1e-6)
     np.testing.assert_allclose(coverage, part, atol=4e-3)
 
 
 @given(st.floats(-250, 250), st.floats(0, 1))
 def test_a_radius_and_a_coverage_fit_in_one_number(signed_px, coverage):
-    radius, part = far_layers.unpacked_front(far_layers.packed_front(signed_px, coverage))
+    radius, part = coarse_layers.unpacked_front(coarse_layers.packed_front(signed_px, coverage))
     assert radius == pytest.approx(signed_px, abs=1 / 128)
     assert part == pytest.approx(coverage, abs=1e-9)
 
 
 @pytest.mark.parametrize("rings", range(1, 9))
 def test_wider_texels_are_for_wider_discs(rings):
-    bounds = [far_layers.far_px(rings, texel_px) for texel_px in (2, 4, 8)]
+    bounds = [coarser_above_px(rings, texel_px) for texel_px in (2, 4, 8)]
     assert bounds == sorted(set(bounds))
     for bound, texel_px in zip(bounds, (4, 8, 16), strict=True):
-        assert far_layers.disc_texels(bound, texel_px) > 2
+        assert coarse_layers.disc_texels(bound, texel_px) > 2

@@ -1,7 +1,8 @@
 """Who is in front of whom where discs are gathered: told by signed radii, which order depth.
 
-NumPy twins, in float64, of ``shaders/include/gather.glsl``. Radii are in pixels of image width,
-negative in front of the focus. All thresholds are ours.
+NumPy twins, in float64, of ``shaders/include/gather.glsl``; of `margin_px`, `nearer` and `is_alike`
+in ``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds
+are ours.
 """
 
 from __future__ import annotations
@@ -11,8 +12,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tests.oracles.circle_of_confusion import disc_area_px
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
+from vrcomfort.optics.circle_of_confusion import disc_weight
 
 RIM_PX = math.sqrt(20 / 12)
 """A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
@@ -33,15 +35,6 @@ def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     """
     radius, other = (np.asarray(each, dtype=np.float64) for each in (radius_px, other_px))
     return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
-
-
-def small_px(rings: int) -> float:
-    """Return the radius up to which a disc is summed over every pixel.
-
-    Wider ones come from half resolution, which blurs by itself as a disc of 2.6 px does: discs
-    hardly wider than that would be squares.
-    """
-    return max(rings + 1.7, 3.0)
 
 
 def is_alike(

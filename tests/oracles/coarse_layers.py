@@ -1,4 +1,4 @@
-"""Very wide discs on wide texels: which discs those are, and how wide they are there.
+"""Very wide discs on wide texels: how wide they are there, and what a texel knows of fronts.
 
 NumPy twins, in float64, of ``shaders/include/far.glsl``. Radii are in pixels of image width.
 """
@@ -10,23 +10,8 @@ from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
 
-MOST_TEXEL_PX = 16
-"""No texel is wider than the tiles that wide discs are drawn on."""
-
 STEPS_PER_PX = 64
 """Steps of a radius that shares a number with a coverage."""
-
-
-def far_px(rings: int, texel_px: int) -> float:
-    """Return the radius above which discs are drawn on texels twice as wide as these.
-
-    At half resolution (2 px) that is where rings are nearly two texels apart, and a disc at least
-    three of the wider texels. On wider ones every texel counts: a disc has up to 254 of them where
-    rings are few, a quarter more work than 49 taps on each of four times as many texels.
-    """
-    if texel_px == 2:
-        return float(4 * max(rings, 3))
-    return float(texel_px * max(9, 2 * rings))
 
 
 def level_variance_px2(texel_px: int) -> float:

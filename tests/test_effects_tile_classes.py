@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.oracles import tile_classes
+from tests.oracles.tile_classes import Grid
 from tests.support.effects import texels_of
 from tests.support.kernels import defocused
-from vrcomfort.optics import tile_kinds
-from vrcomfort.optics.tile_kinds import Bounds, Grid, RingKind, TapKind
+from vrcomfort.optics.tile_kinds import Bounds, RingKind, TapKind
 from vrcomfort.render.effects.depth_of_field.kernels.tap_tiles import TapTiles
 from vrcomfort.render.effects.depth_of_field.kernels.tiles import READ_AROUND_PX, TileKinds
 
@@ -55,10 +56,10 @@ def test_tiles_of_rings_are_their_twin(ctx, limit_px, pixel_aspect):
         tiles.render(pixel_aspect)
         reach = texels_of(tiles.reach)[..., :2]
         grid = Grid(defocus.tile_px, pixel_aspect)
-        twin = tile_kinds.may_reach(ranges, grid)
+        twin = tile_classes.may_reach(ranges, grid)
         np.testing.assert_allclose(reach, twin, rtol=HALF_FLOAT)
         around = grid._replace(margin_px=READ_AROUND_PX)
-        kinds = tile_kinds.ring_kinds(reach, around, small_px=SMALL_PX)
+        kinds = tile_classes.ring_kinds(reach, around, small_px=SMALL_PX)
         np.testing.assert_array_equal(texels_of(tiles.kinds)[..., 0], kinds)
         seen |= {kind for kind in RingKind if np.any(kinds & kind)}
     assert seen == set(RingKind)
@@ -73,11 +74,11 @@ def test_tiles_of_taps_are_their_twin(ctx, limit_px, pixel_aspect, bounds):
         tiles.render(pixel_aspect)
         found = texels_of(tiles.kinds)
         grid = Grid(defocus.tile_px, pixel_aspect)
-        reach = tile_kinds.may_reach(ranges, grid)
-        kinds = tile_kinds.tap_kinds(reach, bounds)
+        reach = tile_classes.may_reach(ranges, grid)
+        kinds = tile_classes.tap_kinds(reach, bounds)
         np.testing.assert_allclose(found[..., :2], reach, rtol=HALF_FLOAT)
         np.testing.assert_array_equal(found[..., 2], kinds)
-        around = tile_kinds.tap_kinds_around(found[..., :2], kinds, grid)
+        around = tile_classes.tap_kinds_around(found[..., :2], kinds, grid)
         np.testing.assert_array_equal(found[..., 3], around)
         seen |= {kind for kind in TapKind if np.any(kinds == kind)}
     unused = {TapKind.FINE, TapKind.APART} if bounds is FADED else set()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import fftconvolve
 
+from tests.oracles.disc_footprint import covered
 from tests.support.effects import depth_of_field
 from vrcomfort.geometry import Fov
 from vrcomfort.optics import covers
@@ -36,7 +37,7 @@ def test_each_texel_of_a_disc_counts_once(width_px, most, taps):
     found = covers.cover(taps, width_px, tallest=1.0)
     assert 2 * len(found.pairs) + 1 <= taps
     for radius_px in np.linspace(0.5 + width_px / 2, found.widest_px, 7):
-        reads = covers.covered(radius_px, found, width_px)
+        reads = covered(radius_px, found, width_px)
         error = np.abs(read_parts(reads) - disc_parts(radius_px)).max()
         assert error <= most / (np.pi * radius_px**2), radius_px
         np.testing.assert_allclose(reads[:, 2] @ reads[:, :2], 0, atol=1e-12)
@@ -44,14 +45,14 @@ def test_each_texel_of_a_disc_counts_once(width_px, most, taps):
 
 @pytest.mark.parametrize(("width_px", "least"), [(1, 1.0), (2, 0.9)])
 def test_half_a_pixel_is_the_pixel(width_px, least):
-    reads = covers.covered(0.5, covers.cover(16, width_px), width_px)
+    reads = covered(0.5, covers.cover(16, width_px), width_px)
     assert read_parts(reads)[12, 12] >= least
 
 
 @pytest.mark.parametrize("width_px", [1, 2])
 def test_taller_pixels_have_reads_to_the_end_of_the_disc(width_px):
     found = covers.cover(24, width_px)
-    reads = covers.covered(found.widest_px, found, width_px, covers.TALLEST)
+    reads = covered(found.widest_px, found, width_px, covers.TALLEST)
     variance = reads[:, 2] @ reads[:, :2] ** 2
     assert variance[1] / variance[0] == pytest.approx(covers.TALLEST**2, rel=0.06)
 
@@ -78,7 +79,7 @@ def test_the_shader_covers_discs_as_the_twin_does(ctx, taps, radius_px, width_px
     rgb = np.zeros((25, 49))
     rgb[12, 24] = 1.0
     found = covers.cover(TEXELS * taps + 1 if width_px == 1 else taps, width_px)
-    expected = read_parts(covers.covered(radius_px, found, width_px, pixel_aspect))
+    expected = read_parts(covered(radius_px, found, width_px, pixel_aspect))
     image = blurred(ctx, rgb, radius_px, taps, pixel_aspect)[:, 12:37]
     # A texture's own interpolation has 8 bits.
     np.testing.assert_allclose(image, expected, rtol=1e-3, atol=1e-5 if width_px == 1 else 1e-3)
