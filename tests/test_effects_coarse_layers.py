@@ -11,10 +11,10 @@ from tests.oracles.tile_classes import Grid
 from tests.support.effects import texels_of
 from tests.support.kernels import blur, defocused
 from vrcomfort.optics.gather_resolution import coarser_above_px
-from vrcomfort.optics.tile_kinds import RingKind
-from vrcomfort.render.effects.depth_of_field.kernels.far_layers import FarLayers
+from vrcomfort.optics.tile_classes import RingTile
+from vrcomfort.render.effects.depth_of_field.kernels.coarse_layers import CoarseLayers
+from vrcomfort.render.effects.depth_of_field.kernels.ring_tiles import RingTiles
 from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import make_level
-from vrcomfort.render.effects.depth_of_field.kernels.tiles import TileKinds
 
 SIDE = 112
 LIGHT = 1000.0
@@ -157,37 +157,42 @@ def test_the_widest_discs_are_discs_too(ctx):
 def test_tiles_of_wide_texels_are_their_twin(ctx, pixel_aspect):
     radius_px = np.zeros((90, 420))
     radius_px[20:40, 10:30], radius_px[60:90, 250:260] = 25.0, -14.0
-    _, defocus = defocused(ctx, np.ones((90, 420, 3)), radius_px, limit_px=25.0)
-    tiles = TileKinds(ctx, defocus, small_px=4.7)
+    _, coc = defocused(ctx, np.ones((90, 420, 3)), radius_px, limit_px=25.0)
+    tiles = RingTiles(ctx, coc, small_px=4.7)
     tiles.render(pixel_aspect)
-    points, half = (make_level(ctx, defocus, texel_px, "f4") for texel_px in (1, 2))
-    inputs = {"points": points.texture, "reach": tiles.reach}
-    far = FarLayers(ctx, defocus, half, inputs, {"RINGS": 3, "SMALL_PX": 4.7})
-    far.render(pixel_aspect)
-    reach, kinds = (texels_of(each) for each in (tiles.reach, far.kinds))
-    twin = tile_classes.far_kinds(
-        reach[..., :2], Grid(defocus.tile_px, pixel_aspect, margin_px=8), far_px=12.0
+    points, half = (make_level(ctx, coc, texel_px, "f4") for texel_px in (1, 2))
+    inputs = {"colour_and_coc": points.texture, "dilated": tiles.dilated}
+    coarse = CoarseLayers(ctx, coc, half, inputs, {"RINGS": 3, "SMALL_PX": 4.7})
+    coarse.render(pixel_aspect)
+    reach, kinds = (texels_of(each) for each in (tiles.dilated, coarse.classes))
+    twin = tile_classes.coarse_tile_classes(
+        reach[..., :2], Grid(coc.tile_px, pixel_aspect, margin_px=8), far_px=12.0
     )
     np.testing.assert_array_equal(kinds[..., 0], twin)
-    assert {0, RingKind.HALVES, RingKind.HALVES | RingKind.LAYERS} == set(twin.ravel())
+    assert {0, RingTile.HALF_RESOLUTION, RingTile.HALF_RESOLUTION | RingTile.LAYERS} == set(
+        twin.ravel()
+    )
 
 
 def test_shared_formulas_are_their_twins(ctx):
     rng = np.random.default_rng(5)
     rows = np.stack([rng.uniform(-180, 180, 300), rng.uniform(0, 1, 300)], axis=-1)
     rows = np.concatenate([rows, np.zeros_like(rows)], axis=-1).astype("f4")
-    call = "vec4(disc_texels(x.x), packed_front(x.x, x.y), unpacked_front(packed_front(x.x, x.y)))"
-    texels_, packed, radius, coverage = evaluate(ctx, "far.glsl", call, rows).T
+    packed = "packed_foreground(x.x, x.y)"
+    call = f"vec4(disc_texels(x.x), {packed}, unpacked_foreground({packed}))"
+    texels_, packed, radius, coverage = evaluate(ctx, "coarse.glsl", call, rows).T
     signed_px, part = rows[:, 0].astype(float), rows[:, 1].astype(float)
     np.testing.assert_allclose(texels_, coarse_layers.disc_texels(signed_px, 4), rtol=1e-5)
-    np.testing.assert_allclose(packed, coarse_layers.packed_front(signed_px, part), atol=2e-3)
+    np.testing.assert_allclose(packed, coarse_layers.packed_foreground(signed_px, part), atol=2e-3)
     np.testing.assert_allclose(radius, signed_px, atol=1 / 128 + 1e-6)
     np.testing.assert_allclose(coverage, part, atol=4e-3)
 
 
 @given(st.floats(-250, 250), st.floats(0, 1))
 def test_a_radius_and_a_coverage_fit_in_one_number(signed_px, coverage):
-    radius, part = coarse_layers.unpacked_front(coarse_layers.packed_front(signed_px, coverage))
+    radius, part = coarse_layers.unpacked_foreground(
+        coarse_layers.packed_foreground(signed_px, coverage)
+    )
     assert radius == pytest.approx(signed_px, abs=1 / 128)
     assert part == pytest.approx(coverage, abs=1e-9)
 

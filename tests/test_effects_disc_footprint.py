@@ -7,8 +7,8 @@ from scipy.signal import fftconvolve
 from tests.oracles.disc_footprint import covered
 from tests.support.effects import depth_of_field
 from vrcomfort.geometry import Fov
-from vrcomfort.optics import covers
-from vrcomfort.render.effects.depth_of_field.kernels.taps import TEXELS
+from vrcomfort.optics import disc_footprint
+from vrcomfort.render.effects.depth_of_field.kernels.tap_gather import TEXELS
 
 
 def read_parts(reads, size=25):
@@ -34,7 +34,7 @@ def disc_parts(radius_px, size=25, steps=32):
 @pytest.mark.parametrize("taps", [13, 24, 49])
 def test_each_texel_of_a_disc_counts_once(width_px, most, taps):
     """No pixel differs from the light that a disc gives it by more than such a part of a pixel."""
-    found = covers.cover(taps, width_px, tallest=1.0)
+    found = disc_footprint.footprint(taps, width_px, tallest=1.0)
     assert 2 * len(found.pairs) + 1 <= taps
     for radius_px in np.linspace(0.5 + width_px / 2, found.widest_px, 7):
         reads = covered(radius_px, found, width_px)
@@ -45,16 +45,16 @@ def test_each_texel_of_a_disc_counts_once(width_px, most, taps):
 
 @pytest.mark.parametrize(("width_px", "least"), [(1, 1.0), (2, 0.9)])
 def test_half_a_pixel_is_the_pixel(width_px, least):
-    reads = covered(0.5, covers.cover(16, width_px), width_px)
+    reads = covered(0.5, disc_footprint.footprint(16, width_px), width_px)
     assert read_parts(reads)[12, 12] >= least
 
 
 @pytest.mark.parametrize("width_px", [1, 2])
 def test_taller_pixels_have_reads_to_the_end_of_the_disc(width_px):
-    found = covers.cover(24, width_px)
-    reads = covered(found.widest_px, found, width_px, covers.TALLEST)
+    found = disc_footprint.footprint(24, width_px)
+    reads = covered(found.widest_px, found, width_px, disc_footprint.TALLEST)
     variance = reads[:, 2] @ reads[:, :2] ** 2
-    assert variance[1] / variance[0] == pytest.approx(covers.TALLEST**2, rel=0.06)
+    assert variance[1] / variance[0] == pytest.approx(disc_footprint.TALLEST**2, rel=0.06)
 
 
 def blurred(ctx, rgb, radius_px, taps, pixel_aspect=1.0):
@@ -78,7 +78,7 @@ def test_the_shader_covers_discs_as_the_twin_does(ctx, taps, radius_px, width_px
     """Of texels, of 2 x 2 each, and of these spread, where there are no others (the last)."""
     rgb = np.zeros((25, 49))
     rgb[12, 24] = 1.0
-    found = covers.cover(TEXELS * taps + 1 if width_px == 1 else taps, width_px)
+    found = disc_footprint.footprint(TEXELS * taps + 1 if width_px == 1 else taps, width_px)
     expected = read_parts(covered(radius_px, found, width_px, pixel_aspect))
     image = blurred(ctx, rgb, radius_px, taps, pixel_aspect)[:, 12:37]
     # A texture's own interpolation has 8 bits.

@@ -144,7 +144,7 @@ def test_a_point_from_behind_the_eye_comes_from_its_rim():
 
 
 def test_half_streak_is_half_the_shutter_and_clamps_without_turning():
-    streak = motion.half_streak_px(
+    streak = motion.half_velocity_px(
         [[8, 0], [300, -400], [0, 0]], shutter_fraction=0.5, radius_limit_px=32
     )
     np.testing.assert_allclose(streak, [[2, 0], [19.2, -25.6], [0, 0]])
@@ -219,13 +219,16 @@ def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
     assert ((is_front > 0) & (is_front < 1)).any()
     call = (
         "vec4(ring_count(abs(x.x), 1.25), ring_radius(2, abs(x.y)),"
-        " front_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)), grid_radius_px(abs(x.x)))"
+        " foreground_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)),"
+        " grid_radius_px(abs(x.x)))"
     )
     rings, away, opacity, grid = evaluate(ctx, include, call, abs(x)).T
     p, q, r, s = abs(x).T.astype("f8")
     np.testing.assert_array_equal(rings, gather.ring_count(p, 1.25, 3))
     np.testing.assert_allclose(away, q * ring_radius_px(2, 1.0), rtol=1e-5)
-    np.testing.assert_allclose(opacity, gather.front_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(
+        opacity, gather.foreground_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5
+    )
     np.testing.assert_allclose(grid, gather.grid_radius_px(p), rtol=1e-5)
     share = evaluate(ctx, include, "vec4(disc_share(abs(x.x), abs(x.y)))", x)[:, 0]
     np.testing.assert_allclose(share, gather.disc_share(p, q), rtol=1e-4, atol=1e-5)
@@ -241,19 +244,19 @@ def test_a_point_is_in_front_between_one_margin_and_two():
 
 def test_all_of_a_points_light_lands_somewhere():
     y, x = np.mgrid[-30:31, -30:31]
-    light = gather.front_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
+    light = gather.foreground_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
     assert light.sum() == pytest.approx(1, rel=5e-3)
 
 
 def test_shader_velocity_and_streak_are_the_twins(ctx, rng):
     x = rng.uniform(-3, 3, (200, 4))
     now = np.array([0.3, -0.2, 0.0, 1.5], "f4")
-    call = "vec4(velocity_px(a, x, b.xy), half_streak_px(x.xy * 30.0, 0.5, 16.0))"
+    call = "vec4(velocity_px(a, x, b.xy), half_velocity_px(x.xy * 30.0, 0.5, 16.0))"
     result = evaluate(ctx, "velocity.glsl", call, x, constants=[now, [640, 800, 0, 0]])
     x = x.astype("f4")
     twin = motion.velocity_px(np.broadcast_to(now, x.shape), x, (640, 800))
     np.testing.assert_allclose(result[:, :2], twin, rtol=1e-4, atol=0.01)
-    streak = motion.half_streak_px(30 * x[:, :2], shutter_fraction=0.5, radius_limit_px=16)
+    streak = motion.half_velocity_px(30 * x[:, :2], shutter_fraction=0.5, radius_limit_px=16)
     np.testing.assert_allclose(result[:, 2:], streak, rtol=1e-5, atol=1e-5)
 
 

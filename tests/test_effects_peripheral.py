@@ -43,7 +43,9 @@ def test_peripheral_blur_on_the_gpu_grows_from_the_heads_axis(ctx):
     effect = defocus_of(ctx, settings, 3.0, 2.0, size_px)
     turned = Pose(np.zeros(3), axis_angle([0.0, 1.0, 0.0], 0.2))
     effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
-    found = np.frombuffer(effect.points.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
+    found = (
+        np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 60, 4)[..., 3].astype(float)
+    )
     left, right, up, down = LEFT_EYE.tangents
     x = left + (right - left) * (np.arange(60) + 0.5) / 60
     y = down + (up - down) * (np.arange(48) + 0.5) / 48

@@ -7,18 +7,18 @@ from tests.oracles import tile_classes
 from tests.oracles.tile_classes import Grid
 from tests.support.effects import texels_of
 from tests.support.kernels import defocused
-from vrcomfort.optics.tile_kinds import Bounds, RingKind, TapKind
+from vrcomfort.optics.tile_classes import RingTile, TapBounds, TapTile
+from vrcomfort.render.effects.depth_of_field.kernels.ring_tiles import READ_AROUND_PX, RingTiles
 from vrcomfort.render.effects.depth_of_field.kernels.tap_tiles import TapTiles
-from vrcomfort.render.effects.depth_of_field.kernels.tiles import READ_AROUND_PX, TileKinds
 
 HALF_FLOAT = 2**-10
 """OpenGL does not say which way it rounds."""
 
 SMALL_PX = 4.7
-BOUNDS = Bounds(
+BOUNDS = TapBounds(
     slight_px=0.5, few_px=2.0, wide_px=4.0, widest_px=8.0, apart_px=6.0, fine_reads=True
 )
-FADED = Bounds(
+FADED = TapBounds(
     slight_px=2.0, few_px=2.8, wide_px=2.2, widest_px=3.9, apart_px=1e9, fine_reads=False
 )
 
@@ -44,42 +44,42 @@ def images(ctx, limit_px):
     for seed, around_px in enumerate(SURROUNDINGS_PX):
         radius_px = np.clip(patches(seed, around_px), -limit_px, limit_px)
         light = np.ones((*radius_px.shape, 3))
-        _, defocus = defocused(ctx, light, radius_px, limit_px=limit_px)
-        yield defocus, texels_of(defocus.tiles)[..., :2]
+        _, coc = defocused(ctx, light, radius_px, limit_px=limit_px)
+        yield coc, texels_of(coc.tile_min_max)[..., :2]
 
 
 @pytest.mark.parametrize(("limit_px", "pixel_aspect"), [(13.0, 1.0), (13.0, 2.5), (40.0, 0.7)])
 def test_tiles_of_rings_are_their_twin(ctx, limit_px, pixel_aspect):
     seen = set()
-    for defocus, ranges in images(ctx, limit_px):
-        tiles = TileKinds(ctx, defocus, small_px=SMALL_PX)
+    for coc, ranges in images(ctx, limit_px):
+        tiles = RingTiles(ctx, coc, small_px=SMALL_PX)
         tiles.render(pixel_aspect)
-        reach = texels_of(tiles.reach)[..., :2]
-        grid = Grid(defocus.tile_px, pixel_aspect)
+        reach = texels_of(tiles.dilated)[..., :2]
+        grid = Grid(coc.tile_px, pixel_aspect)
         twin = tile_classes.may_reach(ranges, grid)
         np.testing.assert_allclose(reach, twin, rtol=HALF_FLOAT)
         around = grid._replace(margin_px=READ_AROUND_PX)
-        kinds = tile_classes.ring_kinds(reach, around, small_px=SMALL_PX)
-        np.testing.assert_array_equal(texels_of(tiles.kinds)[..., 0], kinds)
-        seen |= {kind for kind in RingKind if np.any(kinds & kind)}
-    assert seen == set(RingKind)
+        kinds = tile_classes.ring_tile_classes(reach, around, small_px=SMALL_PX)
+        np.testing.assert_array_equal(texels_of(tiles.classes)[..., 0], kinds)
+        seen |= {kind for kind in RingTile if np.any(kinds & kind)}
+    assert seen == set(RingTile)
 
 
 @pytest.mark.parametrize("bounds", [BOUNDS, FADED])
 @pytest.mark.parametrize(("limit_px", "pixel_aspect"), [(13.0, 1.0), (13.0, 2.5), (40.0, 0.7)])
 def test_tiles_of_taps_are_their_twin(ctx, limit_px, pixel_aspect, bounds):
     seen = set()
-    for defocus, ranges in images(ctx, limit_px):
-        tiles = TapTiles(ctx, defocus, bounds)
+    for coc, ranges in images(ctx, limit_px):
+        tiles = TapTiles(ctx, coc, bounds)
         tiles.render(pixel_aspect)
-        found = texels_of(tiles.kinds)
-        grid = Grid(defocus.tile_px, pixel_aspect)
+        found = texels_of(tiles.classes)
+        grid = Grid(coc.tile_px, pixel_aspect)
         reach = tile_classes.may_reach(ranges, grid)
-        kinds = tile_classes.tap_kinds(reach, bounds)
+        kinds = tile_classes.tap_tile_classes(reach, bounds)
         np.testing.assert_allclose(found[..., :2], reach, rtol=HALF_FLOAT)
         np.testing.assert_array_equal(found[..., 2], kinds)
-        around = tile_classes.tap_kinds_around(found[..., :2], kinds, grid)
+        around = tile_classes.dilated_tile_classes(found[..., :2], kinds, grid)
         np.testing.assert_array_equal(found[..., 3], around)
-        seen |= {kind for kind in TapKind if np.any(kinds == kind)}
-    unused = {TapKind.FINE, TapKind.APART} if bounds is FADED else set()
-    assert seen == set(TapKind) - unused
+        seen |= {kind for kind in TapTile if np.any(kinds == kind)}
+    unused = {TapTile.FINE, TapTile.APART} if bounds is FADED else set()
+    assert seen == set(TapTile) - unused

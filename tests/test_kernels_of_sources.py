@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from tests.oracles import poisson_taps, pyramid, scattering
 from tests.support.effects import depth_of_field
 from tests.support.kernels import FOCUS_M, blur
-from vrcomfort.optics import gathering
+from vrcomfort.optics.poisson_taps import POISSON_12, POISSON_15
 from vrcomfort.optics.pyramid import levels
 from vrcomfort.protocol.conditions import Kernel
 
@@ -223,7 +223,7 @@ def test_a_level_fades_in_as_the_radius_grows(radius_px, level, slices):
     assert pyramid.fade(0.0, level, slices=slices) == 0
 
 
-@pytest.mark.parametrize("taps", [gathering.POISSON_12, gathering.POISSON_15])
+@pytest.mark.parametrize("taps", [POISSON_12, POISSON_15])
 def test_poisson_offsets_lie_apart_in_a_disc_of_diameter_1(taps):
     apart = np.linalg.norm(taps[:, None] - taps, axis=-1) + np.eye(len(taps))
     assert np.linalg.norm(taps, axis=-1).max() <= 0.5

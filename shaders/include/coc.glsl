@@ -87,7 +87,7 @@ float nearer(float p, float q) {
 }
 
 // Whether all that may reach a point (r, g: least and greatest radius) is about as blurred as it: at
-// most so many margins apart. Within one there is no front; within 1.5 the rims do not show where
+// most so many margins apart. Within one there is no foreground; within 1.5 the rims do not show where
 // discs are wide.
 bool is_alike(float radius, vec4 tile, float margins) {
     return tile.g - tile.r <= margins * margin_px(radius);

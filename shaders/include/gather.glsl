@@ -42,6 +42,6 @@ float ring_radius(int ring, float spacing) {
 }
 
 // Opacity that a nearer point adds where its disc covers p: the share of its light that lands here.
-float front_opacity(float away, float radius, float softness, float area) {
+float foreground_opacity(float away, float radius, float softness, float area) {
     return disc_weight(away, radius, softness) * area / disc_area_px(radius, softness);
 }

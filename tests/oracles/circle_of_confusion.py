@@ -1,8 +1,8 @@
 """Circle of confusion: what only the shaders compute of it, and tests need besides.
 
-NumPy twins, in float64, of ``shaders/include/coc.glsl``, ``defocus.glsl`` and ``gather.glsl``, as
-`vrcomfort.optics.circle_of_confusion` is. Every amount is a **radius** in pixels of image width,
-negative in front of the focus distance, positive behind it.
+NumPy twins, in float64, of ``shaders/include/coc.glsl``, ``coc_of_depth.glsl`` and ``gather.glsl``,
+as `vrcomfort.optics.circle_of_confusion` is. Every amount is a **radius** in pixels of image
+width, negative in front of the focus distance, positive behind it.
 """
 
 from __future__ import annotations

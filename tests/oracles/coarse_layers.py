@@ -1,6 +1,6 @@
 """Very wide discs on wide texels: how wide they are there, and what a texel knows of fronts.
 
-NumPy twins, in float64, of ``shaders/include/far.glsl``. Radii are in pixels of image width.
+NumPy twins, in float64, of ``shaders/include/coarse.glsl``. Radii are in pixels of image width.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ def disc_texels(radius_px: ArrayLike, texel_px: int, /) -> Array:
     return disc
 
 
-def packed_front(signed_px: ArrayLike, coverage: ArrayLike, /) -> Array:
+def packed_foreground(signed_px: ArrayLike, coverage: ArrayLike, /) -> Array:
     """Return a signed radius, rounded to 1/64 px, and a coverage from 0 to 1 in one number."""
     steps = np.floor(np.asarray(signed_px, dtype=np.float64) * STEPS_PER_PX + 0.5)
     packed: Array = steps + np.asarray(coverage) / 2
     return packed
 
 
-def unpacked_front(packed: ArrayLike, /) -> tuple[Array, Array]:
-    """Return signed radii and coverages of :func:`packed_front`."""
+def unpacked_foreground(packed: ArrayLike, /) -> tuple[Array, Array]:
+    """Return signed radii and coverages of :func:`packed_foreground`."""
     number = np.asarray(packed, dtype=np.float64)
     whole = np.floor(number)
     return whole / STEPS_PER_PX, 2 * (number - whole)

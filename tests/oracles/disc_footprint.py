@@ -1,6 +1,6 @@
 """What the reads that cover a small disc weigh.
 
-NumPy twins, in float64, of ``shaders/depth_of_field/taps_cover.frag``. Radii are in pixels.
+NumPy twins, in float64, of ``shaders/depth_of_field/disc_footprint.frag``. Radii are in pixels.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.circle_of_confusion import disc_weight
-from vrcomfort.optics.covers import NARROWER_PX, Cover
+from vrcomfort.optics.disc_footprint import NARROWER_PX, DiscFootprint
 
 
 def weight(away_px: ArrayLike, radius_px: ArrayLike, width_px: int, /) -> Array:
@@ -22,7 +22,9 @@ def weight(away_px: ArrayLike, radius_px: ArrayLike, width_px: int, /) -> Array:
     return inside
 
 
-def covered(radius_px: float, found: Cover, width_px: int, pixel_aspect: float = 1.0) -> Array:
+def covered(
+    radius_px: float, found: DiscFootprint, width_px: int, pixel_aspect: float = 1.0
+) -> Array:
     """Return (n, 3): x and y (px) of the reads for a disc, and their weights, which add up to 1.
 
     Wider discs than the widest spread the reads. Texels beside the disc's own are in twos, and a

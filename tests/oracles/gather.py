@@ -98,7 +98,7 @@ def disc_share(away_px: ArrayLike, grid_radius: ArrayLike, /) -> Array:
     return share
 
 
-def front_opacity(
+def foreground_opacity(
     away_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike, area_px: ArrayLike, /
 ) -> Array:
     """Return the share of a nearer point's light that lands where its disc covers another point.

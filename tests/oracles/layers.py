@@ -1,6 +1,6 @@
 """Depth of field by gathering a back and a front layer, every pixel of every disc.
 
-NumPy twin, in float64, of what ``shaders/depth_of_field/depth_of_field.frag`` does with discs of
+NumPy twin, in float64, of what ``shaders/depth_of_field/gather_composite.frag`` does with discs of
 up to `gather_resolution.small_px` pixels.
 """
 

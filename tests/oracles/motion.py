@@ -1,7 +1,7 @@
 """Motion on the image: velocity, shutter and streaks.
 
-NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``streak_kinds.glsl``, and of the
-taps of ``shaders/motion_blur/motion_blur.frag``. Thresholds are ours.
+NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``motion_tile_classes.glsl``, and
+of the taps of ``shaders/motion_blur/motion_blur.frag``. Thresholds are ours.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ LEAST_W = 1e-6
 
 
 LEAST_PX = 0.25
-"""Half streaks below this are left alone: half a pixel in all."""
+"""Half velocities below this are left alone: half a pixel in all."""
 
 
 def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[int, int]) -> Array:
@@ -62,7 +62,7 @@ def shorten(vector: ArrayLike, limit: float, /) -> Array:
     return shortened
 
 
-def half_streak_px(
+def half_velocity_px(
     velocity: ArrayLike, /, *, shutter_fraction: float, radius_limit_px: float
 ) -> Array:
     """Return (..., 2): how far a point moves from the middle of the shutter's opening to its end.
@@ -107,7 +107,7 @@ def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
     Parameters
     ----------
     reach_px
-        Of the half streak, along the longer axis of the image; more than 0.
+        Of the half velocity, along the longer axis of the image; more than 0.
     samples
         As in ``MotionBlur.samples``: on a streak of :data:`STREAK_OF_SAMPLES_PX`.
     """
@@ -121,57 +121,57 @@ def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
     return StreakTaps(own, at_px, part_px)
 
 
-def tolerance_px(half_streak_px: ArrayLike, /) -> Array:
-    """Return by how much another half streak may differ and still count as moving along."""
-    tolerance: Array = 0.25 + 0.1 * np.asarray(half_streak_px, dtype=np.float64)
+def tolerance_px(half_velocity_px: ArrayLike, /) -> Array:
+    """Return by how much another half velocity may differ and still count as moving along."""
+    tolerance: Array = 0.25 + 0.1 * np.asarray(half_velocity_px, dtype=np.float64)
     return tolerance
 
 
-def jump_px(half_streak_px: ArrayLike, /) -> Array:
-    """Return by how much half streaks of two pixels side by side may differ in one thing."""
-    jump: Array = 0.5 + 0.1 * np.asarray(half_streak_px, dtype=np.float64)
+def jump_px(half_velocity_px: ArrayLike, /) -> Array:
+    """Return by how much half velocities of two pixels side by side may differ in one thing."""
+    jump: Array = 0.5 + 0.1 * np.asarray(half_velocity_px, dtype=np.float64)
     return jump
 
 
 def moves_alike(around: ArrayLike, /, *, shortest_px: float, steepness_px: float) -> bool:
     """Return whether a tile in which something moves needs no look at who hides whom.
 
-    Twin of ``kind_of`` in ``shaders/include/streak_kinds.glsl``. Things pass each other where half
-    streaks jump; where they change slowly, all that a pixel sees moves along with it.
+    Twin of ``class_of`` in ``shaders/include/motion_tile_classes.glsl``. Things pass each other
+    where half velocities jump; where they change slowly, all that a pixel sees moves along with it.
 
     Parameters
     ----------
     around
-        (2,) longest half streak that reaches the tile, px.
+        (2,) longest half velocity that reaches the tile, px.
     shortest_px, steepness_px
-        Length of the tile's shortest half streak, and the most by which half streaks of two pixels
-        side by side differ within reach.
+        Length of the tile's shortest half velocity, and the most by which half velocities of two
+        pixels side by side differ within reach.
     """
     return bool(np.linalg.norm(around) >= LEAST_PX and steepness_px <= jump_px(shortest_px))
 
 
-def beside_px(half_streak: ArrayLike, line: ArrayLike, /) -> Array:
-    """Return (...,): how far the ends of (..., 2) half streaks lie beside (..., 2) lines."""
+def beside_px(half_velocity: ArrayLike, line: ArrayLike, /) -> Array:
+    """Return (...,): how far the ends of (..., 2) half velocities lie beside (..., 2) lines."""
     length = np.linalg.norm(np.asarray(line, dtype=np.float64), axis=-1)
-    beside: Array = np.abs(_cross(half_streak, line)) / np.maximum(length, 1e-6)
+    beside: Array = np.abs(_cross(half_velocity, line)) / np.maximum(length, 1e-6)
     return beside
 
 
-def crosses(half_streak: ArrayLike, line: ArrayLike, /) -> NDArray[np.bool_]:
-    """Return (...,): whether half streaks go clearly another way than lines, 11.5 degrees or more.
+def crosses(half_velocity: ArrayLike, line: ArrayLike, /) -> NDArray[np.bool_]:
+    """Return (...,): whether half velocities go clearly another way than lines: 11.5° or more.
 
     Fronts that cross the longest streak of a tile are looked for along a line of their own.
     """
-    length = np.linalg.norm(np.asarray(half_streak, dtype=np.float64), axis=-1)
-    return np.asarray(beside_px(half_streak, line) > LEAST_PX + 0.2 * length)
+    length = np.linalg.norm(np.asarray(half_velocity, dtype=np.float64), axis=-1)
+    return np.asarray(beside_px(half_velocity, line) > LEAST_PX + 0.2 * length)
 
 
-def share_along(half_streak: ArrayLike, line: ArrayLike, other: ArrayLike, /) -> Array:
+def share_along(half_velocity: ArrayLike, line: ArrayLike, other: ArrayLike, /) -> Array:
     """Return (...,): the share of a front that counts along `line`, not along `other`.
 
     Parameters
     ----------
-    half_streak
+    half_velocity
         (..., 2), of the front.
     line, other
         (..., 2), of any length and in either sense; `other` is (0, 0) where there is only one.
@@ -181,7 +181,7 @@ def share_along(half_streak: ArrayLike, line: ArrayLike, other: ArrayLike, /) ->
     The shares along two lines are as the squares of the cotangents of the front's angles to them,
     and make 1: what goes along a line counts there only, what goes at right angles to it does not.
     """
-    u, first, second = (np.asarray(v, dtype=np.float64) for v in (half_streak, line, other))
+    u, first, second = (np.asarray(v, dtype=np.float64) for v in (half_velocity, line, other))
     here = np.sum(u * first, axis=-1) * _cross(u, second)
     there = np.sum(u * second, axis=-1) * _cross(u, first)
     return np.where(there == 0, 1.0, here**2 / np.maximum(here**2 + there**2, 1e-30))

@@ -15,7 +15,13 @@ from numpy.typing import ArrayLike
 
 from tests.oracles import pyramid
 from vrcomfort.geometry import Array
-from vrcomfort.optics.gathering import NEAR_LEVEL, POISSON_12, POISSON_15, ROTATIONS_PX, rotations
+from vrcomfort.optics.poisson_taps import (
+    NEAR_LEVEL,
+    POISSON_12,
+    POISSON_15,
+    ROTATIONS_PX,
+    rotations,
+)
 
 
 def poisson12(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 1.0) -> Array:

@@ -1,6 +1,6 @@
 """Blur by a MIP pyramid that is blown up again ("Four Tricks for Fast Blurring", 2001).
 
-Trick three. NumPy twins, in float64, of ``mip_half.frag`` and ``mip.frag`` in
+Trick three. NumPy twins, in float64, of ``mip_downsample.frag`` and ``mip.frag`` in
 ``shaders/depth_of_field``. Radii are in pixels.
 """
 

@@ -1,6 +1,6 @@
 """How wide patterns of few reads are, and how far half an image fades in.
 
-NumPy twins, in float64, of ``taps_alike.frag`` and ``taps_fade.frag``
+NumPy twins, in float64, of ``gather_taps.frag`` and ``crossfade_half_resolution.frag``
 (``shaders/depth_of_field``). Radii are in pixels.
 """
 
@@ -14,7 +14,7 @@ from vrcomfort.optics.taps import Spread
 
 
 def extent_px(radius_px: ArrayLike, law: Spread, /) -> Array:
-    """Return the (...,) radius of the pattern for discs of these radii (``taps_alike.frag``)."""
+    """Return the (...,) radius of the pattern for discs of these radii (``gather_taps.frag``)."""
     squared = np.square(np.asarray(radius_px, dtype=np.float64))
     far = np.sqrt(np.maximum(squared - law.far_px2, 0.0))
     near = np.minimum(np.maximum(squared - law.near_px2, 0.0) * law.per_px, law.near_px)
@@ -23,10 +23,10 @@ def extent_px(radius_px: ArrayLike, law: Spread, /) -> Array:
 
 
 def fade(radius_px: ArrayLike, /) -> Array:
-    """Return the (...,) opacity of half an image, blown up, over the image (``taps_fade.frag``).
+    """Return the (...,) opacity of half an image, blown up, over the image.
 
-    From 0.5 px, which change nothing, linear in the variance up to a disc of 2 px: that is how
-    blurred half an image is (`optics.pyramid`).
+    ``crossfade_half_resolution.frag``: from 0.5 px, which change nothing, linear in
+    the variance up to a disc of 2 px: that is how blurred half an image is (`optics.pyramid`).
     """
     squared = np.square(np.asarray(radius_px, dtype=np.float64))
     return np.clip((squared - 0.25) / (4.0 - 0.25), 0.0, 1.0)

@@ -1,8 +1,9 @@
-"""How the discs of each tile of an image may reach others, and the kinds of work that follow.
+"""How the discs of each tile of an image may reach others, and the classes of tiles that follow.
 
-NumPy twins of ``shaders/include/tile_reach.glsl``, ``defocus_reach.frag``, ``blur_kinds.frag``,
-``far_kinds.frag``, ``tap_reach.frag`` and ``tap_around.frag``. Ranges are (rows, columns, 2): least
-and greatest signed radius of each tile, in pixels of image width, negative in front of the focus.
+NumPy twins of ``shaders/include/tile_dilate.glsl``, ``coc_tile_dilate.frag``,
+``classify_ring_tiles.frag``, ``classify_coarse_tiles.frag``, ``classify_tap_tiles.frag`` and
+``dilate_tile_classes.frag``. Ranges are (rows, columns, 2): least and greatest signed radius of
+each tile, in pixels of image width, negative in front of the focus.
 """
 
 from __future__ import annotations
@@ -15,9 +16,9 @@ from numpy.typing import NDArray
 
 from tests.oracles import gather
 from vrcomfort.geometry import Array
-from vrcomfort.optics.tile_kinds import Bounds, RingKind, TapKind
+from vrcomfort.optics.tile_classes import RingTile, TapBounds, TapTile
 
-Kinds: TypeAlias = NDArray[np.int_]
+TileClasses: TypeAlias = NDArray[np.int_]
 
 
 MOST_SPREAD = 0.5
@@ -63,8 +64,8 @@ def may_reach(ranges: Array, grid: Grid) -> Array:
     return found
 
 
-def ring_kinds(reach: Array, grid: Grid, *, small_px: float) -> Kinds:
-    """Return (rows, columns) sums of `RingKind`.
+def ring_tile_classes(reach: Array, grid: Grid, *, small_px: float) -> TileClasses:
+    """Return (rows, columns) sums of `RingTile`.
 
     Parameters
     ----------
@@ -74,20 +75,22 @@ def ring_kinds(reach: Array, grid: Grid, *, small_px: float) -> Kinds:
         Wider discs are drawn at half resolution, which is read beyond discs by the grid's margin.
     """
 
-    def needs(away: int, there: Array) -> Kinds:
-        kind = _drawn_with_rings(there, small_px)
-        halved = np.isin(kind, (RingKind.WIDE, RingKind.LAYERED))
-        points = np.where(kind == RingKind.COPIED, 0, RingKind.POINTS)
+    def needs(away: int, there: Array) -> TileClasses:
+        drawn = _drawn_with_rings(there, small_px)
+        halved = np.isin(drawn, (RingTile.WIDE, RingTile.LAYERED))
+        points = np.where(drawn == RingTile.SHARP, 0, RingTile.COLOUR_AND_COC)
         read = grid.comes(away, there)
-        found: Kinds = np.where(read, points | np.where(halved, RingKind.HALVES, 0), 0)
-        return found | np.where(halved, RingKind.LAYERS, 0) if away <= 1 else found
+        found: TileClasses = np.where(
+            read, points | np.where(halved, RingTile.HALF_RESOLUTION, 0), 0
+        )
+        return found | np.where(halved, RingTile.LAYERS, 0) if away <= 1 else found
 
     own = _drawn_with_rings(reach, small_px)
     return own | _all_around(reach, grid, needs)
 
 
-def far_kinds(reach: Array, grid: Grid, *, far_px: float) -> Kinds:
-    """Return (rows, columns) sums of `RingKind`: where wider texels and layers of them are drawn.
+def coarse_tile_classes(reach: Array, grid: Grid, *, far_px: float) -> TileClasses:
+    """Return (rows, columns) sums of `RingTile`: where wider texels and layers of them are drawn.
 
     Parameters
     ----------
@@ -97,59 +100,63 @@ def far_kinds(reach: Array, grid: Grid, *, far_px: float) -> Kinds:
         Wider discs are drawn on them, which are read beyond discs by the grid's margin.
     """
 
-    def needs(away: int, there: Array) -> Kinds:
+    def needs(away: int, there: Array) -> TileClasses:
         wide = np.abs(there).max(axis=-1) > far_px
-        found: Kinds = np.where(wide & grid.comes(away, there), RingKind.HALVES, 0)
-        return found | np.where(wide, RingKind.LAYERS, 0) if away <= 1 else found
+        found: TileClasses = np.where(wide & grid.comes(away, there), RingTile.HALF_RESOLUTION, 0)
+        return found | np.where(wide, RingTile.LAYERS, 0) if away <= 1 else found
 
     return _all_around(reach, grid, needs)
 
 
-def tap_kinds(reach: Array, bounds: Bounds) -> Kinds:
-    """Return (rows, columns), the `TapKind` of each tile, for the ranges of :func:`may_reach`."""
+def tap_tile_classes(reach: Array, bounds: TapBounds) -> TileClasses:
+    """Return (rows, columns), the `TapTile` of each tile, for the ranges of :func:`may_reach`."""
     least_signed, greatest_signed = reach[..., 0], reach[..., 1]
     sizes = np.abs(reach)
     widest, least = sizes.max(axis=-1), sizes.min(axis=-1)
     apart = greatest_signed - least_signed > MOST_SPREAD * widest
     alike = ~apart & (np.maximum(least_signed, -greatest_signed) > 0.5)
-    mixed = np.where(widest > bounds.apart_px, TapKind.APART, TapKind.MIXED)
+    mixed = np.where(widest > bounds.apart_px, TapTile.APART, TapTile.MIXED)
     wide = (least > LEAST_WIDE_PX) & (least + widest > 2 * bounds.wide_px)
-    kinds: Kinds = np.select(
+    classes: TileClasses = np.select(
         [widest <= 0.5, widest <= bounds.slight_px, ~alike, wide, widest <= bounds.few_px],
         [
-            TapKind.COPIED,
-            TapKind.FEW,
+            TapTile.SHARP,
+            TapTile.FEW,
             mixed,
-            np.where(widest > bounds.widest_px, TapKind.WIDEST, TapKind.WIDE),
-            TapKind.FEW,
+            np.where(widest > bounds.widest_px, TapTile.WIDEST, TapTile.WIDE),
+            TapTile.FEW,
         ],
-        TapKind.FINE if bounds.fine_reads else mixed,
+        TapTile.FINE if bounds.fine_reads else mixed,
     )
-    return kinds
+    return classes
 
 
-def tap_kinds_around(reach: Array, kinds: Kinds, grid: Grid) -> Kinds:
-    """Return (rows, columns), the sums of kinds of all tiles that read from each."""
-    ranges_and_kinds = np.concatenate([reach, kinds[..., None]], axis=-1)
+def dilated_tile_classes(reach: Array, classes: TileClasses, grid: Grid) -> TileClasses:
+    """Return (rows, columns), the sums of classes of all tiles that read from each."""
+    ranges_and_classes = np.concatenate([reach, classes[..., None]], axis=-1)
 
-    def reads(away: int, there: Array) -> Kinds:
+    def reads(away: int, there: Array) -> TileClasses:
         comes = grid.comes(away, there[..., :2])
         return np.where(comes, there[..., 2].astype(int), 0)
 
-    return _all_around(ranges_and_kinds, grid, reads)
+    return _all_around(ranges_and_classes, grid, reads)
 
 
-def _drawn_with_rings(reach: Array, small_px: float) -> Kinds:
+def _drawn_with_rings(reach: Array, small_px: float) -> TileClasses:
     widest = np.abs(reach).max(axis=-1)
     least = np.maximum(np.maximum(reach[..., 0], -reach[..., 1]), 0.0)
     alike = gather.is_alike(least, reach[..., 0], reach[..., 1], 1.0)
-    wide = np.where(alike & (least > small_px), RingKind.WIDE, RingKind.LAYERED)
-    small = np.where(alike, RingKind.ALIKE, RingKind.SMALL)
-    kinds: Kinds = np.select([widest <= 0.5, widest > small_px], [RingKind.COPIED, wide], small)
-    return kinds
+    wide = np.where(alike & (least > small_px), RingTile.WIDE, RingTile.LAYERED)
+    small = np.where(alike, RingTile.ALIKE, RingTile.SMALL)
+    classes: TileClasses = np.select(
+        [widest <= 0.5, widest > small_px], [RingTile.SHARP, wide], small
+    )
+    return classes
 
 
-def _all_around(tiles: Array, grid: Grid, found_in: Callable[[int, Array], Kinds]) -> Kinds:
+def _all_around(
+    tiles: Array, grid: Grid, found_in: Callable[[int, Array], TileClasses]
+) -> TileClasses:
     """Return the bits that are found in any tile around, so many tiles away."""
     found = np.zeros(tiles.shape[:2], dtype=int)
     for away, there in _around(tiles, grid):
