@@ -37,6 +37,7 @@ from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.tone_map import TONE_CURVE
 from vrcomfort.resources import data_folder
 
 ULP = 1 + 2**-10
@@ -180,6 +181,7 @@ def test_tone_map(ctx, cases):
         tone_map = FullscreenPass(
             ctx,
             "display/tone_map.frag",
+            defines=TONE_CURVE,
             size_px=(width, height),
             inputs={"radiance": colour},
             constants=Exposure(float(10.0 ** rng.uniform(-4, 4))),

@@ -1,7 +1,8 @@
 #version 450 core
 // On which tiles very wide discs are drawn, and from which.
 //
-// Input:  dilated (coc_tile_dilate.frag). COARSE_PX: RADIUS (px of image width) above which discs are very wide;
+// Input:  dilated (coc_tile_dilate.frag). COARSE_PX: RADIUS (px of image width) above which discs
+//         are very wide;
 //         MARGIN_PX: how much farther than discs reach their texels are read.
 // Output: the sum of HALF_RESOLUTION and LAYERS (vrcomfort/optics/tile_classes.py).
 #include "tile_dilate.glsl"

@@ -2,7 +2,8 @@
 // What may reach each tile, and the class of work that it takes: the range of radii over the tiles
 // around whose discs come as far, or that its own discs reach.
 //
-// Input:  tile_min_max (coc_tile_min_max.frag). Radii (px) that divide the classes: SLIGHT_PX, FEW_PX, WIDE_PX,
+// Input:  tile_min_max (coc_tile_min_max.frag). Radii (px) that divide the classes: SLIGHT_PX,
+//         FEW_PX, WIDE_PX,
 //         WIDEST_PX, APART_PX. FINE_READS: whether there are programs for FINE.
 // Output: r, g = least and greatest signed RADIUS (px of image width, negative in front of the focus)
 //         that may matter in the tile; b = class (vrcomfort/optics/tile_classes.py).

@@ -2,7 +2,8 @@
 // The nearest wide discs in each texel of LEVEL px, and how much of it they cover: thin fronts keep their
 // light, wherever they lie among texels.
 //
-// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS, px of image width, negative in front of the focus).
+// Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS, px of image width, negative in
+//         front of the focus).
 // Output: rgb = mean of the nearest surface with discs above SMALL_PX; a = its radius and its part of a
 //         tent around pixel LEVEL t, which adds up to 1 for each pixel (packed_foreground).
 #include "coc.glsl"

@@ -1,7 +1,8 @@
 #version 450 core
 // What each tile has of small discs and of wide ones.
 //
-// Input:  tile_min_max (coc_tile_min_max.frag); depth, focus (include/coc_of_depth.glsl). TILE: side of a tile (px).
+// Input:  tile_min_max (coc_tile_min_max.frag); depth, focus (include/coc_of_depth.glsl). TILE:
+//         side of a tile (px).
 // Output: r = least and g = greatest signed RADIUS in the tile (px of image width, negative in front
 //         of the focus); b = greatest RADIUS that is small (above half a pixel, within SMALL_PX), or
 //         0: those need every pixel; a = least signed RADIUS of those that are wider, or 1e4.

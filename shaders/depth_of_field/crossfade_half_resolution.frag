@@ -1,7 +1,8 @@
 #version 450 core
 // Small discs, two reads each: the image cross-fades into half of it, blown up.
 //
-// Input:  colour (linear HDR); half_resolution: half of it, and RADIUS (px of image width; downsample.frag),
+// Input:  colour (linear HDR); half_resolution: half of it, and RADIUS (px of image width;
+//         downsample.frag),
 //         read bilinearly.
 // Output: rgb, linear HDR.
 //
@@ -19,7 +20,8 @@ const float HALF_PX2 = 4.0;
 
 void main() {
     vec4 sharp = texelFetch(colour, ivec2(gl_FragCoord.xy), 0);
-    vec4 soft = textureLod(half_resolution, gl_FragCoord.xy / (2.0 * vec2(textureSize(half_resolution, 0))), 0.0);
+    vec2 size = vec2(textureSize(half_resolution, 0));
+    vec4 soft = textureLod(half_resolution, gl_FragCoord.xy / (2.0 * size), 0.0);
     float radius = max(soft.a, sqrt(LEAST_PX2 / pixel_aspect));
     float opacity = (radius * radius * pixel_aspect - LEAST_PX2) / (HALF_PX2 - LEAST_PX2);
     blurred = vec4(mix(sharp.rgb, soft.rgb, clamp(opacity, 0.0, 1.0)), sharp.a);

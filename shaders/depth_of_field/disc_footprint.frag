@@ -9,7 +9,8 @@
 // Output: rgb, linear HDR.
 //
 // The rim of a disc falls over the width of what is read. 2 x 2 texels that it leaves a part of are
-// read nearer to the disc's middle, so that the inner ones weigh more. Twin: tests/oracles/disc_footprint.py.
+// read nearer to the disc's middle, so that the inner ones weigh more. Twin:
+// tests/oracles/disc_footprint.py.
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
 

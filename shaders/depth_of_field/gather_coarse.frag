@@ -4,7 +4,8 @@
 //
 // Input:  coarse_colour_and_coc (coc_downsample_tent.frag, again and again), dilated
 //         (coc_tile_dilate.frag); FOREGROUND: coarse_foreground (coarse_foreground.frag). With
-//         COARSE_PX: wide_background, wide_foreground, drawn as here on texels twice as wide, where discs are wider than that.
+//         COARSE_PX: wide_background, wide_foreground, drawn as here on texels twice as wide, where
+//         discs are wider than that.
 //         Signed CoC RADIUS in px of image width, negative in front of the focus.
 // Output: as gather_half_resolution.frag.
 //

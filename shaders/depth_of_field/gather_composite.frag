@@ -29,7 +29,8 @@
 //
 // Renderers on the CPU run both sides of every branch, but no loop that no pixel wants. So what few
 // pixels want is a loop: of no taps, or `for (bool on = wanted; on; on = false)` around one. And each
-// class of tile (vrcomfort/optics/tile_classes.py) has a program: ONE_SURFACE with small discs alone, several
+// class of tile (vrcomfort/optics/tile_classes.py) has a program: ONE_SURFACE with small discs
+// alone, several
 // surfaces with small discs, and WIDE_LAYERS with everything.
 #include "coc.glsl"
 #include "gather.glsl"
@@ -58,7 +59,8 @@ int cells_of(float row_px, float reach_px) {
     return int(sqrt(max(reach_px * reach_px - row_px * row_px, 0.0)));
 }
 
-// Every pixel around: the background, with_background, and the foreground that is small, with discs up to foreground_px.
+// Every pixel around: the background, with_background, and the foreground that is small, with discs
+// up to foreground_px.
 void gather_pixels(bool with_background, float foreground_px) {
     float slack_px = slack_of(own_px);
     float widest_px = max(with_background ? own_px + slack_px : 0.0, foreground_px);
@@ -111,7 +113,8 @@ void gather_rings(float disc_px, float background_px) {
     }
 }
 
-// The wide discs, p's own and those of the foreground up to foreground_px: one walk, or two if these are wider.
+// The wide discs, p's own and those of the foreground up to foreground_px: one walk, or two if
+// these are wider.
 void walk_rings(bool wide, float foreground_px) {
     background += wide ? vec4(p.rgb, 1.0) : vec4(0.0);
     bool together = foreground_px <= 1.25 * own_px;

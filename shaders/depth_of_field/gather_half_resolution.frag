@@ -7,7 +7,8 @@
 //               a = the texel's radius, by which full resolution tells surfaces apart;
 //         FOREGROUND: rgb * opacity, opacity of the wide discs of nearer surfaces.
 // Discs of more than COARSE_PX, if there is such a limit, come from wide_background and
-// wide_foreground, whose texels are of LEVEL px (gather_coarse.frag): here their taps would lie far apart. Beside rims they are summed as there
+// wide_foreground, whose texels are of LEVEL px (gather_coarse.frag): here their taps would lie far
+// apart. Beside rims they are summed as there
 // (coarse_colour_and_coc, coarse_foreground).
 //
 // Half resolution blurs by itself, but not across rims. So where there are none the discs are
@@ -52,7 +53,8 @@ void main() {
     bool very_wide = max(abs(p), foreground_px) > COARSE_PX;
     float around = bilateral_upsample(texel, p, very_wide, true, abs(p) > COARSE_PX);
     bool mixed = very_wide && suffices(around), summed = very_wide && !mixed && around > 0.0;
-    layer = mixed ? upsampled_foreground : sum_over(summed && has_foreground, 0.5 * vec2(texel), p, foreground_px);
+    layer = mixed ? upsampled_foreground
+          : sum_over(summed && has_foreground, 0.5 * vec2(texel), p, foreground_px);
     if (mixed || summed)
         return;
 #endif
@@ -88,7 +90,8 @@ void main() {
     float around = bilateral_upsample(texel, p.a, very_wide, false, true);
     bool mixed = very_wide && suffices(around), summed = very_wide && !mixed && around > 0.0;
     vec4 background = sum_over(summed, 0.5 * vec2(texel), p.a, abs(p.a));
-    layer.rgb = mixed ? upsampled_background.rgb : background.a > 0.0 ? min(background.rgb / background.a, 65504.0) : layer.rgb;
+    layer.rgb = mixed ? upsampled_background.rgb
+              : background.a > 0.0 ? min(background.rgb / background.a, 65504.0) : layer.rgb;
     if (mixed || background.a > 0.0)
         return;
 #endif

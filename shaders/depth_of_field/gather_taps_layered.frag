@@ -2,7 +2,8 @@
 // Where surfaces mix: a few taps over a disc, told apart by their radii.
 //
 // Input:  colour_and_coc (colour and signed CoC RADIUS, px of image width, negative in front of the focus),
-//         dilated (classify_tap_tiles.frag). READ_HALF_RESOLUTION: also half_resolution (coc_downsample_box.frag) where taps are far apart.
+//         dilated (classify_tap_tiles.frag). READ_HALF_RESOLUTION: also half_resolution
+//         (coc_downsample_box.frag) where taps are far apart.
 //         offsets: TAPS points of the unit disc, evenly spread, the same in every pixel and eye.
 // Output: the blurred image, linear HDR.
 //
@@ -46,7 +47,8 @@ void walk(sampler2D level, float texel_px, bool wanted, vec2 discs_px, bool apar
         float distance_px = length(away);
         float is_foreground = nearer(p.a, q.a);
         if (own)
-            background += (1.0 - is_foreground) * disc_weight(distance_px, abs(p.a), spacings.x) * vec4(q.rgb, 1.0);
+            background += (1.0 - is_foreground) * disc_weight(distance_px, abs(p.a), spacings.x)
+                        * vec4(q.rgb, 1.0);
         float radius = abs(q.a);
         if (is_foreground > 0.0 && radius > 0.5 && !(apart && own))
             foreground += is_foreground * disc_weight(distance_px, radius, spacings.y) * area

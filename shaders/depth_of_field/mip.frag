@@ -1,7 +1,8 @@
 #version 450 core
 // Each pixel from the levels of a pyramid that are about as blurred as it should be.
 //
-// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width), levels of mip_downsample.frag.
+// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width), levels of
+//         mip_downsample.frag.
 // Output: the blurred image, linear HDR, full resolution.
 //
 // Level k, blown up bilinearly, spreads a point with the variance of a disc of radius 2^k px: its

@@ -1,8 +1,10 @@
 #version 450 core
 // Twelve taps in a pixel's own circle of confusion, turned by an angle of its own.
 //
-// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in front of the
-//         focus; colours are read bilinearly, radii from the nearest pixel), rotations (cos A, sin A; repeated over the image).
+// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
+//         front of the
+//         focus; colours are read bilinearly, radii from the nearest pixel), rotations (cos A, sin
+//         A; repeated over the image).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // The paper's cocSize is a DIAMETER: its offsets lie in a disc of radius 0.5. Its circles are

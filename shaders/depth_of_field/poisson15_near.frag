@@ -1,7 +1,8 @@
 #version 450 core
 // Fifteen taps in a circle of confusion that a blurred front widens beyond its own outline.
 //
-// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in front of the
+// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in
+//         front of the
 //         focus), near_mean of poisson15_near_mean.frag. Colours and means are read bilinearly.
 // Output: the blurred image, linear HDR, full resolution.
 //

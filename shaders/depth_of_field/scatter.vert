@@ -2,7 +2,8 @@
 // A square for each pixel, as wide as its disc: a point, or where a driver's points are too small for
 // the widest disc (SQUARES), an instance of a triangle strip of four corners.
 //
-// Input:  colour_and_coc of colour_and_coc.frag; gl_VertexID counts the pixels, or gl_InstanceID does and gl_VertexID
+// Input:  colour_and_coc of colour_and_coc.frag; gl_VertexID counts the pixels, or gl_InstanceID
+//         does and gl_VertexID
 //         the corners.
 // Output: what scatter.frag needs of the pixel. A RADIUS in px of image width; its sign is lost.
 #include "coc.glsl"

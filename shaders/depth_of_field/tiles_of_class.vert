@@ -1,7 +1,8 @@
 #version 450 core
 // A square point on each tile of some CLASSES; the other tiles are put outside the image.
 //
-// Input:  gl_VertexID, one for each tile; tile_classes: bits in the channel CHANNEL (classify_ring_tiles.frag,
+// Input:  gl_VertexID, one for each tile; tile_classes: bits in the channel CHANNEL
+//         (classify_ring_tiles.frag,
 //         dilate_tile_classes.frag).
 // Output: the point (tile_points.glsl).
 #include "tile_points.glsl"

@@ -17,7 +17,6 @@ uniform float outlier_floor;  // share of the median, or dioptres with MEAN_DIOP
 uniform int estimate;  // 0: the mean, as without GAZE; 1: the median; 2: the target of before
 #endif
 
-const int RAYS = 9;
 const float MAD_TO_SIGMA = 1.4826;
 
 // The value that four of nine are below; equal values rank in order of their index.

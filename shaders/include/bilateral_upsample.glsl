@@ -1,7 +1,8 @@
 // Wide blur that was drawn on texels twice as wide, mixed from those around that are on one's surface.
 //
 // Texel t of the layers lies on texel (or pixel) 2 t of this image. Radii are signed where they are called
-// so, in pixels of image width. Include after coc.glsl. The layers: gather_half_resolution.frag, gather_coarse.frag.
+// so, in pixels of image width. Include after coc.glsl. The layers: gather_half_resolution.frag,
+// gather_coarse.frag.
 
 uniform sampler2D wide_background;
 uniform sampler2D wide_foreground;

@@ -1,4 +1,5 @@
-// Very wide discs on texels of LEVEL px: how wide a disc is there, and what a texel knows of the foreground.
+// Very wide discs on texels of LEVEL px: how wide a disc is there, and what a texel knows of the
+// foreground.
 //
 // Radii are signed where they are called so, in pixels of image width; negative in front of the focus.
 // Twins: tests/oracles/coarse_layers.py.

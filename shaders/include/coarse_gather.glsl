@@ -1,4 +1,5 @@
-// The light that comes to a place from all texels of LEVEL px around: of the background, or (FOREGROUND) of the foreground.
+// The light that comes to a place from all texels of LEVEL px around: of the background, or
+// (FOREGROUND) of the foreground.
 //
 // The discs are the grid's (disc_share): no tap lies between them, the sum over a disc is its light. Radii
 // are signed where they are called so, in pixels of image width. Include after coarse.glsl.
@@ -8,7 +9,8 @@ uniform sampler2D coarse_foreground;  // coarse_foreground.frag
 
 // What is so many texels away and nearer than a surface, as opacity.
 vec4 light_of(ivec2 there, float away, float signed_px) {
-    vec4 q = texelFetch(coarse_foreground, clamp(there, ivec2(0), textureSize(coarse_foreground, 0) - 1), 0);
+    ivec2 last_coarse = textureSize(coarse_foreground, 0) - 1;
+    vec4 q = texelFetch(coarse_foreground, clamp(there, ivec2(0), last_coarse), 0);
     vec2 foreground = unpacked_foreground(q.a);
     float over = foreground.y * nearer(signed_px, foreground.x) / (PI * pixel_aspect);
     return over * disc_share(away, grid_radius_px(disc_texels(abs(foreground.x)))) * vec4(q.rgb, 1.0);
@@ -18,7 +20,8 @@ uniform sampler2D coarse_colour_and_coc;  // coc_downsample_tent.frag
 
 // What is so many texels away and not nearer than a surface, as weight.
 vec4 light_of(ivec2 there, float away, float signed_px) {
-    vec4 q = texelFetch(coarse_colour_and_coc, clamp(there, ivec2(0), textureSize(coarse_colour_and_coc, 0) - 1), 0);
+    ivec2 last_coarse = textureSize(coarse_colour_and_coc, 0) - 1;
+    vec4 q = texelFetch(coarse_colour_and_coc, clamp(there, ivec2(0), last_coarse), 0);
     float share = disc_share(away, grid_radius_px(disc_texels(abs(signed_px))));
     return (1.0 - nearer(signed_px, q.a)) * share * vec4(q.rgb, 1.0);
 }

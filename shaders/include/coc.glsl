@@ -43,11 +43,12 @@ float signed_radius_px(float depth, float near, float focus_m, float offset_m, f
 
 // Distance at which a lens of this focal length is focused: never at or inside that length, where
 // f_d - f is 0. Potmesil & Chakravarty 1982.
-const float CLOSEST_FOCUS = 1.001;  // in focal lengths
+#ifdef LAW_THIN_LENS
 float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
-    return max(focus, CLOSEST_FOCUS * focal_length_m);
+    return max(focus, CLOSEST_FOCUS * focal_length_m);  // in focal lengths
 }
+#endif
 
 // Peripheral blur on top of a signed radius (Hillaire et al. 2008, Eq. 5 and 6): it makes discs
 // wider and changes neither their sign nor their order in depth. cos_angle: between the pixel and

@@ -36,7 +36,8 @@ vec2 farther_beside(vec2 line, vec2 a, vec2 b) {
     return abs(cross_product(b, line)) > abs(cross_product(a, line)) ? b : a;
 }
 
-// Foregrounds are looked for along one line or two. The share of a foreground with half velocity u that counts
+// Foregrounds are looked for along one line or two. The share of a foreground with half velocity u
+// that counts
 // along `line`, where the rest counts along `other`: shares are as the squares of cot(angle of u to
 // the line). What goes along one counts there only, what goes at right angles to one does not count
 // there, and the two shares make 1. All of it where there is no other line, (0, 0).

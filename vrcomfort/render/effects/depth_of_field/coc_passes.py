@@ -11,6 +11,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
 from vrcomfort.gpu.max_reduction import MaxReductionPass
+from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.lens_radius import (
     px_per_dioptre,
@@ -259,9 +260,12 @@ def _limit_and_scale(
     return limit, _Scale(px)
 
 
-def _law_defines(settings: DepthOfField) -> dict[str, int]:
-    wanted = {"LAW_DIOPTRE": settings.law != "linear", "LAW_THIN_LENS": settings.law == "thin_lens"}
-    return {name: 1 for name, needed in wanted.items() if needed}
+def _law_defines(settings: DepthOfField) -> dict[str, int | float]:
+    if settings.law == "linear":
+        return {}
+    if settings.law != "thin_lens":
+        return {"LAW_DIOPTRE": 1}
+    return {"LAW_DIOPTRE": 1, "LAW_THIN_LENS": 1, "CLOSEST_FOCUS": CLOSEST_FOCUS}
 
 
 def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
