@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles.circle_of_confusion import lens_radius_px
-from tests.support.effects import defocus_of, square_pixels, textures
+from tests.support.effects import coc_passes_of, square_pixels, textures
 from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
@@ -137,7 +137,7 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
     distance[:16] = np.inf
     distance[16:32] = 2.0
     settings = DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name])
-    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
+    effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     turned = Pose(np.array([0.03, 0.0, -0.01]), axis_angle([0.0, 1.0, 0.0], 0.2))
     effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
     radii = (
@@ -162,7 +162,7 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     assert lens_radius.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
         np.tan(np.radians(1.0)) * focal_px
     )
-    effect = defocus_of(ctx, settings, np.inf, 1.0, size_px)
+    effect = coc_passes_of(ctx, settings, np.inf, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
@@ -194,7 +194,7 @@ def test_the_smaller_of_both_limits_is_what_full_blur_reaches(ctx, law):
         max_radius_percent=10,
         max_diameter_arcmin=120.0,
     )
-    effect = defocus_of(ctx, settings, 2.0, 1.0, size_px)
+    effect = coc_passes_of(ctx, settings, 2.0, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
     points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, 0.5 * np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
@@ -246,7 +246,7 @@ def test_the_largest_radius_is_found_wherever_it_is(ctx, size_px, corner):
     distance = np.full((height, width), 2.0)
     distance[corner] = 0.5
     settings = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=1.0)
-    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
+    effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     fov = Fov(-0.5, 0.5, 0.4, -0.4)
     effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
     px = coc.eye_px_per_dioptre(20.0, focal_length_px(fov, size_px)[0])

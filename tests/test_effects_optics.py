@@ -143,7 +143,7 @@ def test_a_point_from_behind_the_eye_comes_from_its_rim():
     assert velocity[1] == 0
 
 
-def test_half_streak_is_half_the_shutter_and_clamps_without_turning():
+def test_half_velocity_is_half_the_shutter_and_clamps_without_turning():
     streak = motion.half_velocity_px(
         [[8, 0], [300, -400], [0, 0]], shutter_fraction=0.5, radius_limit_px=32
     )

@@ -25,7 +25,7 @@ def textures(ctx, rgb, distance_m, near_m=NEAR_M):
     return colour, depth
 
 
-def defocus_of(ctx, settings, distance_m, focus_m, size_px):
+def coc_passes_of(ctx, settings, distance_m, focus_m, size_px):
     """Return what finds the radii of (h, w) distances, before its first frame."""
     width, height = size_px
     colour, depth = textures(ctx, np.zeros((height, width, 3)), distance_m)

@@ -56,7 +56,7 @@ class CoarseLayers:
     finer
         Colours and signed radii.
     inputs
-        The same of all pixels (`points`), and what may reach each tile (`reach`).
+        The same of all pixels (`colour_and_coc`), and what may reach each tile (`dilated`).
     defines
         `RINGS` and `SMALL_PX`.
     """
