@@ -23,12 +23,13 @@ def collector_at_rest() -> Iterator[None]:
 
     Looking at everything takes as long as some frames; what frames make is little.
     """
-    gc.collect()
+    rests = gc.get_freeze_count() > 0
     gc.freeze()
     try:
         yield
     finally:
-        gc.unfreeze()
+        if not rests:  # else it is for others to say when it is over
+            gc.unfreeze()
 
 
 Ending = Literal["completed", "headset_ended"]

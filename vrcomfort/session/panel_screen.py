@@ -13,6 +13,7 @@ from vrcomfort.errors import headset_ended
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.pointer import pointer_quad
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Page, Painter, Picture
 from vrcomfort.respondent.pointing import Pointing
@@ -66,6 +67,9 @@ class PanelHeadset(Protocol):
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
         """Put a panel into the room."""
 
+    def show_pointer(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+
 
 class PanelScreen:
     """A panel that appears before the participant, and then stays where it is.
@@ -102,8 +106,16 @@ class PanelScreen:
                 self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
             self._panel.draw(picture)
         elif self._panel is not None:
+            self._headset.show_pointer(None)
             self._panel.hide()
             self._panel = self._frames = None
+
+    def point_at(self, point: tuple[float, float] | None) -> None:
+        """Put the pointer at fractions (right, down) of the panel, or take it away."""
+        if point is None or self._panel is None:
+            self._headset.show_pointer(None)
+        else:
+            self._headset.show_pointer(pointer_quad(self._panel.quad, point))
 
     def pointing(self) -> Pointing:
         """Return where a controller points, else where the eyes look; and what keys do.
@@ -199,4 +211,4 @@ def before(head: Pose) -> Quad:
 @lru_cache(maxsize=1)
 def loading_picture() -> Picture:
     """Return what stands there while a scene is loaded and its shaders are compiled."""
-    return Painter().draw(Page("", "Loading …", ()), None, None)
+    return Painter().draw(Page("", "Loading …", ()), None)

@@ -14,6 +14,7 @@ import xr
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
+from vrcomfort.headset import pointer
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
@@ -70,6 +71,8 @@ class OpenXrHeadset:
         self._events: list[HeadsetEvent] = []
         self._panels: list[layers.PanelLayer] = []
         self._hidden_panels: list[layers.PanelLayer] = []
+        self._pointer: layers.PanelLayer | None = None
+        self._points = False
         self._xr = Connection(ctx, settings, mirror, self._events.append)
         self._where = ParticipantPose(
             self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
@@ -156,7 +159,7 @@ class OpenXrHeadset:
             self._submit(frame, eyes)
         self._in_scene = eyes is not None
         if self._window is not None:
-            self._window.show(frame, eyes, self._panels)
+            self._window.show(frame, eyes, self._shown_panels)
 
     def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
         """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
@@ -210,8 +213,26 @@ class OpenXrHeadset:
 
     @faults.running()
     def prepare_panel(self, size_px: tuple[int, int]) -> None:
-        """Make the images of a panel now, so that `show_panel` need not in a scene."""
+        """Make the images of a panel and the pointer now, so that none are made in a scene."""
+        self.show_pointer(Quad(Pose(), (1.0, 1.0)))
+        self.show_pointer(None)
         self._hidden_panels.append(self._new_panel(size_px, Quad(Pose(), (1.0, 1.0))))
+
+    @faults.running()
+    def show_pointer(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+        self._points = quad is not None
+        if quad is None:
+            return
+        if self._pointer is None:
+            self._pointer = self._new_panel(pointer.SIZE_PX, quad)
+            self._pointer.draw(pointer.pointer_picture())
+        self._pointer.move(quad)
+
+    @property
+    def _shown_panels(self) -> list[layers.PanelLayer]:
+        """Return what is shown, from back to front."""
+        return [*self._panels, *([self._pointer] if self._pointer and self._points else [])]
 
     def _new_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         return layers.PanelLayer(self._xr.panel_canvas, size_px, quad, self._put_aside)
@@ -253,7 +274,9 @@ class OpenXrHeadset:
             self._release()
 
     def _release(self) -> None:
-        panels = [*self._panels, *self._hidden_panels]
+        pointers = [] if self._pointer is None else [self._pointer]
+        panels = [*self._panels, *self._hidden_panels, *pointers]
+        self._pointer = None
         self._panels.clear()
         self._hidden_panels.clear()
         with suppress(xr.exception.ResultException):  # a runtime that is gone keeps nothing
@@ -328,7 +351,7 @@ class OpenXrHeadset:
             if eyes is not None and tracking.found:  # else they would be seen from nowhere
                 self._xr.eyes.draw(eyes)
                 composed.append(self._xr.eyes.structure(space, tracking.xr_views))
-            composed += [layer for each in self._panels if (layer := each.structure(space))]
+            composed += [layer for each in self._shown_panels if (layer := each.structure(space))]
         self._open = None
         self._end_frame(frame.predicted_display_time_ns, composed)
         self._xr.make_current()
