@@ -75,8 +75,9 @@ class ManifestWriter:
     def note_headset(self, headset: Headset, ipd_m: float) -> None:
         """Enter the headset; what it only tells when it has shown something is entered then."""
         self._headset = headset, ipd_m
-        facts = {**headset_facts(headset), "ipd_m": ipd_m}
-        if facts != self._manifest.headset:
+        before = self._manifest.headset
+        facts = {**headset_facts(headset), "ipd_m": ipd_m, **before}  # what was noted first stays
+        if facts != before:
             self._manifest.headset = facts
             self._write()
 
