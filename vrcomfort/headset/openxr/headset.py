@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import replace
 from itertools import islice
 from typing import TYPE_CHECKING, Any, Self
@@ -14,11 +13,11 @@ import xr
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
-from vrcomfort.headset import pointer
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.native import native, watched
+from vrcomfort.headset.openxr.panels import Panels
 from vrcomfort.headset.openxr.participant_pose import ParticipantPose
 from vrcomfort.headset.openxr.presence import Presence
 from vrcomfort.headset.openxr.settings import OpenXrSettings
@@ -69,13 +68,10 @@ class OpenXrHeadset:
         self._before_wait, self._window = before_wait, window
         settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
-        self._panels: list[layers.PanelLayer] = []
-        self._hidden_panels: list[layers.PanelLayer] = []
-        self._pointer: layers.PanelLayer | None = None
-        self._points = False
         self._xr = Connection(ctx, settings, mirror, self._events.append)
+        self._panels = Panels(self._xr.panel_canvas)
         self._where = ParticipantPose(
-            self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
+            self._xr, settings.walking_speed_m_s, self._events.append, self._panels.relocate
         )
         self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
         self._wait_frame = native("xrWaitFrame")
@@ -159,7 +155,7 @@ class OpenXrHeadset:
             self._submit(frame, eyes)
         self._in_scene = eyes is not None
         if self._window is not None:
-            self._window.show(frame, eyes, self._shown_panels)
+            self._window.show(frame, eyes, self._panels.shown)
 
     def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
         """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
@@ -199,47 +195,17 @@ class OpenXrHeadset:
         with faults.running():
             self._xr.actions.tick(hand)
 
-    @faults.running()
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
-        panel = next((each for each in self._hidden_panels if each.size_px == size_px), None)
-        if panel is None:
-            panel = self._new_panel(size_px, quad)
-        else:
-            self._hidden_panels.remove(panel)
-            panel.move(quad)
-        self._panels.append(panel)
-        return panel
+        return self._panels.show(size_px, quad)
 
-    @faults.running()
     def prepare_panel(self, size_px: tuple[int, int]) -> None:
-        """Make the images of a panel and the pointer now, so that none are made in a scene."""
-        self.show_pointer(Quad(Pose(), (1.0, 1.0)))
-        self.show_pointer(None)
-        self._hidden_panels.append(self._new_panel(size_px, Quad(Pose(), (1.0, 1.0))))
+        """Make the images of a panel now, so that `show_panel` need not in a scene."""
+        self._panels.prepare(size_px)
 
-    @faults.running()
     def show_pointer(self, quad: Quad | None) -> None:
         """Put the pointer there, in front of all panels, or take it away."""
-        self._points = quad is not None
-        if quad is None:
-            return
-        if self._pointer is None:
-            self._pointer = self._new_panel(pointer.SIZE_PX, quad)
-            self._pointer.draw(pointer.pointer_picture())
-        self._pointer.move(quad)
-
-    @property
-    def _shown_panels(self) -> list[layers.PanelLayer]:
-        """Return what is shown, from back to front."""
-        return [*self._panels, *([self._pointer] if self._pointer and self._points else [])]
-
-    def _new_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
-        return layers.PanelLayer(self._xr.panel_canvas, size_px, quad, self._put_aside)
-
-    def _put_aside(self, panel: layers.PanelLayer) -> None:
-        self._panels.remove(panel)
-        self._hidden_panels.append(panel)
+        self._panels.point(quad)
 
     def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
         """Put the floor point and heading of the participant on `spawn`, next frame."""
@@ -271,18 +237,8 @@ class OpenXrHeadset:
         except (xr.exception.ResultException, RuntimeLostError):
             pass  # the runtime is gone already
         finally:
-            self._release()
-
-    def _release(self) -> None:
-        pointers = [] if self._pointer is None else [self._pointer]
-        panels = [*self._panels, *self._hidden_panels, *pointers]
-        self._pointer = None
-        self._panels.clear()
-        self._hidden_panels.clear()
-        with suppress(xr.exception.ResultException):  # a runtime that is gone keeps nothing
-            for panel in panels:
-                panel.release()
-        self._xr.release()
+            self._panels.release()
+            self._xr.release()
 
     def request_exit(self) -> None:
         """Ask the runtime to end the session: `frames` ends soon after."""
@@ -339,10 +295,6 @@ class OpenXrHeadset:
         self._next_index, self._cut = self._next_index + 1, False
         return frame
 
-    def _relocate_panels(self, new_from_old: Pose) -> None:
-        for panel in self._panels:
-            panel.move(Quad(new_from_old @ panel.quad.pose, panel.quad.size_m))
-
     def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
         composed: list[layers.Layer] = []
         space = self._xr.stage.space
@@ -351,7 +303,7 @@ class OpenXrHeadset:
             if eyes is not None and tracking.found:  # else they would be seen from nowhere
                 self._xr.eyes.draw(eyes)
                 composed.append(self._xr.eyes.structure(space, tracking.xr_views))
-            composed += [layer for each in self._shown_panels if (layer := each.structure(space))]
+            composed += [layer for each in self._panels.shown if (layer := each.structure(space))]
         self._open = None
         self._end_frame(frame.predicted_display_time_ns, composed)
         self._xr.make_current()
