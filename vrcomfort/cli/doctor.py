@@ -105,7 +105,7 @@ def _windows() -> Finding:
     try:
         import glfw
     except ImportError:
-        remedy = "for sessions in a window: pip install 'vrcomfort[openxr]'"
+        remedy = "for sessions in a window: pip install glfw"
         return Finding("windows", False, "GLFW is not installed", remedy, needed=False)
     with warnings.catch_warnings(action="ignore", category=glfw.GLFWError):
         there = glfw.init()

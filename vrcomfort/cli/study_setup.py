@@ -106,6 +106,7 @@ class StudySetup:
             clock=session.VirtualClock() if simulated else session.WallClock(),
             machine=machine,
             screen=headset.screen if headset else None,
+            watchdog=headset.watchdog if headset else None,
             progress=progress,
         )
 

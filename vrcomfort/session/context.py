@@ -9,7 +9,13 @@ from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Machine
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import (
+    HeadsetFor,
+    LoadScene,
+    ProgressCallback,
+    Renderer,
+    Watchdog,
+)
 from vrcomfort.session.panel_screen import PanelScreen
 
 
@@ -29,6 +35,8 @@ class SessionContext:
         How long an exposure is shown: the protocol's time, or less.
     screen
         Where questions are asked in the headset, None where they are asked elsewhere.
+    watchdog
+        Closes the records where the headset's runtime hangs.
     """
 
     protocol: Protocol
@@ -45,6 +53,7 @@ class SessionContext:
     machine: Machine
     screen: PanelScreen | None
     progress: ProgressCallback
+    watchdog: Watchdog
 
     @property
     def stretch(self) -> float:

@@ -30,6 +30,7 @@ class ManifestWriter:
         self._manifest = manifest
         self._recorder = recorder
         self._respondent = respondent
+        self._headset: tuple[Headset, float] | None = None
 
     def open(self) -> None:
         """Write the manifest, with the memory that a continued session begins with."""
@@ -44,6 +45,8 @@ class ManifestWriter:
             self._manifest.memory = self._respondent.memory()
         self._manifest.under_way = None
         self._write()
+        if self._headset is not None:
+            self.note_headset(*self._headset)
 
     def begin_exposure(self, **row: Any) -> None:
         """Note what a killed program could not write into ``trials.csv``."""
@@ -82,9 +85,12 @@ class ManifestWriter:
         self._write()
 
     def note_headset(self, headset: Headset, ipd_m: float) -> None:
-        """Enter the headset when it is first used."""
-        if not self._manifest.headset:
-            self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
+        """Enter the headset; what it only tells when it has shown something is entered then."""
+        self._headset = headset, ipd_m
+        before = self._manifest.headset
+        facts = {**headset_facts(headset), "ipd_m": ipd_m, **before}  # what was noted first stays
+        if facts != before:
+            self._manifest.headset = facts
             self._write()
 
     def _write(self) -> None:

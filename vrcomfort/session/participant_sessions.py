@@ -22,6 +22,8 @@ from vrcomfort.session.flow import SessionFlow, SessionStatus
 from vrcomfort.session.interfaces import Progress
 from vrcomfort.session.manifest_writer import ManifestWriter, limits
 
+RUNTIME_HUNG = "runtime_hung"
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -100,11 +102,26 @@ class ParticipantSessions:
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder)
             try:
-                status, note = _kept(flow, writer, recorder)
+                with context.watchdog.guard(lambda: self._give_up(number, flow, writer, recorder)):
+                    status, note = _kept(flow, writer, recorder)
             finally:
                 self._look_at(number, manifest, before)
         context.progress(Progress("end", context.participant, number, text=status))
         return status, note
+
+    def _give_up(
+        self, number: int, flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
+    ) -> None:
+        """Close the records from another thread: the session's own hangs, and never comes back."""
+        try:
+            flow.give_up(RUNTIME_HUNG)
+        finally:
+            try:
+                recorder.close()
+            finally:
+                writer.close("aborted")
+                note = f"session {number} aborted: the headset's runtime hung"
+                set_status(self.context.study, self.context.participant, "enrolled", note)
 
     def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
         context = self.context

@@ -7,7 +7,14 @@ from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.enrolment import Enrolment
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import (
+    HeadsetFor,
+    LoadScene,
+    NoWatchdog,
+    ProgressCallback,
+    Renderer,
+    Watchdog,
+)
 from vrcomfort.session.interfaces import silent as no_progress
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
@@ -23,6 +30,7 @@ def run(
     clock: Clock | None = None,
     machine: Machine | None = None,
     screen: PanelScreen | None = None,
+    watchdog: Watchdog | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
     """Run the sessions that an enrolment has chosen.
@@ -35,6 +43,8 @@ def run(
         `VirtualClock` (the default) for simulated participants, `WallClock` for people.
     screen
         Where questions are asked in the headset: what happens to it meanwhile is recorded.
+    watchdog
+        Closes the records where the headset's runtime hangs.
 
     Returns
     -------
@@ -62,6 +72,7 @@ def run(
         machine=machine or Machine(),
         screen=screen,
         progress=progress,
+        watchdog=watchdog or NoWatchdog(),
     )
     interrupted = enrolment.interrupted.take_up()
     return ParticipantSessions(context, interrupted).run(enrolment.numbers)
