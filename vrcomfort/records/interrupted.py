@@ -11,10 +11,11 @@ from typing import Any
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
+from vrcomfort.records.disk import refused
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorder import OPTIONAL_ROWS, SESSION_ROWS, csv_line, refused
+from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
     EventRow,
     QuestionnaireRow,
@@ -22,6 +23,7 @@ from vrcomfort.records.rows import (
     Row,
     TrialRow,
     cell_text,
+    csv_line,
 )
 
 Cells = Mapping[str, str]

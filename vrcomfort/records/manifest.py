@@ -12,7 +12,7 @@ from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
-from vrcomfort.records.recorder import replace_text
+from vrcomfort.records.disk import OWNER, Access, replace_text
 
 _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
 
@@ -81,8 +81,8 @@ class Manifest:
     under_way: dict[str, Any] | None = None
     memory: dict[str, Any] | None = None
 
-    def write(self, folder: Path) -> None:
-        """Write ``manifest.json`` as a whole.
+    def write(self, folder: Path, access: Access = OWNER) -> None:
+        """Write ``manifest.json`` as a whole; it is on the disk at return.
 
         Raises
         ------
@@ -90,7 +90,7 @@ class Manifest:
             If the disk refuses.
         """
         text = json.dumps(self._content(), indent=2, ensure_ascii=False)
-        replace_text(folder / "manifest.json", text + "\n")
+        replace_text(folder / "manifest.json", text + "\n", access)
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol

@@ -7,7 +7,8 @@ import os
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.recorder import csv_line, refused
+from vrcomfort.records.disk import refused
+from vrcomfort.records.rows import csv_line
 
 
 def mend(file: Path, columns: tuple[str, ...]) -> str | None:

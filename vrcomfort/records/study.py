@@ -14,10 +14,11 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
+from vrcomfort.records.disk import replace_text
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import csv_line, is_begun, replace_text, session_folder
-from vrcomfort.records.rows import ParticipantRow, cell_text
+from vrcomfort.records.recorder import is_begun, session_folder
+from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
 
 DESCRIPTION = "dataset_description.json"
 
