@@ -13,6 +13,8 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import OWNER, Access, replace_text
+from vrcomfort.records.json_file import read_json
+from vrcomfort.records.manifest_shape import ManifestShape
 
 _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
 
@@ -146,17 +148,13 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is not there, or damaged.
+        If it is not there, damaged, or that of another session.
     """
     file = folder / "manifest.json"
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror}", file=file) from error
-    except ValueError as error:
-        raise InputError("this manifest is damaged; restore it", file=file) from error
-    if not isinstance(content, dict):
-        raise InputError("this manifest is damaged; restore it", file=file)
+    content = read_json(file, ManifestShape, "manifest")
+    whose = f"sub-{content['participant']}", f"ses-{content['session']}"
+    if whose != (folder.parent.name, folder.name):
+        raise InputError(f"this manifest is that of {'/'.join(whose)}; restore it", file=file)
     return content
 
 

@@ -5,11 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
 
 Cell: TypeAlias = str | int | float | None
+
+ADDED_COLUMNS: Mapping[str, frozenset[str]] = {
+    "trials.csv": frozenset({"live_s", "frozen_s", "hidden_s", "unfocused_s", "missed_refreshes"}),
+    "frames.csv": frozenset({"head_valid", "head_tracked", "session_state", "missed_refreshes"}),
+}
+"""file → columns that recordings of the first version do not have; they go on without."""
 
 
 class Row(Protocol):
