@@ -33,7 +33,8 @@ class AppendedFile:
     def __init__(self, file: Path, access: Access, *, fresh: bool) -> None:
         self._file = file
         self._waiting = bytearray()
-        self._descriptor = open_new(file, access, os.O_TRUNC if fresh else os.O_APPEND)
+        end = os.O_TRUNC if fresh else os.O_APPEND
+        self._descriptor = open_new(file, access, os.O_WRONLY | end)
         self.unsynced_since_s: float | None = None
 
     def fileno(self) -> int:

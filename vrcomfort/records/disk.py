@@ -21,7 +21,7 @@ class Access(NamedTuple):
 OWNER = Access(0o600, 0o700)
 GROUP = Access(0o640, 0o750)
 
-_NEW = os.O_WRONLY | os.O_CREAT | getattr(os, "O_BINARY", 0)
+_NEW = os.O_CREAT | getattr(os, "O_BINARY", 0)
 _NO_LINK = getattr(os, "O_NOFOLLOW", 0)
 _CANNOT_SYNC = {errno.EINVAL, errno.ENOTSUP}
 """What pipes, devices and some network folders say, which have nothing to sync."""
@@ -59,7 +59,7 @@ def refuse_links(study: Path, path: Path) -> None:
 
 
 def open_new(file: Path, access: Access, flags: int) -> int:
-    """Open a file for writing, made for those who may read it; return its descriptor.
+    """Open a file, made for those who may read it where it is not there; return its descriptor.
 
     Raises
     ------
@@ -123,7 +123,7 @@ def replace_text(file: Path, text: str, access: Access = OWNER) -> None:
     try:
         refuse_links(file.parent, file)
         draft.unlink(missing_ok=True)  # that of a program that was killed
-        descriptor = open_new(draft, access, os.O_EXCL)
+        descriptor = open_new(draft, access, os.O_WRONLY | os.O_EXCL)
         with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as stream:
             stream.write(text)
             stream.flush()

@@ -14,9 +14,17 @@ from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorded_rows import RecordedRow, header_of, read_rows
-from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS, line_for
-from vrcomfort.records.rows import EventRow, QuestionnaireRow, RatingRow, Row, TrialRow
+from vrcomfort.records.recorded_rows import RecordedRow, read_rows
+from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
+from vrcomfort.records.rows import (
+    EventRow,
+    QuestionnaireRow,
+    RatingRow,
+    Row,
+    TrialRow,
+    cell_text,
+    csv_line,
+)
 
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted")
 
@@ -92,8 +100,10 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
 
 
 def _check_begun(folder: Path, begun: Mapping[str, Any], planned: Sequence[Trial]) -> None:
+    file = folder / "manifest.json"
     for column, fault in _unplanned(begun, planned):
-        raise damaged(folder / "manifest.json", "manifest", f"`under_way.{column}`: {fault}")
+        text, path = file.read_text(encoding="utf-8"), ("under_way", column)
+        raise damaged(file, "manifest", f"`under_way.{column}`: {fault}", text=text, path=path)
 
 
 def _unplanned(
@@ -193,7 +203,7 @@ def _write_killed(
     except OSError as error:
         raise refused(file, error) from error
     try:
-        trials.append(line_for(row, header_of(file)))
+        trials.append(csv_line(map(cell_text, row.cells())))
         trials.sync()
     finally:
         trials.close()

@@ -6,7 +6,7 @@ import json
 import math
 import re
 from collections.abc import Iterator, Sequence
-from json.decoder import JSONDecoder, scanstring
+from json.decoder import JSONDecoder
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -15,6 +15,7 @@ from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.settings_file import in_words, read_text
+from vrcomfort.records.schema import check_schema_version
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
@@ -37,6 +38,8 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
     """
     text = read_text(file, what)
     content = _parse(text, file, what)
+    if isinstance(content, dict):
+        check_schema_version(content, file)  # first: a newer one may well have another shape
     path, fault = next(_unwritable(content), ((), ""))
     if not fault:
         try:
@@ -119,7 +122,7 @@ def _offset(text: str, path: KeyPath, at: int = 0) -> int:
     while True:
         key: str | int = index
         if isinstance(path[0], str):
-            key, at = scanstring(text, at + 1)
+            key, at = JSONDecoder().raw_decode(text, at)
             at = _after_space(text, at) + 1
         if key == path[0]:
             return _offset(text, path[1:], at)

@@ -15,8 +15,9 @@ from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import OWNER, Access, replace_text
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import ManifestShape
+from vrcomfort.records.schema import SCHEMA_VERSION
 
-_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,8 @@ class Manifest:
         Frames of this run without a row in ``frames.csv``: the disk was too slow.
     under_way
         Trial, attempt and start of the exposure that has begun and not ended.
+    clock_set_back
+        Where the machine's clock stood earlier than before, one sentence each.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
     """
@@ -80,6 +83,7 @@ class Manifest:
     earlier_runs: list[dict[str, Any]] = field(default_factory=list)
     timing_flags: list[str] = field(default_factory=list)
     frames_not_recorded: int = 0
+    clock_set_back: list[str] = field(default_factory=list)
     under_way: dict[str, Any] | None = None
     memory: dict[str, Any] | None = None
 
@@ -98,6 +102,7 @@ class Manifest:
         protocol = self.protocol
         overridden = self.exposure_s != protocol.exposure_s
         return {
+            "schema_version": SCHEMA_VERSION,
             "participant": self.participant,
             "session": self.session,
             "sequence": self.sequence,
@@ -112,6 +117,7 @@ class Manifest:
             "clamps": self.clamps,
             "timing_flags": self.timing_flags,
             "frames_not_recorded": self.frames_not_recorded,
+            "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),
             "protocol": {
@@ -128,6 +134,7 @@ class Manifest:
 
 
 _OF_THE_SESSION = (
+    "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "memory",
 )  # fmt: skip

@@ -2,21 +2,31 @@
 
 from __future__ import annotations
 
+import csv
 import os
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.records.appended_file import AppendedFile
-from vrcomfort.records.disk import Access, open_new, refuse_links, refused, sync_folder
-from vrcomfort.records.recorded_rows import is_header, split_line
+from vrcomfort.records.disk import (
+    Access,
+    open_new,
+    refuse_links,
+    refused,
+    replace_text,
+    sync_folder,
+)
+from vrcomfort.records.recorded_rows import split_line
 from vrcomfort.records.rows import Row, csv_line
+from vrcomfort.records.schema import ADDED_COLUMNS
 
 
 def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
     """Leave the whole rows in a file, or a header where there is not even that.
 
     The half-written last row of a file (NUL bytes, after a power cut) is moved to the end of a
-    file beside it, whose name has ``.cut`` appended.
+    file beside it, whose name has ``.cut`` appended. A file of an older schema gets the columns
+    that it lacks, blank; it stays as it was beside, with ``.schema1`` appended.
 
     Returns
     -------
@@ -29,45 +39,72 @@ def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
         If the header is another, a row before the last is broken, the file is a symbolic link, or
         the disk refuses.
     """
-    file = folder / row_type.FILE
+    file, columns = folder / row_type.FILE, row_type.columns()
     try:
         refuse_links(folder, file)
         if not file.exists() or not file.stat().st_size:
-            _begin(file, row_type, access)
+            _begin(file, columns, access)
             return None
-        whole, lines = _whole_rows(file, row_type)
-        return _cut(file, whole, lines, row_type, access) if whole < file.stat().st_size else None
+        return _mended(file, columns, access)
     except OSError as error:
         raise refused(file, error) from error
 
 
-def _begin(file: Path, row_type: type[Row], access: Access) -> None:
+def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
     again = AppendedFile(file, access, fresh=True)
     try:
-        again.append(csv_line(row_type.columns()))
+        again.append(csv_line(columns))
         again.sync()
         sync_folder(file.parent)
     finally:
         again.close()
 
 
-def _whole_rows(file: Path, row_type: type[Row]) -> tuple[int, int]:
+def _mended(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
+    there = _columns_there(file, columns)
+    whole, lines = _whole_rows(file, there)
+    cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
+    if there != columns:
+        _add_columns(file, there, columns, access)
+    return cut
+
+
+def _columns_there(file: Path, columns: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the columns of a file's own schema, if its header is of an older one."""
+    added = ADDED_COLUMNS.get(file.name, ())
+    older = tuple(column for column in columns if column not in added)
+    with file.open("rb") as stream:
+        return older if stream.readline() == csv_line(older).encode() else columns
+
+
+def _add_columns(
+    file: Path, there: tuple[str, ...], columns: tuple[str, ...], access: Access
+) -> None:
+    """Put blank cells where `there` has no column."""
+    with file.open(encoding="utf-8", newline="") as stream:
+        rows = csv.reader(stream)
+        next(rows)
+        cells = (dict(zip(there, row, strict=True)) for row in rows)
+        lines = [csv_line(row.get(column, "") for column in columns) for row in cells]
+    kept = file.with_name(f"{file.name}.schema1")
+    kept.unlink(missing_ok=True)
+    kept.hardlink_to(file)
+    replace_text(file, csv_line(columns) + "".join(lines), access)
+
+
+def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
     """Return how many bytes and lines are whole; at most one line is not."""
     whole = lines = 0
-    header: list[str] | None = None
     broken = False
     with file.open("rb") as stream:
         for line in stream:
             if broken:
                 raise InputError("this row is broken; mend it first", file=file, line=lines + 1)
             cells = _cells(line)
-            broken = cells is None or (header is not None and len(cells) != len(header))
-            if header is None and cells is not None:
-                header = cells
-                if not is_header(header, row_type):
-                    message = "this file has other columns: it is from another version of vrcomfort"
-                    message = f"{message}; resume the session with that one"
-                    raise InputError(message, file=file, line=1)
+            broken = cells is None or (lines > 0 and len(cells) != len(columns))
+            if not broken and not lines and cells != list(columns):
+                message = "this file has other columns: it is from another version of vrcomfort"
+                raise InputError(f"{message}; resume the session with that one", file=file, line=1)
             whole += 0 if broken else len(line)
             lines += not broken
     return whole, lines
@@ -83,11 +120,11 @@ def _cells(line: bytes) -> list[str] | None:
         return None
 
 
-def _cut(file: Path, whole: int, lines: int, row_type: type[Row], access: Access) -> str:
+def _cut(file: Path, whole: int, lines: int, columns: tuple[str, ...], access: Access) -> str:
     beside = file.with_name(f"{file.name}.cut")
     with (
         file.open("r+b") as stream,
-        os.fdopen(open_new(beside, access, os.O_APPEND), "ab") as rest,
+        os.fdopen(open_new(beside, access, os.O_WRONLY | os.O_APPEND), "ab") as rest,
     ):
         stream.seek(whole)
         rest.write(stream.read().rstrip(b"\n") + b"\n")
@@ -96,7 +133,7 @@ def _cut(file: Path, whole: int, lines: int, row_type: type[Row], access: Access
         sync_folder(file.parent)
         stream.seek(whole)
         stream.truncate()
-        stream.write(b"" if lines else csv_line(row_type.columns()).encode())
+        stream.write(b"" if lines else csv_line(columns).encode())
         stream.flush()
         os.fsync(stream.fileno())
     return f"{file}, line {lines + 1}: a half-written row was moved to {beside.name}"

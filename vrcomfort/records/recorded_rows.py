@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import NoneType
@@ -14,7 +14,7 @@ from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.manifest_shape import LONGEST_S
-from vrcomfort.records.rows import ADDED_COLUMNS, Row
+from vrcomfort.records.rows import Row
 
 
 class _Kind(NamedTuple):
@@ -71,23 +71,8 @@ def split_line(line: bytes) -> list[str]:
         raise ValueError(str(error)) from error
 
 
-def header_of(file: Path) -> tuple[str, ...]:
-    """Return the columns of a file that has been mended."""
-    with file.open("rb") as stream:
-        return tuple(split_line(next(stream)))
-
-
-def is_header(cells: Sequence[str], row_type: type[Row]) -> bool:
-    """Return whether these are the columns of a file, as this version or one before wrote them."""
-    known = row_type.columns()
-    missing = set(known) - set(cells)
-    return missing <= ADDED_COLUMNS.get(row_type.FILE, frozenset()) and tuple(cells) == tuple(
-        column for column in known if column not in missing
-    )
-
-
 def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
-    """Yield the rows of a file that has been mended; a column that it does not have is blank.
+    """Yield the rows of a file that has been mended.
 
     Raises
     ------
@@ -95,10 +80,8 @@ def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
         If a cell is not what its column holds.
     """
     file, kinds = folder / row_type.FILE, _kinds(row_type)
-    blank = dict.fromkeys(row_type.columns())
     with file.open("rb") as stream:
         header = split_line(next(stream))
-        kinds = {column: kind for column, kind in kinds.items() if column in header}
         for number, line in enumerate(stream, start=2):
             cells = dict(zip(header, split_line(line), strict=True))
             try:
@@ -107,7 +90,7 @@ def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
                 column, message = error.args
                 message = f"{message}; mend it first"
                 raise InputError(message, file=file, line=number, column=column) from None
-            yield RecordedRow(file, number, {**blank, **values})
+            yield RecordedRow(file, number, values)
 
 
 def _kinds(row_type: type[Row]) -> Mapping[str, _Kind]:

@@ -12,7 +12,6 @@ from typing import Literal, TypeAlias
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.recorded_rows import header_of
 from vrcomfort.records.rows import (
     EventRow,
     QuestionnaireRow,
@@ -66,7 +65,6 @@ class RowFiles:
         self._resumed = resumed
         self._each_row = durability == "each_row"
         self._files: dict[str, AppendedFile] = {}
-        self._columns: dict[str, tuple[str, ...]] = {}
         self._lock = RLock()
         self._fault: Exception | None = None
         self._told: set[str] = set()
@@ -87,7 +85,6 @@ class RowFiles:
         file = self._folder / row_type.FILE
         old = self._resumed and file.exists()
         self._files[row_type.FILE] = opened = AppendedFile(file, self._access, fresh=not old)
-        self._columns[row_type.FILE] = header_of(file) if old else row_type.columns()
         if not old:
             opened.append(csv_line(row_type.columns()))
             opened.flush()
@@ -182,7 +179,10 @@ class RowFiles:
             self._files[each.FILE].append(self._line(each))
 
     def _line(self, row: Row) -> str:
-        return line_for(row, self._columns[row.FILE], resumed=self._resumed)
+        cells = list(row.cells())
+        if self._resumed:
+            cells[row.columns().index("resumed")] = 1
+        return csv_line(map(cell_text, cells))
 
     def _sync_due(self, at_once: set[str]) -> None:
         now_s = time.monotonic()
@@ -214,16 +214,6 @@ class RowFiles:
         for file in self._files.values():
             file.close()
         self._files.clear()
-
-
-def line_for(row: Row, columns: Sequence[str], *, resumed: bool = False) -> str:
-    """Return a row's line in a file that has these columns, or lacks those of a later version."""
-    cells, known = list(row.cells()), row.columns()
-    if resumed:
-        cells[known.index("resumed")] = 1
-    if columns != known:
-        cells = [dict(zip(known, cells, strict=True))[column] for column in columns]
-    return csv_line(map(cell_text, cells))
 
 
 def _with_gaze(row: Row) -> Iterable[Row]:

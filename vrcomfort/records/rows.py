@@ -5,17 +5,11 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
 
 Cell: TypeAlias = str | int | float | None
-
-ADDED_COLUMNS: Mapping[str, frozenset[str]] = {
-    "trials.csv": frozenset({"live_s", "frozen_s", "hidden_s", "unfocused_s", "missed_refreshes"}),
-    "frames.csv": frozenset({"head_valid", "head_tracked", "session_state", "missed_refreshes"}),
-}
-"""file → columns that recordings of the first version do not have; they go on without."""
 
 
 class Row(Protocol):
@@ -77,6 +71,12 @@ class TrialRow(_FlatRow):
         1 in every row, of every file, written after the session was resumed.
     dropped
         Frames whose interval exceeded 1.2 × the frame period.
+    missed_refreshes
+        Refreshes of the display that passed without a new frame.
+    live_s, frozen_s, hidden_s, unfocused_s
+        Seconds of the trial in which frames came, in which none came, in which the participant saw
+        nothing of them, and in which something of the runtime's had the input. Blank where it was
+        not recorded.
     """
 
     FILE: ClassVar[str] = "trials.csv"
@@ -95,6 +95,11 @@ class TrialRow(_FlatRow):
     resumed: int
     frames: int
     dropped: int
+    missed_refreshes: int | None = None
+    live_s: float | None = None
+    frozen_s: float | None = None
+    hidden_s: float | None = None
+    unfocused_s: float | None = None
 
 
 @dataclass(frozen=True)
