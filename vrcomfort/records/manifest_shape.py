@@ -44,7 +44,7 @@ class HeadsetFacts(_Part):
     """What a headset says of itself; nothing before the first exposure."""
 
     name: str = ""
-    refresh_hz: Annotated[float, Field(gt=0, le=10_000)] = 1.0
+    refresh_hz: Annotated[float, Field(ge=0, le=10_000)] = 0.0
     image_size_px: Annotated[list[Number], Field(min_length=2, max_length=2)] = [1, 1]
 
 

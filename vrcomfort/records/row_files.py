@@ -71,7 +71,7 @@ class RowFiles:
         """Files whose refusal has been told, and that no row has come for since."""
         try:
             for row_type in SESSION_ROWS:
-                self._open(row_type)
+                self._open(row_type, fresh=not resumed)
             sync_folder(folder)
         except BaseException:
             self._close_descriptors()
@@ -81,11 +81,10 @@ class RowFiles:
         """Return an open file."""
         return self._files[name]
 
-    def _open(self, row_type: type[Row]) -> None:
+    def _open(self, row_type: type[Row], *, fresh: bool = False) -> None:
         file = self._folder / row_type.FILE
-        old = self._resumed and file.exists()
-        self._files[row_type.FILE] = opened = AppendedFile(file, self._access, fresh=not old)
-        if not old:
+        self._files[row_type.FILE] = opened = AppendedFile(file, self._access, fresh=fresh)
+        if not file.stat().st_size:
             opened.append(csv_line(row_type.columns()))
             opened.flush()
 
@@ -143,15 +142,12 @@ class RowFiles:
         """
         file = self._folder / old.FILE
         with self._lock:
-            self._files[old.FILE].flush()
+            if old.FILE in self._files:  # not so just after another correction
+                self._files[old.FILE].flush()
             before, _, after = _read(file).rpartition(self._line(old))
+            if opened := self._files.pop(old.FILE, None):
+                opened.close()  # Windows replaces no open file; the next row opens it again
             replace_text(file, before + self._line(new) + after, self._access)
-            try:
-                again = AppendedFile(file, self._access, fresh=False)
-            except OSError as error:
-                raise refused(file, error) from error
-            self._files[old.FILE].close()
-            self._files[old.FILE] = again
 
     def close(self) -> None:
         """Sync and close all files.
