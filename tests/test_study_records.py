@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 
 import numpy as np
 import pytest
@@ -125,8 +126,8 @@ def test_a_session_is_never_overwritten(tmp_path):
 def test_a_full_disk_is_told_and_earlier_rows_stay(tmp_path):
     recorder = Recorder(tmp_path, "P1", 1)
     recorder.write(EventRow(0.0, 0.0, "start"))
-    recorder._files["trials.csv"].close()
-    recorder._files["trials.csv"] = open("/dev/full", "w")  # noqa: PTH123, SIM115
+    with open("/dev/full", "w") as device:  # noqa: PTH123
+        os.dup2(device.fileno(), recorder._files["trials.csv"].fileno())
     with pytest.raises(
         InputError, match="No space left on device; what was written before is kept"
     ):

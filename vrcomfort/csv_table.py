@@ -47,7 +47,8 @@ class CsvTable:
         appended
             Rows were added one by one, each with its line end, by a program that may have been
             killed. So a last row without one was cut short, even where all of its columns seem to
-            be there: it is left out and reported, never guessed.
+            be there: it is left out and reported, never guessed. NUL bytes at the end, which a
+            power cut leaves, are such a row.
 
         Raises
         ------
@@ -57,6 +58,8 @@ class CsvTable:
         file = Path(path)
         content = _content(file)
         whole, line_end, cut = content.rpartition(b"\n") if appended else (content, b"", b"")
+        if b"\0" in whole:
+            raise InputError("this is not a text file; a CSV table is needed", file=file)
         records = _records(file, whole + line_end)
         last = content.count(b"\n") + 1
         if not records:
@@ -127,8 +130,6 @@ def _content(file: Path) -> bytes:
         raise InputError(f"cannot be read: {error.strerror}", file=file) from None
     if content.startswith(UTF_16):
         raise InputError("this file is UTF-16; save it as CSV in UTF-8", file=file, line=1)
-    if b"\0" in content:
-        raise InputError("this is not a text file; a CSV table is needed", file=file)
     content = content.removeprefix(BYTE_ORDER_MARK)
     return content if b"\n" in content else content.replace(b"\r", b"\n")
 

@@ -11,6 +11,7 @@ import typer
 from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
 from vrcomfort.cli.options import (
     ExposureOption,
+    GroupReadable,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -78,6 +79,7 @@ def run(
     one_eye: Annotated[
         bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
     ] = False,
+    group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
     """Take one participant through one session.
@@ -108,7 +110,7 @@ def run(
         refresh_hz,
         real_time=respondent is not RespondentKind.SIMULATED,
     )
-    study_setup = StudySetup(study, out, playback, seed, exposure_s)
+    study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None

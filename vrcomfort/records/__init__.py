@@ -4,6 +4,7 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
+from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     EventRow,
     ParticipantRow,
@@ -14,6 +15,7 @@ from vrcomfort.records.rows import (
     TrialRow,
 )
 from vrcomfort.records.study import (
+    access_of,
     completed_sessions,
     enrol,
     enrolled,
@@ -26,6 +28,7 @@ from vrcomfort.records.study import (
 )
 
 __all__ = [
+    "Durability",
     "EventRow",
     "FrameRow",
     "GazeRow",
@@ -39,6 +42,7 @@ __all__ = [
     "Row",
     "TimingRow",
     "TrialRow",
+    "access_of",
     "completed_sessions",
     "enrol",
     "enrolled",

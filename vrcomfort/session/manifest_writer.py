@@ -8,6 +8,7 @@ from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
+from vrcomfort.records.wall_clock import WallClockWatch
 from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
 
@@ -31,6 +32,7 @@ class ManifestWriter:
         self._recorder = recorder
         self._respondent = respondent
         self._headset: tuple[Headset, float] | None = None
+        self._clock = WallClockWatch()
 
     def open(self) -> None:
         """Write the manifest, with the memory that a continued session begins with."""
@@ -94,7 +96,8 @@ class ManifestWriter:
             self._write()
 
     def _write(self) -> None:
-        self._manifest.write(self._recorder.folder)
+        self._manifest.clock_set_back += self._clock.set_back()
+        self._manifest.write(self._recorder.folder, self._recorder.access)
 
 
 def headset_facts(headset: Headset) -> dict[str, Any]:

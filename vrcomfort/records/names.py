@@ -1,0 +1,39 @@
+"""Names that every operating system takes for a file or folder."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from vrcomfort.errors import InputError
+
+_RESERVED = re.compile(r"(CON|PRN|AUX|NUL|COM[0-9¹²³]|LPT[0-9¹²³])(\..*)?", re.IGNORECASE)
+
+
+def check_participant(name: str) -> None:
+    """Raise `InputError` if a participant's name cannot be part of a file name."""
+    if not re.fullmatch(r"[A-Za-z0-9]{1,64}", name):
+        raise InputError(f"participant `{name}`: use 1 to 64 letters and digits only")
+    if _RESERVED.fullmatch(name):
+        message = f"participant `{name}`: Windows keeps this name for a device"
+        raise InputError(f"{message}; choose another, such as {name}01")
+
+
+def check_study(name: str) -> None:
+    """Raise `InputError` if a study's folder could not be copied to Windows."""
+    if _RESERVED.fullmatch(name):
+        raise InputError(f"study `{name}`: Windows keeps this name for a device; choose another")
+    if name.endswith((".", " ")):
+        message = f"study `{name}`: Windows takes no name that ends in a point or a space"
+        raise InputError(f"{message}; choose another")
+
+
+def check_case(name: str, others: Iterable[str]) -> None:
+    """Raise `InputError` if a name differs from another in capital letters alone.
+
+    Their folders would be one on Windows and macOS.
+    """
+    for other in others:
+        if other != name and other.casefold() == name.casefold():
+            message = f"participant `{name}` differs from `{other}`, who is enrolled, only in case"
+            raise InputError(f"{message}; write {other}, or choose another name")
