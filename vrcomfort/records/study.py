@@ -13,6 +13,7 @@ from pathlib import Path
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
+from vrcomfort.file_names import is_reserved, same_file
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
@@ -136,10 +137,12 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     Raises
     ------
     InputError
-        If the name cannot be part of a file name, or they have withdrawn or been excluded.
+        If the name cannot be part of a file name, or differs from another only in case, or they
+        have withdrawn or been excluded.
     """
     check_name(participant)
     with _changing_participants(study):
+        _check_case(study, participant)
         there = enrolled(study, participant)
         if there is not None:
             return there
@@ -154,6 +157,16 @@ def check_name(participant: str) -> None:
     """Raise `InputError` if a name cannot be part of a file name."""
     if not re.fullmatch(r"[A-Za-z0-9]{1,64}", participant):
         raise InputError(f"participant `{participant}`: use 1 to 64 letters and digits only")
+    if is_reserved(participant):
+        raise InputError(f"participant `{participant}`: Windows takes this for a device; use P01")
+
+
+def _check_case(study: Path, participant: str) -> None:
+    """Raise `InputError` if the name is another participant's but for capital and small letters."""
+    for known in (row.participant for row in read_participants(study)):
+        if known != participant and same_file(known, participant):
+            message = f"participant `{participant}`: this study has `{known}`"
+            raise InputError(f"{message}; names need to differ in more than capital letters")
 
 
 def _changing_participants(study: Path) -> AbstractContextManager[None]:
@@ -218,6 +231,7 @@ def only_run(study: Path, participant: str) -> AbstractContextManager[None]:
         On entering, if another program runs this participant; or for a name that no folder has.
     """
     check_name(participant)
+    _check_case(study, participant)
     file = session_folder(study, participant, 1).with_name("lock")
     return only_program(file, doing=f"participant {participant} is being run")
 
