@@ -20,7 +20,7 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.cli import main
-from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
+from vrcomfort.cli.playback import open_trace, require_recorded_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset

@@ -13,13 +13,13 @@ from typer.core import TyperGroup
 from vrcomfort import __version__
 from vrcomfort.cli import (
     EXIT_INTERRUPTED,
-    analyse,
-    check,
-    demonstrate,
-    pictures,
-    plan_study,
+    report,
+    doctor,
+    demo,
+    render,
+    plan,
     simulate,
-    study,
+    run,
     tradeoff,
 )
 from vrcomfort.cli.terminal import complain
@@ -69,7 +69,7 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for module in (study, simulate, pictures, analyse, plan_study, check, demonstrate, tradeoff):
+for module in (run, simulate, render, play, import_trace, report, score, design, plan, doctor, demo, tradeoff):
     module.register(app)
 
 

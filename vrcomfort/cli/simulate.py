@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.begun_with import BegunWith
-from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
+from vrcomfort.cli.simulate_resume_check import BegunWith
+from vrcomfort.cli.study_setup import RespondentKind, StudyLab, sentence
 from vrcomfort.cli.terminal import (
     ExposureOption,
     ProtocolArgument,
@@ -23,7 +23,7 @@ from vrcomfort.cli.terminal import (
     progress_bar,
     warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
+from vrcomfort.cli.playback import PlaybackIn, open_trace, require_recorded_gaze
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 

@@ -1,11 +1,11 @@
 """Sessions: one participant, one headset, one order, and everything written as it happens."""
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
-from vrcomfort.session.ledger import headset_facts
-from vrcomfort.session.parts import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
-from vrcomfort.session.reserve import Reservation, reserve
+from vrcomfort.session.manifest_writer import headset_facts
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
+from vrcomfort.session.enrolment import Reservation, reserve
 from vrcomfort.session.run import run
-from vrcomfort.session.work import Outcome
+from vrcomfort.session.participant_sessions import Outcome
 
 __all__ = [
     "Clock",

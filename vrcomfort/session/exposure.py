@@ -10,9 +10,9 @@ from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.diary import Diary
+from vrcomfort.session.event_log import Diary
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.parts import Renderer
+from vrcomfort.session.interfaces import Renderer
 from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]

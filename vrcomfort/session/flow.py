@@ -11,12 +11,12 @@ from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Respondent, Withdrew
 from vrcomfort.session.clock import Clock
-from vrcomfort.session.diary import Diary, Place
+from vrcomfort.session.event_log import Diary, Place
 from vrcomfort.session.exposure import Exhibit, FrameLoop
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interview import Interview
-from vrcomfort.session.ledger import Ledger
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer, Step
+from vrcomfort.session.manifest_writer import Ledger
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer, Step
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row
 

@@ -6,7 +6,7 @@ from vrcomfort.protocol import Ask
 from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.records import QuestionnaireRow
 from vrcomfort.respondent import Form, Respondent
-from vrcomfort.session.diary import Diary, Place
+from vrcomfort.session.event_log import Diary, Place
 
 
 class Interview:

@@ -10,10 +10,10 @@ from vrcomfort.records import Machine
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer
-from vrcomfort.session.parts import silent as no_progress
-from vrcomfort.session.reserve import reserve
-from vrcomfort.session.work import Outcome
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import silent as no_progress
+from vrcomfort.session.enrolment import reserve
+from vrcomfort.session.participant_sessions import Outcome
 
 
 def run(

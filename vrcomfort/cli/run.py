@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.desktop import desktop_lab
-from vrcomfort.cli.headset_choice import HeadsetKind, require_meaning, usual_respondent
-from vrcomfort.cli.lab import RespondentKind, SessionBars, StudyLab, sentence
-from vrcomfort.cli.live import live_lab, rehearse, tracks_eyes
+from vrcomfort.cli.run_desktop import desktop_lab
+from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.study_setup import RespondentKind, SessionBars, StudyLab, sentence
+from vrcomfort.cli.run_openxr import live_lab, rehearse, tracks_eyes
 from vrcomfort.cli.terminal import (
     ExposureOption,
     ProtocolArgument,
@@ -25,7 +25,7 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import (
+from vrcomfort.cli.playback import (
     PlaybackIn,
     open_trace,
     require_eye_tracker,
@@ -35,7 +35,7 @@ from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.live import LiveLab
+    from vrcomfort.cli.run_openxr import LiveLab
     from vrcomfort.session import Outcome
     from vrcomfort.session.rehearsal import Rehearsal
 

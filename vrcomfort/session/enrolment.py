@@ -14,10 +14,10 @@ from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.flow import Lab
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer
-from vrcomfort.session.parts import silent as no_progress
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import silent as no_progress
 from vrcomfort.session.resume import Earlier, choose_sessions
-from vrcomfort.session.work import Outcome, Work
+from vrcomfort.session.participant_sessions import Outcome, Work
 
 
 @contextmanager

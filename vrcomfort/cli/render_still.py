@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.cli.terminal import console, progress_bar, warn
-from vrcomfort.cli.wiring import EYE_HEIGHT_M, make_renderer
+from vrcomfort.cli.playback import EYE_HEIGHT_M, make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.tone import tone_mapped

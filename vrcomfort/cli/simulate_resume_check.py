@@ -7,8 +7,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.cli.lab import RespondentKind
-from vrcomfort.cli.wiring import PlaybackIn
+from vrcomfort.cli.study_setup import RespondentKind
+from vrcomfort.cli.playback import PlaybackIn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from vrcomfort.cli.simulate import simulate_study
-from vrcomfort.cli.still import PoseText, still
+from vrcomfort.cli.render_still import PoseText, still
 from vrcomfort.cli.terminal import Quiet, Seed, console, output_folder, output_option, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.cli.terminal import progress_bar, warn
-from vrcomfort.cli.wiring import make_renderer
+from vrcomfort.cli.playback import make_renderer
 from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:

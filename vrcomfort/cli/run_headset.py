@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from enum import StrEnum
 
-from vrcomfort.cli.lab import RespondentKind
+from vrcomfort.cli.study_setup import RespondentKind
 from vrcomfort.errors import InputError
 
 

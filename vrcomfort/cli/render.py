@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.playing import WRITTEN, play_trace
-from vrcomfort.cli.still import PoseText, still
+from vrcomfort.cli.play_trace import WRITTEN, play_trace
+from vrcomfort.cli.render_still import PoseText, still
 from vrcomfort.cli.terminal import (
     Quiet,
     RefreshRate,
@@ -20,7 +20,7 @@ from vrcomfort.cli.terminal import (
     parse_size,
     warn,
 )
-from vrcomfort.cli.wiring import (
+from vrcomfort.cli.playback import (
     open_trace,
     pick_condition,
     require_recorded_gaze,

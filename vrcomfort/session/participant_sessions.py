@@ -20,11 +20,11 @@ from vrcomfort.records import (
 )
 from vrcomfort.records.study import now
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.diary import Diary
+from vrcomfort.session.event_log import Diary
 from vrcomfort.session.flow import Lab, SessionFlow, SessionStatus
-from vrcomfort.session.ledger import Ledger, limits
+from vrcomfort.session.manifest_writer import Ledger, limits
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import Progress
+from vrcomfort.session.interfaces import Progress
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.cli.terminal import console, progress_bar, warn
-from vrcomfort.cli.wiring import PlaybackIn, describe_machine, make_renderer
+from vrcomfort.cli.playback import PlaybackIn, describe_machine, make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.live import LiveLab
+    from vrcomfort.cli.run_openxr import LiveLab
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
@@ -70,7 +70,7 @@ class StudyLab:
         resume: bool = False,
     ) -> AbstractContextManager[Reservation]:
         """Return a participant who can be run; see `session.reserve`."""
-        from vrcomfort.session import reserve
+        from vrcomfort.session import enrolment as reserve
 
         return reserve(
             self._protocol,

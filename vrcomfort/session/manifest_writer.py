@@ -10,7 +10,7 @@ from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
 from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.parts import HeadsetFor
+from vrcomfort.session.interfaces import HeadsetFor
 
 
 @runtime_checkable

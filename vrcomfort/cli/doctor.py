@@ -13,8 +13,8 @@ import typer
 from rich.table import Table
 
 from vrcomfort import __version__
-from vrcomfort.cli import check_openxr
-from vrcomfort.cli.finding import Finding
+from vrcomfort.cli import doctor_openxr as check_openxr
+from vrcomfort.cli.doctor_finding import Finding
 from vrcomfort.cli.terminal import Json, answer, console
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder

@@ -7,8 +7,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from vrcomfort.cli.live import LiveLab, open_window
-from vrcomfort.cli.wiring import describe_machine
+from vrcomfort.cli.run_openxr import LiveLab, open_window
+from vrcomfort.cli.playback import describe_machine
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.clock import Clock
-from vrcomfort.session.parts import Progress, ProgressCallback, Step
+from vrcomfort.session.interfaces import Progress, ProgressCallback, Step
 
 
 @dataclass(frozen=True)

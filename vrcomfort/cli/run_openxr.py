@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 from typing import Protocol as Shape
 
-from vrcomfort.cli.bindings import require_bindings
-from vrcomfort.cli.wiring import describe_machine, open_trace
+from vrcomfort.cli.openxr_bindings import require_bindings
+from vrcomfort.cli.playback import describe_machine, open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.settings_file import read_text
