@@ -62,7 +62,9 @@ def inline_svg(svg: str, name: str, attributes: str = 'role="img"') -> Markup:
         Of the svg element, as HTML.
     """
     # A name that is no plain word would end the attribute, or mean something to `re`.
-    prefix = name if _PLAIN.fullmatch(name) else f"f{hashlib.sha256(name.encode()).hexdigest()[:16]}"
+    prefix = (
+        name if _PLAIN.fullmatch(name) else f"f{hashlib.sha256(name.encode()).hexdigest()[:16]}"
+    )
     svg = svg[svg.index("<svg") :]
     svg = re.sub(r'(?<=id=")|(?<=href="#)|(?<=url\(#)', f"{prefix}-", svg)
     return Markup(svg.replace("<svg ", f"<svg {attributes} ", 1))  # noqa: S704 - see `svg`

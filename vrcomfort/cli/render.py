@@ -29,7 +29,7 @@ from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
 
 SceneOption = Annotated[
-    str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
+    str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or the path of any glTF 2.0 file.")
 ]
 Out = Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")]
 ProtocolOption = Annotated[
@@ -94,7 +94,7 @@ def render(
     study, shown = pick_condition(protocol, condition)
     poses = PoseText("--pose", pose), PoseText("--previous-pose", previous_pose)
     picture = still(
-        study.scene_source(scene) if study else scene,
+        scene,
         shown,
         poses=poses,
         size_px=parse_size(size),
@@ -139,7 +139,7 @@ def play(
     spare([trace, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
-        study.scene_source(scene) if study else scene,
+        scene,
         shown,
         size_px=parse_size(size),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,

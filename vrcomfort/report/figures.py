@@ -44,8 +44,8 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "text.parse_math": False,  # a name with two dollars is a name, not a formula
 }
-LONGEST_NAME, LONGEST_WORD = 60, 30
-"""Letters of a name that a figure has room for, and of a word that is not broken."""
+LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
+"""Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
 
 
 def short(name: str) -> str:
@@ -195,7 +195,8 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                 rows = np.arange(len(ranked)) + 0.7 / len(names) * ((len(names) - 1) / 2 - place)
                 axes.plot([i[condition["name"]] for i in ranked], rows,
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
-                          mec="white", mew=0.6, label=short(condition["label"]), zorder=3)  # fmt: skip
+                          mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
+                          zorder=3)  # fmt: skip
         wording = {item.name: item.text for item in SSQ.items}
         axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
         axes.tick_params(axis="y", length=0)
@@ -223,7 +224,7 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
             _exposures_of(axes, row, mine, place, withdrew=person in gone)
         for condition in results["conditions"]:
             colour = COLOURS[place[condition["name"]] % len(COLOURS)]
-            axes.barh(0, 0, color=colour, alpha=0.8, label=short(condition["label"]))
+            axes.barh(0, 0, color=colour, alpha=0.8, label=lines(condition["label"], LEGEND))
         axes.plot([], [], "X", color=INK, ms=7, ls="", label="withdrew here")
         axes.set_yticks(range(len(people)), [*map(short, reversed(people))], fontsize=7.5)
         axes.tick_params(axis="y", length=0)

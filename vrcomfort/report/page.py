@@ -68,4 +68,3 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
             if not test["not_tested"]
         ]
     return sorted(rows, key=lambda row: results["plan"]["outcomes"].index(row["outcome"]))
-

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Iterable
 from typing import Any
 
 from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
@@ -52,11 +53,14 @@ def to_csv(rows: list[Row]) -> str:
     Texts that a spreadsheet would take for a formula begin with an apostrophe.
     """
     columns = list(dict.fromkeys(key for row in rows for key in row))
+    table = [columns, *([row.get(column) for column in columns] for row in rows)]
+    return "".join(_line(map(inert, cells)) for cells in table)
+
+
+def _line(cells: Iterable[Any]) -> str:
     stream = io.StringIO()
-    writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(map(inert, columns))
-    writer.writerows([inert(row.get(column)) for column in columns] for row in rows)
-    return stream.getvalue()
+    csv.writer(stream, lineterminator="\r\n").writerow(cells)  # so that \r in a cell is quoted
+    return stream.getvalue().removesuffix("\r\n") + "\n"
 
 
 def inert(cell: Any) -> Any:

@@ -32,8 +32,9 @@ def with_defaults(scene: Scene) -> Scene:
 def world_bounds(scene: Scene) -> tuple[Array, Array]:
     """Return the (3,) corners of the box around everything drawn at time zero."""
     world = scene.world_from_node(0.0)
+    boxes = [_corners(*primitive.bounds) for primitive in scene.primitives]
     corners = [
-        transform[:3, :3] @ _corners(*scene.primitives[index].bounds) + transform[:3, 3:]
+        transform[:3, :3] @ boxes[index] + transform[:3, 3:]
         for node, transform in zip(scene.nodes, world, strict=True)
         for index in node.mesh
     ]

@@ -34,21 +34,24 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
         }
         for key in keys
     ]
-    return page_templates().get_template(TEMPLATE).render(
-        r=found,
-        sections=sections,
-        columns=tables.COLUMNS,
-        notes=tables.notes(found),
-        verdicts=tables.VERDICT_COLUMNS,
-        headline=tables.headline(found),
-        both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
-        dials=tables.dials(found),
-        figures={name: inline_svg(svg, name) for name, svg in figures.items()},
-        gain=GAIN,
+    return (
+        page_templates()
+        .get_template(TEMPLATE)
+        .render(
+            r=found,
+            sections=sections,
+            columns=tables.COLUMNS,
+            notes=tables.notes(found),
+            verdicts=tables.VERDICT_COLUMNS,
+            headline=tables.headline(found),
+            both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
+            dials=tables.dials(found),
+            figures={name: inline_svg(svg, name) for name, svg in figures.items()},
+            gain=GAIN,
+        )
     )
 
 
 def _emphasis(line: str) -> list[str]:
     """Return the parts of a line; every second one stood between asterisks."""
     return line.split("*")
-
