@@ -53,9 +53,7 @@ def hostile_study(folder: Path, names: tuple[str, ...]) -> Path:
     return folder
 
 
-KINDS = [
-    pytest.param(kind, marks=() if kind == "mixed" else pytest.mark.slow) for kind in HOSTILE
-]
+KINDS = [pytest.param(kind, marks=() if kind == "mixed" else pytest.mark.slow) for kind in HOSTILE]
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,10 @@ from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
 
 SceneOption = Annotated[
-    str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or the path of any glTF 2.0 file.")
+    str,
+    typer.Option(
+        metavar="NAME|FILE.glb", help="A shipped scene, or the path of any glTF 2.0 file."
+    ),
 ]
 Out = Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")]
 ProtocolOption = Annotated[
