@@ -13,13 +13,17 @@ from typer.core import TyperGroup
 from vrcomfort import __version__
 from vrcomfort.cli import (
     EXIT_INTERRUPTED,
-    report,
-    doctor,
     demo,
-    render,
+    design,
+    doctor,
+    import_trace,
     plan,
-    simulate,
+    play,
+    render,
+    report,
     run,
+    score,
+    simulate,
     tradeoff,
 )
 from vrcomfort.cli.terminal import complain
@@ -69,7 +73,20 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for module in (run, simulate, render, play, import_trace, report, score, design, plan, doctor, demo, tradeoff):
+for module in (
+    run,
+    simulate,
+    render,
+    play,
+    import_trace,
+    report,
+    score,
+    design,
+    plan,
+    doctor,
+    demo,
+    tradeoff,
+):
     module.register(app)
 
 

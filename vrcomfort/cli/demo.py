@@ -8,9 +8,11 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.simulate import simulate_study
+from vrcomfort.cli.options import Quiet, Seed, output_option
+from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.render_still import PoseText, still
-from vrcomfort.cli.terminal import Quiet, Seed, console, output_folder, output_option, warn
+from vrcomfort.cli.simulate import simulate_study
+from vrcomfort.cli.terminal import console, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder

@@ -13,9 +13,10 @@ import typer
 from rich.table import Table
 
 from vrcomfort import __version__
-from vrcomfort.cli import doctor_openxr as check_openxr
+from vrcomfort.cli import doctor_openxr
 from vrcomfort.cli.doctor_finding import Finding
-from vrcomfort.cli.terminal import Json, answer, console
+from vrcomfort.cli.options import Json
+from vrcomfort.cli.terminal import answer, console
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
 
@@ -66,7 +67,7 @@ def _examine(*, timing: bool) -> Iterator[Finding]:
     yield _windows()
     yield _video()
     yield _data()
-    yield from check_openxr.examine(ctx, timing=timing)
+    yield from doctor_openxr.examine(ctx, timing=timing)
     if ctx is not None:
         ctx.release()
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.doctor_finding import Finding
+from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.cli.renderer import make_renderer
 from vrcomfort.cli.terminal import progress_bar, warn
-from vrcomfort.cli.playback import make_renderer
 from vrcomfort.protocol import Condition
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.cli.renderer import make_renderer
 from vrcomfort.cli.terminal import console, progress_bar, warn
-from vrcomfort.cli.playback import EYE_HEIGHT_M, make_renderer
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.tone import tone_mapped
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from vrcomfort.render.frames import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.data import Scene
+
+EYE_HEIGHT_M = 1.6
+"""Where a picture is taken from if nothing else is said."""
 
 PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""

@@ -1,23 +1,20 @@
-"""`report` and `score`: from answers to numbers. Neither needs a GPU or a headset."""
+"""`report`: from answers to numbers and figures. Needs neither a GPU nor a headset."""
 
 from __future__ import annotations
 
-import csv
-import io
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.terminal import Json, Quiet, answer, console, output_folder, output_option, warn
-from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_ssq
+from vrcomfort.cli.options import Json, Quiet, output_option
+from vrcomfort.cli.outputs import output_folder
+from vrcomfort.cli.terminal import console, warn
 
 
 def register(app: typer.Typer) -> None:
-    """Add the commands."""
+    """Add the command."""
     app.command()(report)
-    app.command()(score)
 
 
 def report(
@@ -49,27 +46,3 @@ def report(
         typer.echo((out / "results.json").read_text(encoding="utf-8"))
     else:
         console(quiet).print(f"Report: {out / 'index.html'}")
-
-
-def score(
-    instrument: Annotated[str, typer.Argument(metavar="ssq", help="The questionnaire.")],
-    file: Annotated[Path, typer.Argument(metavar="FILE.csv", help="Answers: one row a person.")],
-    as_json: Json = False,
-) -> None:
-    """Score questionnaires: a CSV (or JSON) of scores on standard output.
-
-    Items are found by their names, in any order; other columns are kept.
-
-    - `vrcomfort score ssq answers.csv > scores.csv`
-    """
-    if instrument != "ssq":
-        raise InputError(f"there is no scorer for {instrument!r}; the one there is: ssq")
-    rows = score_ssq(file)
-    if as_json:
-        answer(rows)
-        return
-    text = io.StringIO()
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]) if rows else [], lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    typer.echo(text.getvalue(), nl=False)

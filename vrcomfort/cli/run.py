@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.run_desktop import desktop_lab
-from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
-from vrcomfort.cli.study_setup import RespondentKind, SessionBars, StudyLab, sentence
-from vrcomfort.cli.run_openxr import live_lab, rehearse, tracks_eyes
-from vrcomfort.cli.terminal import (
+from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
+from vrcomfort.cli.options import (
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -20,22 +17,21 @@ from vrcomfort.cli.terminal import (
     StudyFolder,
     StudySeed,
     TraceOption,
-    complain,
-    console,
     parse_size,
-    warn,
 )
-from vrcomfort.cli.playback import (
-    PlaybackIn,
-    open_trace,
-    require_eye_tracker,
-    require_recorded_gaze,
-)
+from vrcomfort.cli.playback import PlaybackSetup, open_trace
+from vrcomfort.cli.run_desktop import desktop_setup
+from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
+from vrcomfort.cli.run_progress import SessionBars
+from vrcomfort.cli.run_rehearsal import rehearse
+from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
+from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.run_openxr import LiveLab
+    from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.session import Outcome
     from vrcomfort.session.rehearsal import Rehearsal
 
@@ -106,31 +102,33 @@ def run(
     }
     require_meaning(headset, respondent, options)
     size_px = parse_size(size) if size else None
-    playback = PlaybackIn(
+    playback = PlaybackSetup(
         size_px or (640, 800),
         study.headset.ipd_m,
         open_trace(trace) if trace else None,
         refresh_hz,
         real_time=respondent is not RespondentKind.SIMULATED,
     )
-    lab = StudyLab(study, out, playback, seed, exposure_s)
+    study_setup = StudySetup(study, out, playback, seed, exposure_s)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers))
         _require_gaze(headset, study, playback)
         numbers = [session or next_session(out, participant)]
-        place = owned.enter_context(lab.reserve(participant, numbers, kind, resume=resume))
-        live = _connect(owned, headset, study, size_px, options, rehearsal)
+        enrolment = owned.enter_context(
+            study_setup.open_enrolment(participant, numbers, kind, resume=resume)
+        )
+        headset_setup = _connect(owned, headset, study, size_px, options, rehearsal)
         bars = owned.enter_context(SessionBars(quiet))
         try:
-            outcome = lab.run(place, kind, bars.tell, live)
+            outcome = study_setup.run(enrolment, kind, bars.tell, headset_setup)
         except RuntimeLostError as error:
             complain(str(error))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
     _tell(outcome, out, quiet)
 
 
-def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackIn) -> None:
+def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:
     """Refuse a protocol whose focus needs to know where the eyes look, and cannot."""
     if headset is HeadsetKind.PLAYBACK:
         require_recorded_gaze(protocol.conditions, playback.trace)
@@ -146,26 +144,26 @@ def _connect(
     size_px: tuple[int, int] | None,
     options: dict[str, Any],
     rehearsal: Rehearsal | None,
-) -> LiveLab | None:
+) -> HeadsetSetup | None:
     if headset is HeadsetKind.OPENXR:
-        lab = live_lab(
+        setup = openxr_setup(
             protocol,
             size_px=size_px,
             refresh_hz=options["--refresh-hz"],
             rehearsal=rehearsal,
             mirror=options["--mirror"],
         )
-        return owned.enter_context(lab)
+        return owned.enter_context(setup)
     if headset is HeadsetKind.DESKTOP:
         one_eye = options["--one-eye"]
-        return owned.enter_context(desktop_lab(protocol, size_px=size_px, one_eye=one_eye))
+        return owned.enter_context(desktop_setup(protocol, size_px=size_px, one_eye=one_eye))
     return None
 
 
 def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
     for warning in outcome.warnings:
         warn(warning)
-    console(quiet).print(sentence(outcome, out))
+    console(quiet).print(outcome_sentence(outcome, out))
     if outcome.status == "aborted":
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
 

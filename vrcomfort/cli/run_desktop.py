@@ -7,8 +7,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from vrcomfort.cli.run_openxr import LiveLab, open_window
-from vrcomfort.cli.playback import describe_machine
+from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
+from vrcomfort.cli.renderer import describe_machine
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 @contextmanager
-def desktop_lab(
+def desktop_setup(
     protocol: Protocol, *, size_px: tuple[int, int] | None = None, one_eye: bool = False
-) -> Iterator[LiveLab]:
+) -> Iterator[HeadsetSetup]:
     """Open a window for a participant; everything is released at the end.
 
     Parameters
@@ -51,7 +51,7 @@ def desktop_lab(
         )
         screen = PanelScreen(headset)
         panel = PanelRespondent(screen, keyboard=True)
-        yield LiveLab(headset, renderer, panel, screen, machine)
+        yield HeadsetSetup(headset, renderer, panel, screen, machine)
 
 
 def _settings(

@@ -7,15 +7,15 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.cli.study_setup import RespondentKind
-from vrcomfort.cli.playback import PlaybackIn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
 REMEDY = "go on with the same, or choose another --out"
 
 
-class BegunWith:
+class ResumeCheck:
     """What decides how a simulated session comes out, but for its participant and its seed.
 
     Parameters
@@ -24,7 +24,9 @@ class BegunWith:
         As asked for; `None` is the protocol's.
     """
 
-    def __init__(self, protocol: Protocol, playback: PlaybackIn, exposure_s: float | None) -> None:
+    def __init__(
+        self, protocol: Protocol, playback: PlaybackSetup, exposure_s: float | None
+    ) -> None:
         self._protocol = protocol
         self._playback = playback
         self._exposure_s = protocol.shown_s(exposure_s)

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager
 from enum import StrEnum
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from vrcomfort.cli.terminal import console, progress_bar, warn
-from vrcomfort.cli.playback import PlaybackIn, describe_machine, make_renderer
+from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.cli.terminal import console, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
-    from vrcomfort.cli.run_openxr import LiveLab
+    from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session import Outcome, Progress, Reservation
+    from vrcomfort.session import Enrolment, Outcome, ProgressCallback
 
 
 class RespondentKind(StrEnum):
@@ -30,7 +31,7 @@ class RespondentKind(StrEnum):
     PANEL = "panel"
 
 
-class StudyLab:
+class StudySetup:
     """One study's protocol, folder, headset and renderer; scenes are loaded once.
 
     Parameters
@@ -48,7 +49,7 @@ class StudyLab:
         self,
         protocol: Protocol,
         study: Path,
-        playback: PlaybackIn,
+        playback: PlaybackSetup,
         seed: int | None,
         exposure_s: float | None,
     ) -> None:
@@ -61,18 +62,18 @@ class StudyLab:
         self._rendering: tuple[StereoRenderer, Machine] | None = None
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
-    def reserve(
+    def open_enrolment(
         self,
         participant: str,
         sessions: list[int] | None,
         kind: RespondentKind,
         *,
         resume: bool = False,
-    ) -> AbstractContextManager[Reservation]:
-        """Return a participant who can be run; see `session.reserve`."""
-        from vrcomfort.session import enrolment as reserve
+    ) -> AbstractContextManager[Enrolment]:
+        """Return a participant who can be run; see `session.open_enrolment`."""
+        from vrcomfort.session import open_enrolment
 
-        return reserve(
+        return open_enrolment(
             self._protocol,
             participant,
             study=self._study,
@@ -85,25 +86,27 @@ class StudyLab:
 
     def run(
         self,
-        place: Reservation,
+        enrolment: Enrolment,
         kind: RespondentKind,
-        tell: Any,
-        live: LiveLab | None = None,
+        progress: ProgressCallback,
+        headset: HeadsetSetup | None = None,
     ) -> Outcome:
-        """Run a participant's sessions."""
-        from vrcomfort.session import VirtualClock, WallClock
+        """Run a participant's sessions in a headset, or without one on the playback."""
+        from vrcomfort import session
 
-        respondent = self._respondent(kind, place, live)
-        renderer, machine = (live.renderer, live.machine) if live else self._windowless()
-        return place.run(
-            load_scene=self._load_scene,
-            headset_for=live.headset_for if live else self._playback,
-            renderer=renderer,
+        respondent = self._respondent(kind, enrolment, headset)
+        renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
+        simulated = kind is RespondentKind.SIMULATED
+        return session.run(
+            enrolment,
             respondent=respondent,
-            clock=VirtualClock() if kind is RespondentKind.SIMULATED else WallClock(),
+            headset_for=headset.headset_for if headset else self._playback,
+            load_scene=self._load_scene,
+            renderer=renderer,
+            clock=session.VirtualClock() if simulated else session.WallClock(),
             machine=machine,
-            screen=live.screen if live else None,
-            progress=tell,
+            screen=headset.screen if headset else None,
+            progress=progress,
         )
 
     def _windowless(self) -> tuple[StereoRenderer, Machine]:
@@ -113,18 +116,18 @@ class StudyLab:
         return self._rendering
 
     def _respondent(
-        self, kind: RespondentKind, place: Reservation, live: LiveLab | None
+        self, kind: RespondentKind, enrolment: Enrolment, headset: HeadsetSetup | None
     ) -> Respondent:
         from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
 
         if kind is RespondentKind.SIMULATED:
-            settings, seed = self._protocol.simulation, place.design.seed
-            return SimulatedRespondent(settings, participant=place.participant, seed=seed)
+            settings, seed = self._protocol.simulation, enrolment.design.seed
+            return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
         if kind is RespondentKind.TERMINAL:
             return TerminalRespondent(console())
-        if live is None:
+        if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")
-        return live.panel
+        return headset.panel
 
 
 def _load_scene(source: str) -> Scene:
@@ -136,31 +139,7 @@ def _load_scene(source: str) -> Scene:
     return scene
 
 
-class SessionBars(ExitStack):
-    """A bar for each exposure and rest; the questionnaires speak for themselves."""
-
-    def __init__(self, quiet: bool) -> None:
-        super().__init__()
-        self._quiet = quiet
-        self._title = ""
-        self._done = 0.0
-
-    def tell(self, progress: Progress) -> None:
-        """Show how far a step of the session has come."""
-        timed = progress.step in {"training", "exposure", "rest"}
-        title = f"{progress.step} {progress.trial or ''}".strip() if timed else ""
-        if title != self._title:
-            self.close()
-            self._title, self._done = title, 0.0
-            if title:
-                bar = progress_bar(title, round(progress.total), quiet=self._quiet)
-                self._advance = self.enter_context(bar)
-        if title:
-            self._advance(progress.done - self._done)
-            self._done = progress.done
-
-
-def sentence(outcome: Outcome, out: Path) -> str:
+def outcome_sentence(outcome: Outcome, out: Path) -> str:
     """Say what became of a participant's sessions."""
     sessions = ", ".join(map(str, outcome.sessions))
     note = f" ({outcome.note})" if outcome.note else ""

@@ -9,19 +9,35 @@ from pathlib import Path
 
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
-from vrcomfort.records import Machine, enrol, enrolled, only_run, open_study
-from vrcomfort.respondent import Respondent
-from vrcomfort.session.clock import Clock, VirtualClock
-from vrcomfort.session.flow import Lab
-from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
-from vrcomfort.session.interfaces import silent as no_progress
-from vrcomfort.session.resume import Earlier, choose_sessions
-from vrcomfort.session.participant_sessions import Outcome, Work
+from vrcomfort.records import enrolled, only_run, open_study
+from vrcomfort.session.resume import InterruptedSessions, choose_sessions
+
+
+@dataclass(frozen=True, kw_only=True)
+class Enrolment:
+    """A participant whose sessions nobody else can run meanwhile; see `open_enrolment`.
+
+    Parameters
+    ----------
+    exposure_s
+        How long an exposure is shown: the protocol's time, or less.
+    numbers
+        Of the sessions to run.
+    interrupted
+        What is recorded of those among them that go on.
+    """
+
+    protocol: Protocol
+    participant: str
+    study: Path
+    design: Design
+    exposure_s: float
+    numbers: Sequence[int]
+    interrupted: InterruptedSessions
 
 
 @contextmanager
-def reserve(
+def open_enrolment(
     protocol: Protocol,
     participant: str,
     *,
@@ -31,7 +47,7 @@ def reserve(
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
     resume: bool = False,
-) -> Iterator[Reservation]:
+) -> Iterator[Enrolment]:
     """Make sure that a participant can be run, and keep every other program from it.
 
     Nothing is recorded yet, nobody enrolled, no headset needed: what is refused, is refused here.
@@ -65,63 +81,15 @@ def reserve(
         design = build_design(protocol, seed=kept_seed)
         row = enrolled(study, participant)
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
-        earlier = Earlier(study, participant, chosen.unfinished)
+        interrupted = InterruptedSessions(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
-        earlier.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
-        shown_s = protocol.shown_s(earlier.exposure_s(exposure_s))
-        yield Reservation(protocol, participant, study, design, shown_s, chosen.numbers, earlier)
-
-
-@dataclass(frozen=True)
-class Reservation:
-    """A participant whose sessions nobody else can run meanwhile; see `reserve`."""
-
-    protocol: Protocol
-    participant: str
-    study: Path
-    design: Design
-    exposure_s: float
-    numbers: Sequence[int]
-    earlier: Earlier
-
-    def run(
-        self,
-        *,
-        load_scene: LoadScene,
-        headset_for: HeadsetFor,
-        renderer: Renderer,
-        respondent: Respondent,
-        clock: Clock | None = None,
-        machine: Machine | None = None,
-        screen: PanelScreen | None = None,
-        progress: ProgressCallback = no_progress,
-    ) -> Outcome:
-        """Run the sessions.
-
-        Parameters
-        ----------
-        clock
-            `VirtualClock` (the default) for simulated participants, `WallClock` for people.
-        screen
-            Where questions are asked in the headset: what happens to it meanwhile is recorded.
-
-        Returns
-        -------
-        Outcome
-            Ctrl-C ends in status "aborted", with everything written and all files closed.
-
-        Raises
-        ------
-        InputError
-            If the disk refuses, or the headset's runtime goes away; what is there stays.
-        """
-        row = enrol(self.study, self.design, self.participant)
-        lab = Lab(
-            self.protocol, load_scene, headset_for, renderer, clock or VirtualClock(), progress,
-            self.exposure_s,
-        )  # fmt: skip
-        work = Work(
-            self.study, lab, self.participant, self.design.sequence(row.sequence), respondent,
-            self.design.seed, machine or Machine(), self.earlier.take_up(), screen,
-        )  # fmt: skip
-        return work.run(self.numbers)
+        interrupted.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
+        yield Enrolment(
+            protocol=protocol,
+            participant=participant,
+            study=study,
+            design=design,
+            exposure_s=protocol.shown_s(interrupted.exposure_s(exposure_s)),
+            numbers=chosen.numbers,
+            interrupted=interrupted,
+        )

@@ -1,4 +1,4 @@
-"""What all parts of one session share: whose it is, its files, its clock, its audience."""
+"""Events of one session and its progress, as they happen."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.records import EventRow, Recorder
-from vrcomfort.session.clock import Clock
-from vrcomfort.session.interfaces import Progress, ProgressCallback, Step
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.interfaces import Progress, Step
 
 
 @dataclass(frozen=True)
-class Place:
+class TrialPlace:
     """Which trial something belongs to; all blank where it belongs to the whole session."""
 
     period: int | None = None
@@ -22,14 +22,12 @@ class Place:
 
 
 @dataclass(frozen=True)
-class Diary:
+class EventLog:
     """Writes events and tells progress under the name of one session."""
 
-    participant: str
+    context: SessionContext
     session: int
     recorder: Recorder
-    clock: Clock
-    progress: ProgressCallback
 
     def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now; without a start it is a moment."""
@@ -44,17 +42,19 @@ class Diary:
         self.recorder.write_soon(self._event(name, None, detail))
 
     def _event(self, name: str, start_s: float | None, detail: str) -> EventRow:
-        now_s = self.clock.now_s()
+        now_s = self.context.clock.now_s()
         onset_s = now_s if start_s is None else start_s
         return EventRow(onset_s, round(now_s - onset_s, 9), name, detail)
 
-    def tell(self, step: Step, place: Place, done: float, total: float, text: str = "") -> None:
+    def tell(
+        self, step: Step, place: TrialPlace, done: float, total: float, text: str = ""
+    ) -> None:
         """Tell how far a step has come."""
         trial, condition = place.trial or 0, place.condition or ""
-        self.progress(
+        self.context.progress(
             Progress(
                 step,
-                self.participant,
+                self.context.participant,
                 self.session,
                 trial=trial,
                 scene=place.scene,

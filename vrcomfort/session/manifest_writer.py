@@ -10,7 +10,6 @@ from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
 from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.interfaces import HeadsetFor
 
 
 @runtime_checkable
@@ -24,7 +23,7 @@ class Remembering(Protocol):
         """Be in that state again."""
 
 
-class Ledger:
+class ManifestWriter:
     """The manifest of one session, written whenever something changes that must survive a crash."""
 
     def __init__(self, manifest: Manifest, recorder: Recorder, respondent: Respondent) -> None:
@@ -70,17 +69,11 @@ class Ledger:
             manifest.memory = manifest.under_way = None
         self._write()
 
-    def noting(self, headset_for: HeadsetFor, ipd_m: float) -> HeadsetFor:
-        """Return headsets that enter themselves into the manifest when first used."""
-
-        def note(name: str, scene: Any) -> Headset:
-            headset = headset_for(name, scene)
-            if not self._manifest.headset:
-                self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
-                self._write()
-            return headset
-
-        return note
+    def note_headset(self, headset: Headset, ipd_m: float) -> None:
+        """Enter the headset when it is first used."""
+        if not self._manifest.headset:
+            self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
+            self._write()
 
     def _write(self) -> None:
         self._manifest.write(self._recorder.folder)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from dataclasses import dataclass, field
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Sequence
 from vrcomfort.records import (
     Interrupted,
-    Machine,
     Manifest,
     Recorder,
     completed_sessions,
@@ -19,12 +16,11 @@ from vrcomfort.records import (
     set_status,
 )
 from vrcomfort.records.study import now
-from vrcomfort.respondent import Respondent
-from vrcomfort.session.event_log import Diary
-from vrcomfort.session.flow import Lab, SessionFlow, SessionStatus
-from vrcomfort.session.manifest_writer import Ledger, limits
-from vrcomfort.session.panel_screen import PanelScreen
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.flow import SessionFlow, SessionStatus
 from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.manifest_writer import ManifestWriter, limits
 
 
 @dataclass(frozen=True)
@@ -52,18 +48,17 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Work:
-    """The sessions of one participant, one after the other; see `reserve`."""
+class ParticipantSessions:
+    """The sessions of one participant, one after the other.
 
-    study: Path
-    lab: Lab
-    participant: str
-    sequence: Sequence
-    respondent: Respondent
-    seed: int
-    machine: Machine
+    Parameters
+    ----------
+    interrupted
+        Session → how far it came, for those that go on.
+    """
+
+    context: SessionContext
     interrupted: Mapping[int, Interrupted]
-    screen: PanelScreen | None
     notices: list[str] = field(default_factory=list)
 
     def run(self, numbers: Iterable[int]) -> Outcome:
@@ -74,63 +69,58 @@ class Work:
             status, note = self._session(number)
             if status != "completed":
                 break
+        study, participant = self.context.study, self.context.participant
         if status == "withdrawn":
-            set_status(self.study, self.participant, "withdrawn", f"session {ran[-1]}: {note}")
+            set_status(study, participant, "withdrawn", f"session {ran[-1]}: {note}")
             return self._outcome(status, ran, note)
         if status == "aborted":
-            set_status(self.study, self.participant, "enrolled", f"session {ran[-1]} aborted")
+            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted")
             return self._outcome(status, ran, note)
-        complete = completed_sessions(self.study, self.participant)
-        all_done = len(complete) == len(self.sequence.sessions)
+        complete = completed_sessions(study, participant)
+        all_done = len(complete) == len(self.context.sequence.sessions)
         status_now = "completed" if all_done else "enrolled"
-        set_status(self.study, self.participant, status_now)
+        set_status(study, participant, status_now)
         return self._outcome(status_now, ran)
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
-        name, warnings = self.sequence.name, tuple(self.notices)
-        return Outcome(self.participant, name, status, tuple(ran), note, warnings)
+        name, warnings = self.context.sequence.name, tuple(self.notices)
+        return Outcome(self.context.participant, name, status, tuple(ran), note, warnings)
 
     def _session(self, number: int) -> tuple[SessionStatus, str]:
-        self.lab.progress(Progress("session", self.participant, number))
+        context = self.context
+        context.progress(Progress("session", context.participant, number))
         before = self.interrupted.get(number)
-        with Recorder(self.study, self.participant, number, resumed=before is not None) as recorder:
+        study, participant, resumed = context.study, context.participant, before is not None
+        with Recorder(study, participant, number, resumed=resumed) as recorder:
             manifest = self._manifest(number, before)
-            ledger = Ledger(manifest, recorder, self.respondent)
-            headset_for = ledger.noting(self.lab.headset_for, self.lab.protocol.headset.ipd_m)
-            lab = self.lab
-            diary = Diary(self.participant, number, recorder, lab.clock, lab.progress)
-            if self.screen is not None:
-                self.screen.notice = diary.note
-            flow = SessionFlow(
-                replace(lab, headset_for=headset_for),
-                diary=diary,
-                ledger=ledger,
-                sequence=self.sequence,
-                respondent=self.respondent,
-                interrupted=before,
-            )
+            writer = ManifestWriter(manifest, recorder, context.respondent)
+            events = EventLog(context, number, recorder)
+            if context.screen is not None:
+                context.screen.notice = events.note
+            flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder)
             try:
-                status, note = _kept(flow, ledger, recorder)
+                status, note = _kept(flow, writer, recorder)
             finally:
                 self._look_at(number, manifest, before)
-        self.lab.progress(Progress("end", self.participant, number, text=status))
+        context.progress(Progress("end", context.participant, number, text=status))
         return status, note
 
     def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
+        context = self.context
         then = before.manifest if before else {}
         return Manifest(
-            participant=self.participant,
+            participant=context.participant,
             session=number,
-            sequence=self.sequence.name,
-            protocol=self.lab.protocol,
-            machine=self.machine,
+            sequence=context.sequence.name,
+            protocol=context.protocol,
+            machine=context.machine,
             headset={},
-            respondent=self.respondent.name,
-            seed=self.seed,
-            exposure_s=self.lab.exposure_s,
+            respondent=context.respondent.name,
+            seed=context.seed,
+            exposure_s=context.exposure_s,
             started_at=now(),
-            clamps=limits(self.lab.protocol),
+            clamps=limits(context.protocol),
             earlier_runs=[*then.get("earlier_runs", []), *([facts_of_run(then)] if then else [])],
             timing_flags=list(then.get("timing_flags", [])),
             memory=then.get("memory"),
@@ -143,10 +133,12 @@ class Work:
         if flags:
             note = "; ".join(f"session {number}, {flag}" for flag in flags)
             with suppress(InputError):  # it stands in the manifest and in the events, too
-                set_status(self.study, self.participant, "enrolled", note)
+                set_status(self.context.study, self.context.participant, "enrolled", note)
 
 
-def _kept(flow: SessionFlow, ledger: Ledger, recorder: Recorder) -> tuple[SessionStatus, str]:
+def _kept(
+    flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
+) -> tuple[SessionStatus, str]:
     """Run a session and write into its manifest how it ended, whatever ended it."""
     status: SessionStatus = "aborted"
     note = ""
@@ -157,7 +149,7 @@ def _kept(flow: SessionFlow, ledger: Ledger, recorder: Recorder) -> tuple[Sessio
         status, note = "aborted", "stopped by the operator"
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
-            ledger.close("aborted")
+            writer.close("aborted")
         raise
-    ledger.close(status)
+    writer.close(status)
     return status, note
