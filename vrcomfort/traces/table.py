@@ -86,9 +86,9 @@ class Table(CsvTable):
         """
         start = [] if after is None else [after]
         numbers = [*start, *values.tolist()]
-        for row, (before, after) in enumerate(pairwise(numbers), start=1 - len(start)):
-            if after <= before:
-                how = "stands still" if after == before else f"goes back by {before - after} ns"
+        for row, (before, now) in enumerate(pairwise(numbers), start=1 - len(start)):
+            if now <= before:
+                how = "stands still" if now == before else f"goes back by {before - now} ns"
                 raise self.error(row, column, f"time {how}; samples must be in order, each later")
         return values
 
