@@ -53,7 +53,7 @@ def to_csv(rows: list[Row]) -> str:
     Texts that a spreadsheet would take for a formula begin with an apostrophe.
     """
     columns = list(dict.fromkeys(key for row in rows for key in row))
-    table = [columns, *([row.get(column) for column in columns] for row in rows)]
+    table: list[list[Any]] = [columns, *([row.get(column) for column in columns] for row in rows)]
     return "".join(_line(map(inert, cells)) for cells in table)
 
 

@@ -7,11 +7,13 @@ from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.scene.data import Primitive, Scene, WalkableArea
+from vrcomfort.scene.data import Float32, Primitive, Scene, WalkableArea
 
+Mask: TypeAlias = NDArray[np.bool_]
 Corners: TypeAlias = Array
 """(draws, 3, 8) corners of the world-space box around everything that is drawn."""
 
@@ -89,7 +91,7 @@ def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
     return float(corners[:, 1].min())
 
 
-def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tuple[Array, Array]:
+def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
     """Return the heights at which triangles meet the vertical line through a point.
 
     Returns
@@ -105,7 +107,7 @@ def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tup
     return np.concatenate(heights), np.concatenate(faces_up)
 
 
-def _heights_of(triangles: Array, world_from_node: Array, middle: Array) -> tuple[Array, Array]:
+def _heights_of(triangles: Float32, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
     """Return the same of (m, 3, 3) corners in the node's frame."""
     world = triangles @ world_from_node[:3, :3].T + world_from_node[:3, 3]
     a, b, c = np.moveaxis(world - middle * [1.0, 0.0, 1.0], 1, 0)

@@ -13,7 +13,7 @@ import struct
 import urllib.parse
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path, PureWindowsPath
 from typing import Any, TypeAlias
@@ -49,6 +49,7 @@ class GltfFile:
     root: dict[str, Any]
     binary: Bytes | None
     account: Account
+    _fetched: dict[Path, bytes] = field(default_factory=dict, repr=False)
 
     def item(self, key: str, index: int) -> dict[str, Any]:
         """Return one item of the file's list called `key`."""
@@ -91,10 +92,12 @@ class GltfFile:
             except ValueError:
                 raise self.fault("a data URI", "is not base64") from None
         target = self._beside(uri, what)
+        if target in self._fetched:
+            return self._fetched[target]
         try:
             if target.is_file():  # a device may never end
                 self.account.spend("file_bytes", target.stat().st_size, what)
-                return target.read_bytes()
+                return self._fetched.setdefault(target, target.read_bytes())
         except OSError:
             pass
         raise InputError(
