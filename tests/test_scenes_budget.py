@@ -19,7 +19,7 @@ from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.load import load_scene
 
 MIB = 2**20
-SMALL_FILE_MAY_TAKE_MIB = 700
+SMALL_FILE_MAY_TAKE_MIB = 1200
 
 PEAK = """
 import resource, sys

@@ -16,8 +16,8 @@ Kind = Literal["nodes", "draws", "items", "numbers", "zeros", "pixels", "file_by
 class SceneBudget:
     """The most that one scene may have, all files of it together.
 
-    The defaults hold what a headset can draw, several times over; within them a file takes at
-    most about 2 GiB of memory to load.
+    The defaults hold more than a headset can draw in time. Of the small files that ask for much
+    (tests/test_scenes_budget.py), none took more than 1.0 GiB until it was refused.
 
     Parameters
     ----------
