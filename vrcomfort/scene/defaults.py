@@ -25,6 +25,8 @@ VIEW = math.tan(math.radians(30.0))
 """What is looked at lies within this tangent of straight ahead, which every headset shows."""
 NEAREST_M = 0.5
 HEADROOM_M = 2.0
+_ENDS = np.indices((2, 2, 2)).reshape(3, 8)
+_AXES = np.arange(3)[:, None]
 
 
 def with_defaults(scene: Scene) -> Scene:
@@ -143,4 +145,4 @@ def _corners_of_draws(scene: Scene) -> Corners:
 
 def _corners(lower: Array, upper: Array) -> Array:
     """Return the (3, 8) corners of a box."""
-    return np.array(np.meshgrid(*np.stack([lower, upper], axis=1))).reshape(3, 8)
+    return np.asarray(np.stack([lower, upper])[_ENDS, _AXES])
