@@ -13,6 +13,9 @@ from vrcomfort.geometry import Array, Gaze, Pose, View
 MEAN_IPD_M = 0.063
 """The average distance between adults' pupils (Carnegie & Rhee 2015)."""
 
+EYE_HEIGHT_M = 1.6
+"""Of somebody who stands; where a picture is taken from if nothing else is said."""
+
 DROPPED_INTERVAL_PERIODS = 1.2
 """A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
