@@ -24,7 +24,7 @@ demo: setup
 
 test:
 	@scripts/setup.sh --tests
-	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not needs_reference_data"
+	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not monado and not needs_reference_data"
 
 test-slow:
 	@scripts/setup.sh --tests

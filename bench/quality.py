@@ -16,7 +16,8 @@ import numpy as np
 from bench.effects import frame_seconds
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.protocol.quality import Effects, Figure, Measured, Quality, write_figures
+from vrcomfort.protocol.quality import write_figures
+from vrcomfort.protocol.quality_levels import Effects, Figure, Measured, Quality
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.tradeoff.cases import Scope, cases

@@ -17,16 +17,15 @@ prepare_venv() { # inside: the packages of this checkout's pyproject.toml; the c
     local venv=$1 checkout=$2 wanted
     exec 9>"$venv.lock"
     flock 9
-    wanted=$(cat "$checkout/pyproject.toml" "$checkout/requirements.lock" | sha256sum)
-    [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
-    echo "Installing the Python packages next to Monado ..." >&2
     "$venv/bin/python" -c 'import pip' 2>/dev/null || python3 -m venv --clear "$venv"
     "$venv/bin/python" - "$checkout/pyproject.toml" >"$venv/requirements.txt" <<'PYTHON'
 import sys, tomllib
 project = tomllib.load(open(sys.argv[1], "rb"))["project"]
-extras = project["optional-dependencies"]
-print("\n".join([*project["dependencies"], *extras["dev"], *extras["openxr"]]))
+print("\n".join([*project["dependencies"], *project["optional-dependencies"]["dev"]]))
 PYTHON
+    wanted=$(cat "$venv/requirements.txt" "$checkout/requirements.lock" | sha256sum)
+    [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
+    echo "Installing the Python packages next to Monado ..." >&2
     "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
         --constraint "$checkout/requirements.lock" --requirement "$venv/requirements.txt" >&2
     printf '#!%s/bin/python\nfrom vrcomfort.cli import main\nmain()\n' "$venv" \

@@ -57,7 +57,7 @@ wanted=$(cat pyproject.toml requirements.lock | sha256sum)
 if [ "$(cat .venv/installed 2>/dev/null)" != "$wanted" ]; then
     echo "Installing the Python packages into .venv (about 400 MB) ..."
     .venv/bin/python -m pip install --quiet --disable-pip-version-check \
-        --constraint requirements.lock --editable '.[dev,openxr]'
+        --constraint requirements.lock --editable '.[dev]'
     echo "$wanted" >.venv/installed
 fi
 

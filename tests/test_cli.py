@@ -96,7 +96,7 @@ def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) ->
 def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     run: Run, tmp_path: Path
 ) -> None:
-    from vrcomfort.protocol.quality import quality_table
+    from vrcomfort.protocol.quality_levels import quality_table
 
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"

@@ -10,7 +10,7 @@ from vrcomfort.design import build_design
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
 from vrcomfort.render import plan
-from vrcomfort.session.ledger import limits
+from vrcomfort.session.manifest_writer import limits
 
 STUDIES = ["hillaire_2008", "mantiuk_2011"]
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from tests.support.session import run
 from tests.support.study import (
     AheadHeadset,
     LateFocus,
@@ -20,14 +21,15 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.cli import main
-from vrcomfort.cli.wiring import open_trace, require_recorded_gaze
+from vrcomfort.cli.gaze_check import require_recorded_gaze
+from vrcomfort.cli.playback import open_trace
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import FrameRow, GazeRow, Recorder, session_folder, take_up
 from vrcomfort.resources import data_folder
-from vrcomfort.session import VirtualClock, run
+from vrcomfort.session import VirtualClock
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.traces.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
 from vrcomfort.traces.pose_track import PoseTrack

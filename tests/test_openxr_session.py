@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 
 from tests.support.openxr import fresh_monado, needs_monado
+from tests.support.session import run as run_participant
 from vrcomfort import session
 from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame
@@ -80,7 +81,7 @@ def run(
     settings = OpenXrSettings(image_size_px=SIZE_PX)
     with OpenXrHeadset(ctx, settings, before_wait=rehearsal.before_frame) as headset:
         rehearsal.screen = PanelScreen(headset)
-        return session.run(
+        return run_participant(
             load_protocol(str(protocol)),
             "P01",
             study=folder / "study",

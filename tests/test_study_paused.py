@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from tests.support.resume import go, rows
+from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.records import session_folder
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session import run
 
 
 @dataclass

@@ -9,7 +9,15 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import quality as dial
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
-from vrcomfort.protocol.quality import Figure, Level, Measured, Quality, QualityTable
+from vrcomfort.protocol.quality_levels import (
+    Effects,
+    Figure,
+    Level,
+    Measured,
+    Quality,
+    QualityTable,
+    quality_table,
+)
 from vrcomfort.resources import data_folder
 
 LEVELS = get_args(Quality)
@@ -25,7 +33,7 @@ def with_level(level, **effects):
 @pytest.mark.parametrize("law", ["linear", "dioptre", "thin_lens", "eye"])
 def test_every_level_gives_valid_settings(level, law):
     found = with_level(level, depth_of_field={"law": law}, motion_blur={})
-    wanted = dial.quality_table().levels[level]
+    wanted = quality_table().levels[level]
     for effect, settings in (
         ("depth_of_field", found.depth_of_field),
         ("motion_blur", found.motion_blur),
@@ -113,7 +121,7 @@ def test_figures_go_by_what_is_drawn():
 
 
 def test_figures_are_found_by_the_settings_not_by_the_name_of_a_level():
-    for figure in dial.quality_table().figures:
+    for figure in quality_table().figures:
         drawn = [name for name in DIALLED if figure.effects in {name, "both"}]
         effects = {"depth_of_field": {"law": "dioptre"}, "motion_blur": {}}
         named = with_level(figure.level, **{name: effects[name] for name in drawn})
@@ -137,7 +145,7 @@ def test_blur_of_objects_alone_has_no_figures():
 
 @pytest.mark.parametrize("other", [{"views": 7}, {"kernel": "mip"}])
 def test_another_method_has_no_figures_of_ours(other):
-    figure = dial.quality_table().figures[0]
+    figure = quality_table().figures[0]
     for settings, known in (({}, True), (other, False)):
         condition = with_level("balanced", depth_of_field={"law": "eye"} | settings)
         found = dial.figure_for(condition, figure.scene, ["depth_of_field"])
@@ -145,7 +153,7 @@ def test_another_method_has_no_figures_of_ours(other):
 
 
 def test_the_shipped_figures_are_complete_and_say_where_they_are_from():
-    table = dial.quality_table()
+    table = quality_table()
     assert table.measured is not None
     assert table.measured.command
     assert table.measured.device
@@ -154,7 +162,7 @@ def test_the_shipped_figures_are_complete_and_say_where_they_are_from():
     assert sorted(keys) == sorted(
         (level, effects, scene)
         for level in LEVELS
-        for effects in get_args(dial.Effects)
+        for effects in get_args(Effects)
         for scene in scenes
     )
 
@@ -169,7 +177,7 @@ def test_writing_figures_keeps_the_levels_and_replaces_the_rest(tmp_path):
     text = file.read_text(encoding="utf-8")
     table = QualityTable.model_validate(tomllib.loads(text))
     assert table == QualityTable(
-        levels=dial.quality_table().levels, measured=measured, figures=(figure,)
+        levels=quality_table().levels, measured=measured, figures=(figure,)
     )
     head = TABLE.read_text(encoding="utf-8").partition(dial.MARK)[0]
     assert text.startswith(head.rstrip())

@@ -51,7 +51,8 @@ def frame_row(**changes) -> FrameRow:
 def test_the_columns_are_those_of_the_design():
     assert ",".join(TrialRow.columns()) == (
         "participant,session,period,block,trial,condition,scene,start_s,end_s,status,"
-        "abort_code,attempt,resumed,frames,dropped"
+        "abort_code,attempt,resumed,frames,dropped,missed_refreshes,live_s,frozen_s,hidden_s,"
+        "unfocused_s"
     )
     assert ",".join(QuestionnaireRow.columns()) == (
         "participant,session,period,block,trial,condition,timepoint,instrument,item,"
@@ -70,8 +71,12 @@ def test_the_columns_are_those_of_the_design():
     assert columns[12:14] == ("left_x_m", "left_y_m")
     assert columns[26:28] == ("left_fov_left_rad", "left_fov_right_rad")
     assert columns[34] == "avatar_x_m"
-    assert columns[40:43] == ("avatar_qw", "focus_m", "focus_raw_m")
-    assert columns[-5:] == ("cpu_ms", "gpu_ms", "dropped", "discontinuity", "resumed")
+    assert columns[40:46] == (
+        "avatar_qw", "head_valid", "head_tracked", "session_state", "focus_m", "focus_raw_m"
+    )  # fmt: skip
+    assert columns[-6:] == (
+        "cpu_ms", "gpu_ms", "dropped", "missed_refreshes", "discontinuity", "resumed"
+    )  # fmt: skip
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 

@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
+from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, smoke_with
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, set_status
 from vrcomfort.resources import data_folder
-from vrcomfort.session import run
 
 WALK = data_folder("scenes") / "temple_walk.csv"
 MOUNTAIN_WALK = data_folder("scenes") / "mountain_walk.csv"

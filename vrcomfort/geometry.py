@@ -39,6 +39,7 @@ __all__ = [
     "axis_angle",
     "clip_from_view",
     "focal_length_px",
+    "heading",
     "interpolate_pose",
     "normalize",
     "principal_point_px",
@@ -242,3 +243,12 @@ def principal_point_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float
     """Return the pixel coordinates of the optical axis, from the lower left corner."""
     left, right, up, down = fov.tangents
     return -left / (right - left) * size_px[0], -down / (up - down) * size_px[1]
+
+
+def heading(pose: Pose) -> Array:
+    """Return the turn about +Y that a pose holds; steep looks up or down keep their meaning."""
+    # Straight up or down, forward has no heading: the top of the head tells it then.
+    forward = rotate(pose.orientation, [0.0, 0.0, -1.0])
+    up = rotate(pose.orientation, [0.0, 1.0, 0.0])
+    level = forward if abs(forward[1]) < 0.99 else -np.sign(forward[1]) * up
+    return axis_angle([0.0, 1.0, 0.0], np.arctan2(-level[0], -level[2]))

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 from typing import Any
 
+from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
-from vrcomfort.session import Outcome, run
+from vrcomfort.session import Outcome
 
 
 def go(tmp_path: Path, respondent: Any = None, **more: Any) -> Outcome:

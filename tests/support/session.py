@@ -3,11 +3,42 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
+import vrcomfort.session
 from tests.support.study import AheadHeadset, LateFocus, read_rows, tiny_protocol
+from vrcomfort.protocol import Protocol
 from vrcomfort.records import read_participants, session_folder
-from vrcomfort.session import Outcome, run
+from vrcomfort.respondent import Respondent
+from vrcomfort.session import Outcome
+
+
+def run(
+    protocol: Protocol,
+    participant: str,
+    *,
+    study: Path,
+    respondent: Respondent,
+    seed: int | None = None,
+    sessions: Iterable[int] | None = None,
+    exposure_s: float | None = None,
+    resume: bool = False,
+    **parts: Any,
+) -> Outcome:
+    """Enrol a participant and run their sessions."""
+    with vrcomfort.session.open_enrolment(
+        protocol,
+        participant,
+        study=study,
+        respondent=respondent.name,
+        seed=seed,
+        sessions=sessions,
+        exposure_s=exposure_s,
+        resume=resume,
+    ) as enrolment:
+        return vrcomfort.session.run(enrolment, respondent=respondent, **parts)
 
 
 def go(tmp_path: Path, respondent, *, headset=AheadHeadset, **more) -> Outcome:

@@ -13,13 +13,17 @@ from typer.core import TyperGroup
 from vrcomfort import __version__
 from vrcomfort.cli import (
     EXIT_INTERRUPTED,
-    analyse,
-    check,
-    demonstrate,
-    pictures,
-    plan_study,
+    demo,
+    design,
+    doctor,
+    import_trace,
+    plan,
+    play,
+    render,
+    report,
+    run,
+    score,
     simulate,
-    study,
     tradeoff,
 )
 from vrcomfort.cli.terminal import complain
@@ -69,7 +73,20 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-for module in (study, simulate, pictures, analyse, plan_study, check, demonstrate, tradeoff):
+for module in (
+    run,
+    simulate,
+    render,
+    play,
+    import_trace,
+    report,
+    score,
+    design,
+    plan,
+    doctor,
+    demo,
+    tradeoff,
+):
     module.register(app)
 
 

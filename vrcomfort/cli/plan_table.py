@@ -10,7 +10,8 @@ from rich.table import Table
 from vrcomfort.cli.terminal import console
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Condition, Protocol
-from vrcomfort.protocol.quality import Figure, Measured, figure_for, level_of, quality_table
+from vrcomfort.protocol.quality import figure_for, level_of
+from vrcomfort.protocol.quality_levels import Figure, Measured, quality_table
 
 if TYPE_CHECKING:
     from vrcomfort.render.effects.depth_of_field.blur_limit import Unlimited

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from vrcomfort.cli.begun_with import BegunWith
-from vrcomfort.cli.lab import RespondentKind, StudyLab, sentence
-from vrcomfort.cli.terminal import (
+from vrcomfort.cli.gaze_check import require_recorded_gaze
+from vrcomfort.cli.options import (
     ExposureOption,
     ProtocolArgument,
     Quiet,
@@ -18,12 +17,12 @@ from vrcomfort.cli.terminal import (
     StudyFolder,
     StudySeed,
     TraceOption,
-    console,
     parse_size,
-    progress_bar,
-    warn,
 )
-from vrcomfort.cli.wiring import PlaybackIn, open_trace, require_recorded_gaze
+from vrcomfort.cli.playback import PlaybackSetup, open_trace
+from vrcomfort.cli.simulate_resume_check import ResumeCheck
+from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -65,7 +64,7 @@ def simulate(
         quiet=quiet,
     )
     for outcome in outcomes:
-        console(quiet).print(sentence(outcome, out))
+        console(quiet).print(outcome_sentence(outcome, out))
     if outcomes[-1].status == "aborted":
         warn("the same command goes on where this was stopped")
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
@@ -96,16 +95,16 @@ def simulate_study(
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
-    playback = PlaybackIn(size_px, protocol.headset.ipd_m, trace, refresh_hz)
-    lab = StudyLab(protocol, out, playback, seed, exposure_s)
-    now = BegunWith(protocol, playback, exposure_s)
+    playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
+    setup = StudySetup(protocol, out, playback, seed, exposure_s)
+    resume_check = ResumeCheck(protocol, playback, exposure_s)
     sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
-    ends = {name: now.ends(out, name) for name in _names(out, participants)}
+    ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     with progress_bar("participants", participants, quiet=quiet) as advance:
         for name, ended in ends.items():
             if not _is_over(out, name, ended, sessions):
-                outcomes.append(_simulate_one(lab, out, name))
+                outcomes.append(_simulate_one(setup, out, name))
             advance()
             if outcomes and outcomes[-1].status == "aborted":
                 break
@@ -124,12 +123,12 @@ def _names(study: Path, participants: int) -> list[str]:
     return [f"P{number:0{digits}d}" for number in range(1, participants + 1)]
 
 
-def _simulate_one(lab: StudyLab, study: Path, name: str) -> Outcome:
+def _simulate_one(setup: StudySetup, study: Path, name: str) -> Outcome:
     from vrcomfort.records import unfinished_sessions
 
     kind, resume = RespondentKind.SIMULATED, bool(unfinished_sessions(study, name))
-    with lab.reserve(name, None, kind, resume=resume) as place:
-        return lab.run(place, kind, lambda _: None)
+    with setup.open_enrolment(name, None, kind, resume=resume) as enrolment:
+        return setup.run(enrolment, kind, lambda _: None)
 
 
 def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:

@@ -10,14 +10,9 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from vrcomfort.cli.terminal import (
-    Quiet,
-    console,
-    output_folder,
-    output_option,
-    parse_size,
-    progress_bar,
-)
+from vrcomfort.cli.options import Quiet, output_option, parse_size
+from vrcomfort.cli.outputs import output_folder
+from vrcomfort.cli.terminal import console, progress_bar
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)

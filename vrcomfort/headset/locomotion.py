@@ -14,9 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vrcomfort.geometry import Array, Pose, axis_angle, rotate
+from vrcomfort.geometry import Array, Pose, axis_angle, heading, rotate
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.playback import heading
 from vrcomfort.scene.floors import STEP_M, Floors
 
 WALKING_SPEED_M_S = 1.4

@@ -17,7 +17,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
-from vrcomfort.geometry import Array, Fov, Pose, View, axis_angle, rotate, slerp
+from vrcomfort.geometry import Fov, Pose, View, heading, slerp
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.trace import Trace
 
@@ -251,15 +251,6 @@ def world_from_stage(head: PoseTrack, spawn: Pose) -> Pose:
     """Return the anchor that puts the first head's floor point and heading on `spawn`."""
     x, _, z = head.positions[0]
     return spawn @ Pose(np.array([x, 0.0, z]), heading(head.pose(0))).inverse()
-
-
-def heading(pose: Pose) -> Array:
-    """Return the turn about +Y that a pose holds; steep looks up or down keep their meaning."""
-    # Straight up or down, forward has no heading: the top of the head tells it then.
-    forward = rotate(pose.orientation, [0.0, 0.0, -1.0])
-    up = rotate(pose.orientation, [0.0, 1.0, 0.0])
-    level = forward if abs(forward[1]) < 0.99 else -np.sign(forward[1]) * up
-    return axis_angle([0.0, 1.0, 0.0], np.arctan2(-level[0], -level[2]))
 
 
 def _place(times: Times, time_ns: int) -> tuple[int, float]:

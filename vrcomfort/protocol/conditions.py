@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from vrcomfort.protocol.quality import Quality, filled
+from vrcomfort.protocol.quality_levels import Quality, filled
 from vrcomfort.protocol.settings_file import Name
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]

@@ -64,8 +64,15 @@ class FrameRow:
         Nine distances along the focus rays, the centre first; empty where no focus was computed.
     rays_used
         Nine characters, 1 = used. Read this column as text.
+    head_valid, head_tracked
+        Whether the headset knew the head's pose, and whether it measured it in this frame; None
+        where it does not say.
+    session_state
+        Of the OpenXR session, such as ``focused``; blank where there is none.
     dropped
         1 where the interval to the frame before exceeded 1.2 × the period.
+    missed_refreshes
+        Refreshes of the display that passed between the frame before and this one.
     discontinuity
         Whether the pose before has nothing to do with this one; a playback cuts there again.
     gaze
@@ -82,6 +89,9 @@ class FrameRow:
     left: View
     right: View
     avatar: Pose
+    head_valid: bool | None = None
+    head_tracked: bool | None = None
+    session_state: str | None = None
     focus_m: float | None = None
     focus_raw_m: float | None = None
     rays_m: tuple[float, ...] = ()
@@ -90,6 +100,7 @@ class FrameRow:
     cpu_ms: float | None = None
     gpu_ms: float | None = None
     dropped: int = 0
+    missed_refreshes: int | None = None
     discontinuity: bool = False
     resumed: int = 0
     gaze: GazeRow | None = None
@@ -98,9 +109,10 @@ class FrameRow:
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
         when = ("session_s", "xr_time_ns", "period_ns", "trial", "should_render")
+        state = ("head_valid", "head_tracked", "session_state")
         focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
-        costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped")
-        return (*when, *POSE_COLUMNS, *focus, *costs, "discontinuity", "resumed")
+        costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped", "missed_refreshes")
+        return (*when, *POSE_COLUMNS, *state, *focus, *costs, "discontinuity", "resumed")
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -117,6 +129,9 @@ class FrameRow:
             *_angles(self.left),
             *_angles(self.right),
             *_numbers(self.avatar),
+            self.head_valid,
+            self.head_tracked,
+            self.session_state,
             self.focus_m,
             self.focus_raw_m,
             *rays,
@@ -125,6 +140,7 @@ class FrameRow:
             self.cpu_ms,
             self.gpu_ms,
             self.dropped,
+            self.missed_refreshes,
             int(self.discontinuity),
             self.resumed,
         ]

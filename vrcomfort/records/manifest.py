@@ -13,8 +13,9 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.recorder import replace_text
+from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
 
-_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow", "trimesh")
+_PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,7 @@ class Manifest:
         protocol = self.protocol
         overridden = self.exposure_s != protocol.exposure_s
         return {
+            "schema_version": SCHEMA_VERSION,
             "participant": self.participant,
             "session": self.session,
             "sequence": self.sequence,
@@ -126,6 +128,7 @@ class Manifest:
 
 
 _OF_THE_SESSION = (
+    "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "memory",
 )  # fmt: skip
@@ -157,6 +160,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
         raise InputError("this manifest is damaged; restore it", file=file) from error
     if not isinstance(content, dict):
         raise InputError("this manifest is damaged; restore it", file=file)
+    check_schema_version(content, file)
     return content
 
 

@@ -7,14 +7,16 @@ import os
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.recorder import csv_line, refused
+from vrcomfort.records.recorder import csv_line, refused, replace_text
+from vrcomfort.records.schema import ADDED_COLUMNS
 
 
 def mend(file: Path, columns: tuple[str, ...]) -> str | None:
     """Leave the whole rows in a file, or a header where there is not even that.
 
     The half-written last row of a file is moved to the end of a file beside it, whose name has
-    ``.cut`` appended.
+    ``.cut`` appended. A file of an older schema gets the columns that it lacks, blank; it stays as
+    it was beside, with ``.schema1`` appended.
 
     Returns
     -------
@@ -30,10 +32,39 @@ def mend(file: Path, columns: tuple[str, ...]) -> str | None:
         if not file.exists() or not file.stat().st_size:
             file.write_text(csv_line(columns), encoding="utf-8", newline="")
             return None
-        whole, lines = _whole_rows(file, columns)
-        return _cut(file, whole, lines, columns) if whole < file.stat().st_size else None
+        return _mended(file, columns)
     except OSError as error:
         raise refused(file, error) from error
+
+
+def _mended(file: Path, columns: tuple[str, ...]) -> str | None:
+    there = _columns_there(file, columns)
+    whole, lines = _whole_rows(file, there)
+    cut = _cut(file, whole, lines, there) if whole < file.stat().st_size else None
+    if there != columns:
+        _add_columns(file, there, columns)
+    return cut
+
+
+def _columns_there(file: Path, columns: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the columns of a file's own schema, if its header is of an older one."""
+    added = ADDED_COLUMNS.get(file.name, ())
+    older = tuple(column for column in columns if column not in added)
+    with file.open("rb") as stream:
+        return older if stream.readline() == csv_line(older).encode() else columns
+
+
+def _add_columns(file: Path, there: tuple[str, ...], columns: tuple[str, ...]) -> None:
+    """Put blank cells where `there` has no column."""
+    with file.open(encoding="utf-8", newline="") as stream:
+        rows = csv.reader(stream)
+        next(rows)
+        cells = (dict(zip(there, row, strict=True)) for row in rows)
+        lines = [csv_line(row.get(column, "") for column in columns) for row in cells]
+    kept = file.with_name(f"{file.name}.schema1")
+    kept.unlink(missing_ok=True)
+    kept.hardlink_to(file)
+    replace_text(file, csv_line(columns) + "".join(lines))
 
 
 def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:

@@ -69,6 +69,12 @@ class TrialRow(_FlatRow):
         1 in every row, of every file, written after the session was resumed.
     dropped
         Frames whose interval exceeded 1.2 × the frame period.
+    missed_refreshes
+        Refreshes of the display that passed without a new frame.
+    live_s, frozen_s, hidden_s, unfocused_s
+        Seconds of the trial in which frames came, in which none came, in which the participant saw
+        nothing of them, and in which something of the runtime's had the input. Blank where it was
+        not recorded.
     """
 
     FILE: ClassVar[str] = "trials.csv"
@@ -87,6 +93,11 @@ class TrialRow(_FlatRow):
     resumed: int
     frames: int
     dropped: int
+    missed_refreshes: int | None = None
+    live_s: float | None = None
+    frozen_s: float | None = None
+    hidden_s: float | None = None
+    unfocused_s: float | None = None
 
 
 @dataclass(frozen=True)

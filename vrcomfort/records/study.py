@@ -18,6 +18,7 @@ from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorder import csv_line, is_begun, replace_text, session_folder
 from vrcomfort.records.rows import ParticipantRow, cell_text
+from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
 
 DESCRIPTION = "dataset_description.json"
 
@@ -63,6 +64,7 @@ def _description(protocol: Protocol, seed: int) -> dict[str, object]:
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",
+        "schema_version": SCHEMA_VERSION,
         "name": protocol.title,
         "description": f"Comfort study recorded with vrcomfort, protocol {protocol.name}.",
         "citation": protocol.citation,
@@ -83,6 +85,7 @@ def _same_study(file: Path, protocol: Protocol, seed: int | None) -> int:
         name, kept = content["protocol"], int(content["seed"])
     except (OSError, ValueError, TypeError, KeyError) as error:
         raise InputError("this study description is damaged; restore it", file=file) from error
+    check_schema_version(content, file)
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
         raise InputError(f"{message}; choose another --out", file=file)

@@ -10,6 +10,7 @@ from typing import Any
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import SSQ
+from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
 _KEYS = (
@@ -162,6 +163,7 @@ def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
         content = _json(file)
         protocol, clamps = content.get("protocol"), content.get("clamps", [])
         if isinstance(protocol, dict) and isinstance(clamps, list):
+            check_schema_version(content, file)
             ours.append(content)
         else:
             place = file.relative_to(source)

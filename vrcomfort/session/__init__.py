@@ -1,24 +1,24 @@
 """Sessions: one participant, one headset, one order, and everything written as it happens."""
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
-from vrcomfort.session.ledger import headset_facts
-from vrcomfort.session.parts import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
-from vrcomfort.session.reserve import Reservation, reserve
+from vrcomfort.session.enrolment import Enrolment, open_enrolment
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
+from vrcomfort.session.manifest_writer import headset_facts
+from vrcomfort.session.participant_sessions import Outcome
 from vrcomfort.session.run import run
-from vrcomfort.session.work import Outcome
 
 __all__ = [
     "Clock",
+    "Enrolment",
     "HeadsetFor",
     "LoadScene",
     "Outcome",
     "Progress",
     "ProgressCallback",
     "Renderer",
-    "Reservation",
     "VirtualClock",
     "WallClock",
     "headset_facts",
-    "reserve",
+    "open_enrolment",
     "run",
 ]

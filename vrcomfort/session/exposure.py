@@ -9,17 +9,16 @@ from typing import Literal
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
-from vrcomfort.respondent import Respondent
-from vrcomfort.session.diary import Diary
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.parts import Renderer
 from vrcomfort.session.ratings import Rated, RatingSchedule
 
 Ending = Literal["completed", "headset_ended"]
 
 
 @dataclass(frozen=True)
-class Exhibit:
+class Stimulus:
     """What is shown under which number, and for how long.
 
     Parameters
@@ -28,24 +27,20 @@ class Exhibit:
         0 in training.
     duration_s
         What is shown.
-    stretch
-        Seconds of the protocol that each shown second stands for (1 without an override).
     """
 
     trial: int
     condition: str
     duration_s: float
-    stretch: float
 
 
 @dataclass
 class FrameLoop:
     """Takes frames of a headset through the renderer; training and exposure share its frames."""
 
+    context: SessionContext
     headset: Headset
-    renderer: Renderer
-    respondent: Respondent
-    diary: Diary
+    events: EventLog
     log: FrameLog
     elapsed_s: float = 0.0
     """Seconds of the exposure that have been shown."""
@@ -56,12 +51,12 @@ class FrameLoop:
 
     def show(
         self,
-        exhibit: Exhibit,
+        stimulus: Stimulus,
         *,
         schedule: RatingSchedule | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
-        """Show frames for `exhibit.duration_s`, as counted by their display times.
+        """Show frames for `stimulus.duration_s`, as counted by their display times.
 
         Raises
         ------
@@ -71,17 +66,17 @@ class FrameLoop:
         self.elapsed_s = 0.0
         self.log.start_trial()
         try:
-            return self._run(exhibit, schedule, progress)
+            return self._run(stimulus, schedule, progress)
         finally:
             try:
-                self.log.finish(self.renderer.drain(), self._late_times())
+                self.log.finish(self.context.renderer.drain(), self._late_times())
             finally:  # a disk that refuses a frame may yet take a rating
                 if schedule and (rated := schedule.close()):
-                    self._record(exhibit, schedule, rated)
+                    self._record(stimulus, schedule, rated)
 
     def _run(
         self,
-        exhibit: Exhibit,
+        stimulus: Stimulus,
         schedule: RatingSchedule | None,
         progress: Callable[[float], None],
     ) -> Ending:
@@ -97,46 +92,48 @@ class FrameLoop:
             shown_ns += 0 if before_ns is None else now_ns - before_ns
             before_s, before_ns = self.elapsed_s, now_ns
             self.elapsed_s = shown_ns / 1e9
-            self.diary.clock.advance(self.elapsed_s - before_s)
-            self._draw(frame, exhibit)
-            self._listen(exhibit, schedule)
+            self.context.clock.advance(self.elapsed_s - before_s)
+            self._draw(frame, stimulus)
+            self._listen(stimulus, schedule)
             progress(self.elapsed_s)
             # The next frame would lie more than half outside.
-            if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > exhibit.duration_s:
-                self.diary.clock.advance(frame.period_ns / 1e9)
-                self.elapsed_s = exhibit.duration_s
+            if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
+                self.context.clock.advance(frame.period_ns / 1e9)
+                self.elapsed_s = stimulus.duration_s
                 return "completed"
         return "headset_ended"
 
     def _late_times(self) -> Sequence[GpuTime]:
-        return self.renderer.drain_times() if self.log.times_gpu else ()
+        return self.context.renderer.drain_times() if self.log.times_gpu else ()
 
     def _note_events(self) -> None:
         for event in self.headset.take_events():
-            self.diary.note(event)
+            self.events.note(event)
 
-    def _draw(self, frame: Frame, exhibit: Exhibit) -> None:
+    def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
         if self._scene_start_ns is None:
             self._scene_start_ns = frame.predicted_display_time_ns
         scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
-        rendered = self.renderer.render(frame, scene_time_s) if frame.should_render else None
+        rendered = (
+            self.context.renderer.render(frame, scene_time_s) if frame.should_render else None
+        )
         self.headset.submit(frame, rendered.eyes if rendered else None)
-        self.log.add(frame, rendered, trial=exhibit.trial, session_s=self.diary.clock.now_s())
+        self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
 
-    def _listen(self, exhibit: Exhibit, schedule: RatingSchedule | None) -> None:
-        felt_s = self.elapsed_s * exhibit.stretch
-        self.respondent.endure(felt_s)
-        if schedule and (rated := schedule.update(felt_s, self.diary.clock.now_s())):
-            self._record(exhibit, schedule, rated)
+    def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
+        felt_s = self.elapsed_s * self.context.stretch
+        self.context.respondent.endure(felt_s)
+        if schedule and (rated := schedule.update(felt_s, self.context.clock.now_s())):
+            self._record(stimulus, schedule, rated)
             schedule.check(rated)
 
-    def _record(self, exhibit: Exhibit, schedule: RatingSchedule, rated: Rated) -> None:
-        self.diary.recorder.write_soon(
+    def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
+        self.events.recorder.write_soon(
             RatingRow(
-                self.diary.participant,
-                self.diary.session,
-                exhibit.trial,
-                exhibit.condition,
+                self.context.participant,
+                self.events.session,
+                stimulus.trial,
+                stimulus.condition,
                 onset_s=rated.onset_s,
                 latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,

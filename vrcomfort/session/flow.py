@@ -7,16 +7,16 @@ from functools import partial
 from typing import Any, Literal
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
-from vrcomfort.protocol import Protocol, Sequence
+from vrcomfort.protocol import Sequence
 from vrcomfort.records import Interrupted, TrialRow
-from vrcomfort.respondent import Exposure, Respondent, Withdrew
-from vrcomfort.session.clock import Clock
-from vrcomfort.session.diary import Diary, Place
-from vrcomfort.session.exposure import Exhibit, FrameLoop
+from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
-from vrcomfort.session.ledger import Ledger
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer, Step
+from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row
 
@@ -24,24 +24,6 @@ REST_SLICE_S = 0.2
 """So often a rest looks up."""
 
 SessionStatus = Literal["completed", "withdrawn", "aborted"]
-
-
-@dataclass(frozen=True)
-class Lab:
-    """Everything that all sessions of a study share."""
-
-    protocol: Protocol
-    load_scene: LoadScene
-    headset_for: HeadsetFor
-    renderer: Renderer
-    clock: Clock
-    progress: ProgressCallback
-    exposure_s: float
-
-    @property
-    def stretch(self) -> float:
-        """Return the protocol's seconds for each shown second."""
-        return self.protocol.exposure_s / self.exposure_s
 
 
 @dataclass
@@ -64,22 +46,20 @@ class SessionFlow:
 
     def __init__(
         self,
-        lab: Lab,
+        context: SessionContext,
         *,
-        diary: Diary,
-        ledger: Ledger,
-        sequence: Sequence,
-        respondent: Respondent,
+        events: EventLog,
+        manifest: ManifestWriter,
         interrupted: Interrupted | None = None,
     ) -> None:
-        self._lab = lab
-        self._diary = diary
-        self._ledger = ledger
-        self._places = _places(sequence, diary.session)
-        self._respondent = respondent
+        self._context = context
+        self._events = events
+        self._manifest = manifest
+        self._places = _places(context.sequence, events.session)
+        self._respondent = context.respondent
         self._interrupted = interrupted
         last_ns = interrupted.xr_time_ns if interrupted else None
-        self._log = FrameLog(diary.recorder, last_ns=last_ns)
+        self._log = FrameLog(events.recorder, last_ns=last_ns)
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -93,58 +73,58 @@ class SessionFlow:
         try:
             self._everything()
         except (Withdrew, StopRule) as reason:
-            self._diary.event("withdrawn", detail=str(reason))
+            self._events.event("withdrawn", detail=str(reason))
             return "withdrawn", str(reason)
-        self._diary.event("session_end")
+        self._events.event("session_end")
         return "completed", ""
 
     def _begin(self) -> None:
         before = self._interrupted
-        self._lab.clock.start(before.session_s if before else 0.0)
+        self._context.clock.start(before.session_s if before else 0.0)
         if before:
-            self._diary.event("session_resumed", detail=f"after exposure {before.done}")
+            self._events.event("session_resumed", detail=f"after exposure {before.done}")
             for warning in before.warnings:
-                self._diary.event("row_cut_off", detail=warning)
+                self._events.event("row_cut_off", detail=warning)
         else:
-            self._diary.event("session_start")
-        self._respondent.start_session(self._diary.session)
-        self._ledger.open()
+            self._events.event("session_start")
+        self._respondent.start_session(self._events.session)
+        self._manifest.open()
 
     def _everything(self) -> None:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         if places:  # else only the end is left, and nothing to be a baseline of
-            self._ask("session_start", Place())
+            self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
-            self._ledger.boundary()
-            if index and self._lab.protocol.break_s:
-                self._rest(self._lab.protocol.break_s)
+            self._manifest.boundary()
+            if index and self._context.protocol.break_s:
+                self._rest(self._context.protocol.break_s)
             self._ask("before_trial", place)
             self._trial(place)
-        self._ask("session_end", Place())
+        self._ask("session_end", TrialPlace())
 
-    def _ask(self, when: str, place: Place, *, after_withdrawal: bool = False) -> None:
-        for ask in self._lab.protocol.asks(when):
+    def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
+        for ask in self._context.protocol.asks(when):
             if ask.wait_s:
                 self._rest(ask.wait_s)
-            interview = Interview(self._diary, ask, place)
-            interview.hold(self._respondent, after_withdrawal=after_withdrawal)
+            interview = Interview(self._context, self._events, ask, place)
+            interview.hold(after_withdrawal=after_withdrawal)
 
     def _rest(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
-        clock = self._lab.clock
+        clock = self._context.clock
         start_s = clock.now_s()
         try:
             while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
-                self._diary.tell("rest", Place(), duration_s - left_s, duration_s)
+                self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
                 if not self._respondent.resting(left_s):
                     clock.wait(min(left_s, REST_SLICE_S))
             self._respondent.rest(duration_s)
         finally:
-            self._diary.event("rest", start_s)
+            self._events.event("rest", start_s)
 
-    def _trial(self, place: Place) -> None:
+    def _trial(self, place: TrialPlace) -> None:
         """Expose, write the trial's row whatever happens, and ask how it was."""
-        ending = _Ending(self._lab.clock.now_s())
+        ending = _Ending(self._context.clock.now_s())
         self._log.start_trial()
         try:
             reason = self._expose(place, ending)
@@ -156,27 +136,27 @@ class SessionFlow:
             raise
         finally:
             self._write_trial(place, ending)
-        self._ledger.boundary()
+        self._manifest.boundary()
         if ending.abort_code == "headset_ended":
             raise headset_ended("in the middle of an exposure")
         if reason is None:
             self._ask("after_trial", place)
             return
-        self._diary.event("exposure_stopped", detail=str(reason))
+        self._events.event("exposure_stopped", detail=str(reason))
         try:
             self._ask("after_trial", place, after_withdrawal=True)
         except Withdrew as refusal:
-            self._diary.event("questionnaire_refused", detail=str(refusal))
+            self._events.event("questionnaire_refused", detail=str(refusal))
         raise reason
 
-    def _expose(self, place: Place, ending: _Ending) -> Withdrew | StopRule | None:
+    def _expose(self, place: TrialPlace, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
         try:
             if place.trial == 1:
                 self._train(loop, place, ending)
-            ending.start_s = self._lab.clock.now_s()
-            self._ledger.begin_exposure(**self._identity(place, ending.start_s))
+            ending.start_s = self._context.clock.now_s()
+            self._manifest.begin_exposure(**self._identity(place, ending.start_s))
             result = self._show(loop, place)
         except Withdrew as reason:
             ending.status, ending.abort_code = "withdrawn", "participant"
@@ -185,73 +165,71 @@ class SessionFlow:
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
         finally:
-            self._respondent.end_exposure(loop.elapsed_s * self._lab.stretch)
+            self._respondent.end_exposure(loop.elapsed_s * self._context.stretch)
         if result == "completed":
             ending.status, ending.abort_code = "completed", None
         else:
             ending.abort_code = result
         return None
 
-    def _enter(self, place: Place) -> FrameLoop:
-        lab = self._lab
-        scene = lab.load_scene(lab.protocol.scene_source(place.scene))
-        headset = lab.headset_for(place.scene, scene)
-        condition = lab.protocol.condition(place.condition or "")
-        lab.renderer.begin(scene, condition)
+    def _enter(self, place: TrialPlace) -> FrameLoop:
+        context, protocol = self._context, self._context.protocol
+        scene = context.load_scene(protocol.scene_source(place.scene))
+        headset = context.headset_for(place.scene, scene)
+        self._manifest.note_headset(headset, protocol.headset.ipd_m)
+        condition = protocol.condition(place.condition or "")
+        context.renderer.begin(scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
-        return FrameLoop(headset, lab.renderer, self._respondent, self._diary, self._log)
+        return FrameLoop(context, headset, self._events, self._log)
 
-    def _train(self, loop: FrameLoop, place: Place, ending: _Ending) -> None:
+    def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
-        duration_s = self._lab.protocol.training_s / self._lab.stretch
+        duration_s = self._context.protocol.training_s / self._context.stretch
         if not duration_s:
             return
-        start_s = self._lab.clock.now_s()
-        exhibit = self._exhibit(place, 0, duration_s)
+        start_s = self._context.clock.now_s()
+        stimulus = Stimulus(0, place.condition or "", duration_s)
         try:
-            loop.show(exhibit, progress=self._watch("training", place, duration_s))
+            loop.show(stimulus, progress=self._watch("training", place, duration_s))
         finally:
             self._log.start_trial()  # its frames are not the exposure's
-            ending.start_s = self._lab.clock.now_s()
-            self._diary.event("training", start_s, detail=_shown(place))
+            ending.start_s = self._context.clock.now_s()
+            self._events.event("training", start_s, detail=_shown(place))
 
-    def _show(self, loop: FrameLoop, place: Place) -> str:
-        protocol, number = self._lab.protocol, place.trial or 0
+    def _show(self, loop: FrameLoop, place: TrialPlace) -> str:
+        protocol, number = self._context.protocol, place.trial or 0
         condition, full_s = place.condition or "", protocol.exposure_s
         self._respondent.start_exposure(
-            Exposure(self._diary.session, number, place.scene, condition, full_s)
+            Exposure(self._events.session, number, place.scene, condition, full_s)
         )
         ratings = protocol.ratings
         schedule = RatingSchedule(ratings, self._respondent, full_s) if ratings else None
-        start_s = self._lab.clock.now_s()
+        start_s = self._context.clock.now_s()
         try:
             return loop.show(
-                self._exhibit(place, number, self._lab.exposure_s),
+                Stimulus(number, condition, self._context.exposure_s),
                 schedule=schedule,
-                progress=self._watch("exposure", place, self._lab.exposure_s),
+                progress=self._watch("exposure", place, self._context.exposure_s),
             )
         finally:
-            self._diary.event("exposure", start_s, detail=_shown(place))
+            self._events.event("exposure", start_s, detail=_shown(place))
             self._note_clamps(place)
 
-    def _note_clamps(self, place: Place) -> None:
+    def _note_clamps(self, place: TrialPlace) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
-        for sentence in self._lab.renderer.clamps():
-            self._diary.event("blur_limited", detail=sentence)
-            self._ledger.clamp(f"{_shown(place)}: {sentence}")
+        for sentence in self._context.renderer.clamps():
+            self._events.event("blur_limited", detail=sentence)
+            self._manifest.clamp(f"{_shown(place)}: {sentence}")
 
-    def _exhibit(self, place: Place, number: int, duration_s: float) -> Exhibit:
-        return Exhibit(number, place.condition or "", duration_s, self._lab.stretch)
+    def _watch(self, step: Step, place: TrialPlace, total_s: float) -> partial[None]:
+        return partial(self._events.tell, step, place, total=total_s)
 
-    def _watch(self, step: Step, place: Place, total_s: float) -> partial[None]:
-        return partial(self._diary.tell, step, place, total=total_s)
-
-    def _identity(self, place: Place, start_s: float) -> dict[str, Any]:
+    def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:
         """Return what is known of a trial's row when the exposure begins."""
         before = self._interrupted.attempts if self._interrupted else {}
         return {
-            "participant": self._diary.participant,
-            "session": self._diary.session,
+            "participant": self._context.participant,
+            "session": self._events.session,
             "period": place.period or 0,
             "block": place.block or 0,
             "trial": place.trial or 0,
@@ -262,33 +240,33 @@ class SessionFlow:
             "resumed": int(self._interrupted is not None),
         }
 
-    def _write_trial(self, place: Place, ending: _Ending) -> None:
-        limit_percent = self._lab.protocol.max_dropped_percent
+    def _write_trial(self, place: TrialPlace, ending: _Ending) -> None:
+        limit_percent = self._context.protocol.max_dropped_percent
         trial = TrialRow(
             **self._identity(place, ending.start_s),
-            end_s=self._lab.clock.now_s(),
+            end_s=self._context.clock.now_s(),
             status=ending.status,
             abort_code=ending.abort_code,
             frames=self._log.frames,
             dropped=self._log.dropped,
         )
         timing = timing_row(trial, self._log.timing, limit_percent)
-        self._diary.recorder.write(timing, trial)
+        self._events.recorder.write(timing, trial)
         if timing.flagged:
             share = f"{timing.dropped_percent:g} % of {trial.frames} frames dropped"
             text = f"trial {trial.trial}, attempt {trial.attempt}: {share}"
-            self._diary.event("timing_flag", detail=f"{text}; the limit is {limit_percent:g} %")
-            self._ledger.flag(text)
+            self._events.event("timing_flag", detail=f"{text}; the limit is {limit_percent:g} %")
+            self._manifest.flag(text)
 
 
-def _places(sequence: Sequence, session: int) -> list[Place]:
+def _places(sequence: Sequence, session: int) -> list[TrialPlace]:
     """Return the trials of a session; periods count over the sessions before it."""
     before = sum(len(each) for each in sequence.sessions[: session - 1])
     return [
-        Place(before + number, 1, number, trial.condition, trial.scene)
+        TrialPlace(before + number, 1, number, trial.condition, trial.scene)
         for number, trial in enumerate(sequence.sessions[session - 1], start=1)
     ]
 
 
-def _shown(place: Place) -> str:
+def _shown(place: TrialPlace) -> str:
     return f"{place.condition} in {place.scene}"

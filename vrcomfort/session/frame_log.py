@@ -9,7 +9,7 @@ from typing import Protocol
 
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, FocusSample, Frame, GpuTime
 from vrcomfort.records import FrameRow, GazeRow, Row
-from vrcomfort.session.parts import RenderedFrame
+from vrcomfort.session.interfaces import RenderedFrame
 from vrcomfort.session.timing import TrialTiming
 
 _LATEST_FRAMES = 16

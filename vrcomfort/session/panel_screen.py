@@ -10,9 +10,8 @@ import numpy as np
 
 from vrcomfort.errors import headset_ended
 from vrcomfort.frame import Frame, HeadsetEvent
-from vrcomfort.geometry import Pose, Quad
+from vrcomfort.geometry import Pose, Quad, heading
 from vrcomfort.headset.inputs import Inputs
-from vrcomfort.headset.playback import heading
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Picture
 from vrcomfort.respondent.pointing import Pointing

@@ -71,7 +71,7 @@ def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:
 _NEEDED = {"protocol", "seed", "sequence", "respondent", "exposure_s", "timing_flags"}
 
 
-class Earlier:
+class InterruptedSessions:
     """What was recorded of the interrupted sessions of a participant."""
 
     def __init__(self, study: Path, participant: str, numbers: Iterable[int]) -> None:

@@ -1,48 +1,67 @@
-"""Takes one participant through their sessions and keeps everything that happened."""
+"""Runs the sessions of an enrolment and keeps everything that happened."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from pathlib import Path
-
-from vrcomfort.protocol import Protocol
-from vrcomfort.records import Machine
+from vrcomfort.records import Machine, enrol
 from vrcomfort.respondent import Respondent
-from vrcomfort.session.clock import Clock
+from vrcomfort.session.clock import Clock, VirtualClock
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.enrolment import Enrolment
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import silent as no_progress
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.parts import HeadsetFor, LoadScene, ProgressCallback, Renderer
-from vrcomfort.session.parts import silent as no_progress
-from vrcomfort.session.reserve import reserve
-from vrcomfort.session.work import Outcome
+from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
 
 
 def run(
-    protocol: Protocol,
-    participant: str,
+    enrolment: Enrolment,
     *,
-    study: Path,
-    load_scene: LoadScene,
-    headset_for: HeadsetFor,
-    renderer: Renderer,
     respondent: Respondent,
+    headset_for: HeadsetFor,
+    load_scene: LoadScene,
+    renderer: Renderer,
     clock: Clock | None = None,
-    seed: int | None = None,
-    sessions: Iterable[int] | None = None,
-    exposure_s: float | None = None,
-    resume: bool = False,
     machine: Machine | None = None,
     screen: PanelScreen | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
-    """Run the sessions of one participant that are not on disk yet, or those asked for.
+    """Run the sessions that an enrolment has chosen.
 
-    For parameters and errors see `reserve` and `Reservation.run`.
+    Parameters
+    ----------
+    enrolment
+        Of `open_enrolment`, which is still open.
+    clock
+        `VirtualClock` (the default) for simulated participants, `WallClock` for people.
+    screen
+        Where questions are asked in the headset: what happens to it meanwhile is recorded.
+
+    Returns
+    -------
+    Outcome
+        Ctrl-C ends in status "aborted", with everything written and all files closed.
+
+    Raises
+    ------
+    InputError
+        If the disk refuses, or the headset's runtime goes away; what is there stays.
     """
-    with reserve(
-        protocol, participant, study=study, respondent=respondent.name, seed=seed,
-        sessions=sessions, exposure_s=exposure_s, resume=resume,
-    ) as place:  # fmt: skip
-        return place.run(
-            load_scene=load_scene, headset_for=headset_for, renderer=renderer,
-            respondent=respondent, clock=clock, machine=machine, screen=screen, progress=progress,
-        )  # fmt: skip
+    row = enrol(enrolment.study, enrolment.design, enrolment.participant)
+    context = SessionContext(
+        protocol=enrolment.protocol,
+        study=enrolment.study,
+        participant=enrolment.participant,
+        sequence=enrolment.design.sequence(row.sequence),
+        seed=enrolment.design.seed,
+        exposure_s=enrolment.exposure_s,
+        respondent=respondent,
+        headset_for=headset_for,
+        load_scene=load_scene,
+        renderer=renderer,
+        clock=clock or VirtualClock(),
+        machine=machine or Machine(),
+        screen=screen,
+        progress=progress,
+    )
+    interrupted = enrolment.interrupted.take_up()
+    return ParticipantSessions(context, interrupted).run(enrolment.numbers)

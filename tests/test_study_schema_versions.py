@@ -1,0 +1,97 @@
+"""Folders of the first version still read; those of a version to come are refused."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from vrcomfort.cli import main
+from vrcomfort.records.schema import ADDED_COLUMNS, SCHEMA_VERSION
+from vrcomfort.traces.trace import read_trace
+
+FIRST = Path(__file__).parent / "data" / "study_of_schema_1"
+SMALL = ("--size", "64x80", "--refresh-hz", "40", "--quiet")
+
+
+@pytest.fixture
+def study(tmp_path: Path) -> Path:
+    return Path(shutil.copytree(FIRST, tmp_path / "study"))
+
+
+@pytest.fixture
+def vrcomfort(monkeypatch: pytest.MonkeyPatch):
+    def run(*words: object) -> None:
+        monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, words)])
+        main()
+
+    return run
+
+
+def succeeds(call, *words: object) -> None:
+    with pytest.raises(SystemExit) as ended:
+        call(*words)
+    assert not ended.value.code
+
+
+def resume(call, study: Path) -> None:
+    """Continue P02, with the text of the protocol that the study was begun with."""
+    manifest = json.loads((study / "sub-P02/ses-1/manifest.json").read_text())
+    protocol = study.with_name("smoke.toml")
+    protocol.write_text(manifest["protocol"]["text"])
+    words = ("--participant", "P02", "--out", study, "--respondent", "simulated", "--resume")
+    call("run", protocol, *words, *SMALL)
+
+
+def rows(file: Path) -> list[dict[str, str]]:
+    with file.open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_study_of_the_first_version_is_reported(study, vrcomfort, tmp_path):
+    succeeds(vrcomfort, "report", study, "--out", tmp_path / "report")
+    results = json.loads((tmp_path / "report" / "results.json").read_text())
+    assert results
+
+
+def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
+    frames = study / "sub-P01/ses-1/frames.csv"
+    assert len(read_trace(frames)) == len(rows(frames))
+    words = ("--scene", "temple", "--out", tmp_path / "played", "--no-video")
+    succeeds(vrcomfort, "play", frames, *words, "--size", "64x80", "--frames", "3")
+    assert len(rows(tmp_path / "played" / "frames.csv")) == 3
+
+
+def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
+    session = study / "sub-P02/ses-1"
+    before = {name: (session / name).read_bytes() for name in ADDED_COLUMNS}
+    succeeds(resume, vrcomfort, study)
+    for name, text in before.items():
+        assert (session / f"{name}.schema1").read_bytes() == text, "what was there is kept"
+    trials = rows(session / "trials.csv")
+    assert [row["status"] for row in trials] == [
+        "completed", "completed", "aborted", "completed", "completed"
+    ]  # fmt: skip
+    assert {row["missed_refreshes"] for row in trials[:2]} == {""}, "it was not recorded"
+    frames = rows(session / "frames.csv")
+    assert len(read_trace(session / "frames.csv")) == len(frames)
+    old = list(csv.DictReader(before["frames.csv"].decode().splitlines()))
+    kept = [{name: row[name] for name in old[0]} for row in frames[: len(old)]]
+    assert kept == old
+    assert json.loads((session / "manifest.json").read_text())["schema_version"] == SCHEMA_VERSION
+
+
+@pytest.mark.parametrize("version", [SCHEMA_VERSION + 1, "two", 0, 1.5, None, True])
+@pytest.mark.parametrize("what", ["manifest", "description"])
+def test_what_a_later_version_wrote_is_refused(study, vrcomfort, capsys, version, what):
+    of_session = study / "sub-P02/ses-1/manifest.json"
+    file = of_session if what == "manifest" else study / "dataset_description.json"
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps({**content, "schema_version": version}))
+    with pytest.raises(SystemExit) as ended:
+        resume(vrcomfort, study)
+    assert ended.value.code == 2
+    said = capsys.readouterr().err
+    assert file.name in said.replace("\n", "")
+    assert "version" in said

@@ -1,0 +1,112 @@
+"""`demo`: a whole simulated study with its report and a few pictures."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vrcomfort.cli.options import Quiet, Seed, output_option
+from vrcomfort.cli.outputs import output_folder
+from vrcomfort.cli.render_still import PoseText, still
+from vrcomfort.cli.simulate import simulate_study
+from vrcomfort.cli.terminal import console, warn
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import load_protocol
+from vrcomfort.resources import data_folder
+
+PROTOCOL = "carnegie_2015"
+SIZE_PX = (320, 400)
+PICTURE_SIZE_PX = (640, 800)
+PICTURE_POSES = {"temple": "-1,1.6,-4.3,47,-4,0", "mountain": "1.2,1.5,-1.9,-32,-8,0"}
+"""Close to something detailed, with the room or the range behind it."""
+REFRESH_HZ = 4.0
+EXPOSURE_S = 4.0
+"""16 frames an exposure that span 4 s of walking: about 500 stereo frames for 8 participants."""
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(demo)
+
+
+def demo(
+    out: Annotated[Path, output_option(help="Folder; an earlier demo in it is replaced.")] = Path(
+        "vrcomfort-demo"
+    ),
+    participants: Annotated[int, typer.Option("--participants", "-n", min=2, max=200)] = 8,
+    seed: Seed = 1,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate Carnegie & Rhee's study with shortened exposures, render it, and report.
+
+    The participants are simulated: the numbers show what a report looks like, and nothing else.
+
+    - `vrcomfort demo`
+    - `vrcomfort demo --out somewhere --participants 20`
+    """
+    study, pictures = _fresh(out)
+    say = console(quiet).print
+    say(f"Simulating {participants} participants, two sessions each ...")
+    outcomes = simulate_study(
+        load_protocol(PROTOCOL),
+        participants=participants,
+        out=study,
+        seed=seed,
+        playback_options=(SIZE_PX, None, REFRESH_HZ),
+        exposure_s=EXPOSURE_S,
+        quiet=quiet,
+    )
+    if outcomes[-1].status == "aborted":
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+    withdrawn = sum(outcome.status == "withdrawn" for outcome in outcomes)
+    say(f"{withdrawn} of {participants} withdrew. Rendering pictures ...")
+    files = _pictures(pictures)
+    say("Writing the report ...")
+    report = _report(study, out / "report")
+    console().print(f"\nStudy:    {study}")
+    for file in files:
+        console().print(f"Picture:  {file}")
+    console().print(f"Report:   {report}")
+
+
+def _fresh(out: Path) -> tuple[Path, Path]:
+    """Return new study and picture folders; only what a demo made is removed."""
+    parts = [out / name for name in ("study", "pictures", "report")]
+    foreign = [path for path in out.glob("*") if path not in parts] if out.is_dir() else []
+    if foreign:
+        message = f"holds {foreign[0].name}, which no demo made; choose another --out"
+        raise InputError(message, file=out)
+    output_folder(out)
+    for part in parts:
+        shutil.rmtree(part, ignore_errors=True)
+    return parts[0], parts[1]
+
+
+def _pictures(folder: Path) -> list[Path]:
+    """Draw each scene under each condition at a place where the difference shows."""
+    study = load_protocol(PROTOCOL)
+    return [
+        still(
+            scene,
+            condition,
+            poses=(PoseText("pose", PICTURE_POSES[scene]), PoseText("previous pose")),
+            size_px=PICTURE_SIZE_PX,
+            ipd_m=study.headset.ipd_m,
+            out=folder / f"{scene}_{condition.name}",
+        )
+        for scene in study.scenes
+        for condition in study.conditions
+    ]
+
+
+def _report(study: Path, out: Path) -> Path:
+    from vrcomfort.report import build_report
+
+    plan = data_folder("analysis") / f"{PROTOCOL}.toml"
+    summary = build_report(study, plan=plan, out=output_folder(out))
+    for warning in summary.warnings:
+        warn(warning)
+    return out / "index.html"

@@ -1,0 +1,95 @@
+"""Options and arguments that several commands have, with their help."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from vrcomfort.errors import InputError
+
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only what was asked for.")]
+Json = Annotated[bool, typer.Option("--json", help="Answer as JSON, for programs.")]
+Seed = Annotated[int, typer.Option(help="Every random choice derives from it.", min=0)]
+StudySeed = Annotated[
+    int | None,
+    typer.Option(
+        help="Every random choice derives from it. A study keeps its first one (else 0).", min=0
+    ),
+]
+Size = Annotated[str, typer.Option(metavar="WxH", help="Pixels of one eye's image.")]
+ProtocolArgument = Annotated[
+    str, typer.Argument(metavar="PROTOCOL", help="A TOML file, or a shipped one such as smoke.")
+]
+
+
+def output_path(text: str | Path) -> Path:
+    """Return where results go; an empty text, such as that of an unset variable, is no place.
+
+    Raises
+    ------
+    typer.BadParameter
+        Which the command line tells with the option's name.
+    """
+    if not str(text).strip():
+        raise typer.BadParameter("it is empty; write where the results go, . for this folder")
+    return Path(text)
+
+
+def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls it
+    """Return the option of a command for a path that it writes to (:func:`output_path`)."""
+    return typer.Option(*names, parser=output_path, metavar="PATH", help=help)
+
+
+StudyFolder = Annotated[
+    Path, output_option("--out", help="The study folder; made if it is not there.")
+]
+TraceOption = Annotated[
+    Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
+]
+ExposureOption = Annotated[
+    float | None,
+    typer.Option(
+        help="Shorten every exposure to this, at most the protocol's exposure_s; recorded.",
+        min=0.001,
+    ),
+]
+RefreshRate = Annotated[
+    float | None, typer.Option(help="Display rate; without it, the trace's own.", min=0.1)
+]
+
+
+def parse_size(text: str) -> tuple[int, int]:
+    """Read ``WIDTHxHEIGHT`` in pixels.
+
+    Raises
+    ------
+    InputError
+        If it is not two positive whole numbers, or larger than any headset's eye.
+    """
+    width, _, height = (side.lstrip("0") for side in text.lower().partition("x"))
+    given = text if len(text) <= 40 else f"{text[:40]}…"
+    if not (width.isdecimal() and height.isdecimal()):
+        raise InputError(f"--size {given!r} is not a size; write WIDTHxHEIGHT, for example 640x800")
+    if max(len(width), len(height)) > 4 or max(int(width), int(height)) > 8192:
+        raise InputError(
+            f"--size {given!r} has a side of more than 8192 pixels; choose a smaller one"
+        )
+    return int(width), int(height)
+
+
+SceneOption = Annotated[
+    str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
+]
+Out = Annotated[Path, output_option(help="Folder for the results; earlier ones are replaced.")]
+ProtocolOption = Annotated[
+    str | None, typer.Option(help="Protocol (file or name) that defines the condition.")
+]
+ConditionOption = Annotated[
+    str | None,
+    typer.Option(
+        help="A condition of the protocol. Without one: depth of field and rotation-cancelled "
+        "motion blur with their default settings."
+    ),
+]

@@ -1,0 +1,48 @@
+"""`report`: from answers to numbers and figures. Needs neither a GPU nor a headset."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vrcomfort.cli.options import Json, Quiet, output_option
+from vrcomfort.cli.outputs import output_folder
+from vrcomfort.cli.terminal import console, warn
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(report)
+
+
+def report(
+    study: Annotated[
+        Path,
+        typer.Argument(
+            metavar="STUDY",
+            help="A study folder, any folder that holds questionnaires.csv files, or one file.",
+        ),
+    ],
+    out: Annotated[Path, output_option(help="Folder for the report.")],
+    plan: Annotated[
+        Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
+    ] = None,
+    quiet: Quiet = False,
+    as_json: Json = False,
+) -> None:
+    """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG.
+
+    - `vrcomfort report out/demo/study --out out/demo/report`
+    - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
+    """
+    from vrcomfort.report import build_report
+
+    summary = build_report(study, plan=plan, out=output_folder(out))
+    for warning in summary.warnings:
+        warn(warning)
+    if as_json:
+        typer.echo((out / "results.json").read_text(encoding="utf-8"))
+    else:
+        console(quiet).print(f"Report: {out / 'index.html'}")

@@ -1,0 +1,177 @@
+"""`run`: a participant goes through a protocol and everything is recorded."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
+from vrcomfort.cli.options import (
+    ExposureOption,
+    ProtocolArgument,
+    Quiet,
+    RefreshRate,
+    StudyFolder,
+    StudySeed,
+    TraceOption,
+    parse_size,
+)
+from vrcomfort.cli.playback import PlaybackSetup, open_trace
+from vrcomfort.cli.run_desktop import desktop_setup
+from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
+from vrcomfort.cli.run_progress import SessionBars
+from vrcomfort.cli.run_rehearsal import rehearse
+from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
+from vrcomfort.cli.terminal import complain, console, warn
+from vrcomfort.errors import RuntimeLostError
+from vrcomfort.protocol import Protocol, load_protocol
+
+if TYPE_CHECKING:
+    from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.session import Outcome
+    from vrcomfort.session.rehearsal import Rehearsal
+
+EXIT_RUNTIME_LOST = 3
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(run)
+
+
+def run(
+    protocol: ProtocolArgument,
+    participant: Annotated[str, typer.Option(help="Letters and digits, for example P01.")],
+    out: StudyFolder,
+    headset: Annotated[HeadsetKind, typer.Option(help="What shows it.")] = HeadsetKind.PLAYBACK,
+    trace: TraceOption = None,
+    monado_trace: Annotated[
+        Path | None, typer.Option(help="Rehearse: a Monado runtime whose head follows this trace.")
+    ] = None,
+    monado_answers: Annotated[
+        Path | None, typer.Option(help="What its controllers answer: whole numbers, in order.")
+    ] = None,
+    respondent: Annotated[
+        RespondentKind | None,
+        typer.Option(help="Who answers; without it, the panel in a headset, else the terminal."),
+    ] = None,
+    session: Annotated[
+        int | None, typer.Option(help="Session number; without it, the next one.", min=1)
+    ] = None,
+    seed: StudySeed = None,
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels of one eye's image: 640x800, or the headset's."),
+    ] = None,
+    refresh_hz: RefreshRate = None,
+    exposure_s: ExposureOption = None,
+    resume: Annotated[
+        bool,
+        typer.Option("--resume", help="Continue an interrupted session at its next exposure."),
+    ] = False,
+    mirror: Annotated[
+        bool, typer.Option("--mirror", help="OpenXR: show the operator what the participant sees.")
+    ] = False,
+    one_eye: Annotated[
+        bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Take one participant through one session.
+
+    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept, and --resume
+    continues. The exit code is 130 after Ctrl-C, 3 where the headset's runtime went away.
+
+    - `vrcomfort run smoke --participant P01 --out my_study`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --mirror`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset desktop`
+    """
+    study = load_protocol(protocol)
+    options = {
+        "--trace": trace,
+        "--refresh-hz": refresh_hz,
+        "--monado-trace": monado_trace,
+        "--monado-answers": monado_answers,
+        "--mirror": mirror,
+        "--one-eye": one_eye,
+    }
+    require_meaning(headset, respondent, options)
+    size_px = parse_size(size) if size else None
+    playback = PlaybackSetup(
+        size_px or (640, 800),
+        study.headset.ipd_m,
+        open_trace(trace) if trace else None,
+        refresh_hz,
+        real_time=respondent is not RespondentKind.SIMULATED,
+    )
+    study_setup = StudySetup(study, out, playback, seed, exposure_s)
+    kind = respondent or usual_respondent(headset)
+    with ExitStack() as owned:
+        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers))
+        _require_gaze(headset, study, playback)
+        numbers = [session or next_session(out, participant)]
+        enrolment = owned.enter_context(
+            study_setup.open_enrolment(participant, numbers, kind, resume=resume)
+        )
+        headset_setup = _connect(owned, headset, study, size_px, options, rehearsal)
+        bars = owned.enter_context(SessionBars(quiet))
+        try:
+            outcome = study_setup.run(enrolment, kind, bars.tell, headset_setup)
+        except RuntimeLostError as error:
+            complain(str(error))
+            raise typer.Exit(EXIT_RUNTIME_LOST) from error
+    _tell(outcome, out, quiet)
+
+
+def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:
+    """Refuse a protocol whose focus needs to know where the eyes look, and cannot."""
+    if headset is HeadsetKind.PLAYBACK:
+        require_recorded_gaze(protocol.conditions, playback.trace)
+    else:
+        openxr = headset is HeadsetKind.OPENXR
+        require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+
+def _connect(
+    owned: ExitStack,
+    headset: HeadsetKind,
+    protocol: Protocol,
+    size_px: tuple[int, int] | None,
+    options: dict[str, Any],
+    rehearsal: Rehearsal | None,
+) -> HeadsetSetup | None:
+    if headset is HeadsetKind.OPENXR:
+        setup = openxr_setup(
+            protocol,
+            size_px=size_px,
+            refresh_hz=options["--refresh-hz"],
+            rehearsal=rehearsal,
+            mirror=options["--mirror"],
+        )
+        return owned.enter_context(setup)
+    if headset is HeadsetKind.DESKTOP:
+        one_eye = options["--one-eye"]
+        return owned.enter_context(desktop_setup(protocol, size_px=size_px, one_eye=one_eye))
+    return None
+
+
+def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
+    for warning in outcome.warnings:
+        warn(warning)
+    console(quiet).print(outcome_sentence(outcome, out))
+    if outcome.status == "aborted":
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def next_session(study: Path, participant: str) -> int:
+    """Return the number of the first session that is not recorded to its end."""
+    from vrcomfort.records import recorded_sessions, unfinished_sessions
+
+    done = set(recorded_sessions(study, participant))
+    done -= set(unfinished_sessions(study, participant))
+    return next(number for number in range(1, len(done) + 2) if number not in done)

@@ -1,0 +1,115 @@
+"""A session in an OpenXR headset, or a rehearsal of one with a Monado runtime of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
+from vrcomfort.cli.openxr_bindings import require_bindings
+from vrcomfort.cli.renderer import describe_machine
+from vrcomfort.protocol import Protocol
+
+if TYPE_CHECKING:
+    import moderngl
+
+    from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.respondent.panel import PanelRespondent
+    from vrcomfort.session.panel_screen import PanelScreen
+    from vrcomfort.session.rehearsal import Rehearsal
+
+
+def tracks_eyes() -> bool:
+    """Ask the active OpenXR runtime whether its headset has an eye tracker.
+
+    Raises
+    ------
+    InputError
+        If there is no runtime, or no headset; says what to do.
+    """
+    require_bindings()
+    from vrcomfort.headset.openxr.capabilities import find_headset
+
+    return find_headset().gaze
+
+
+@contextmanager
+def openxr_setup(
+    protocol: Protocol,
+    *,
+    size_px: tuple[int, int] | None = None,
+    refresh_hz: float | None = None,
+    rehearsal: Rehearsal | None = None,
+    mirror: bool = False,
+) -> Iterator[HeadsetSetup]:
+    """Connect to the active OpenXR runtime; everything is released at the end.
+
+    Parameters
+    ----------
+    rehearsal
+        Who moves the head and answers, where no person does.
+    mirror
+        Show the operator what the participant sees.
+
+    Raises
+    ------
+    InputError
+        If a part is missing; says what to do.
+    """
+    require_bindings()
+    from vrcomfort.gpu.gl import create_context
+    from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.session.panel_screen import PanelScreen
+
+    with ExitStack() as owned:
+        if mirror:
+            window, ctx = open_mirror(owned)
+        else:
+            window, ctx = None, create_context()
+            owned.callback(ctx.release)
+        settings = OpenXrSettings(
+            image_size_px=size_px,
+            refresh_hz=refresh_hz,
+            walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+        )
+        before_wait = rehearsal.before_frame if rehearsal else None
+        headset = owned.enter_context(
+            OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
+        )
+        screen = PanelScreen(headset)
+        renderer = StereoRenderer(
+            ctx,
+            headset.image_size_px,
+            on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
+        )
+        owned.callback(renderer.release)
+        machine = replace(
+            describe_machine(renderer, protocol),
+            runtime=headset.details["runtime"],
+            timing_trust=headset.timing.trust,
+        )
+        person = _person(screen, rehearsal, keyboard=mirror)
+        yield HeadsetSetup(headset, renderer, person, screen, machine)
+
+
+def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
+    """Open an operator's window; its context is to draw the frames."""
+    title = "vrcomfort: what the participant sees"
+    window, ctx = open_window(owned, title, (480, 600), participant=False)
+    from vrcomfort.headset.mirror import Mirror
+
+    return Mirror(ctx, window), ctx
+
+
+def _person(screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool) -> PanelRespondent:
+    """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent.panel import PanelRespondent
+
+    if rehearsal is None:
+        return PanelRespondent(screen, keyboard=keyboard)
+    rehearsal.screen = screen
+    watch, chose = rehearsal.watch, rehearsal.chose
+    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard)

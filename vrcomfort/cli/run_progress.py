@@ -1,0 +1,35 @@
+"""Shows how far the steps of a session have come."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import TYPE_CHECKING
+
+from vrcomfort.cli.terminal import progress_bar
+
+if TYPE_CHECKING:
+    from vrcomfort.session import Progress
+
+
+class SessionBars(ExitStack):
+    """A bar for each exposure and rest; the questionnaires speak for themselves."""
+
+    def __init__(self, quiet: bool) -> None:
+        super().__init__()
+        self._quiet = quiet
+        self._title = ""
+        self._done = 0.0
+
+    def tell(self, progress: Progress) -> None:
+        """Show how far a step of the session has come."""
+        timed = progress.step in {"training", "exposure", "rest"}
+        title = f"{progress.step} {progress.trial or ''}".strip() if timed else ""
+        if title != self._title:
+            self.close()
+            self._title, self._done = title, 0.0
+            if title:
+                bar = progress_bar(title, round(progress.total), quiet=self._quiet)
+                self._advance = self.enter_context(bar)
+        if title:
+            self._advance(progress.done - self._done)
+            self._done = progress.done

@@ -1,0 +1,44 @@
+"""`score`: from answers to scores. Needs neither a GPU nor a headset."""
+
+from __future__ import annotations
+
+import csv
+import io
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vrcomfort.cli.options import Json
+from vrcomfort.cli.terminal import answer
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import score_ssq
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(score)
+
+
+def score(
+    instrument: Annotated[str, typer.Argument(metavar="ssq", help="The questionnaire.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE.csv", help="Answers: one row a person.")],
+    as_json: Json = False,
+) -> None:
+    """Score questionnaires: a CSV (or JSON) of scores on standard output.
+
+    Items are found by their names, in any order; other columns are kept.
+
+    - `vrcomfort score ssq answers.csv > scores.csv`
+    """
+    if instrument != "ssq":
+        raise InputError(f"there is no scorer for {instrument!r}; the one there is: ssq")
+    rows = score_ssq(file)
+    if as_json:
+        answer(rows)
+        return
+    text = io.StringIO()
+    writer = csv.DictWriter(text, fieldnames=list(rows[0]) if rows else [], lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(rows)
+    typer.echo(text.getvalue(), nl=False)

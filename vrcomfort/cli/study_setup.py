@@ -1,0 +1,149 @@
+"""What `run` and `simulate` share: a study's folder, what draws its scenes, and who answers."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager
+from enum import StrEnum
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vrcomfort.cli.playback import PlaybackSetup
+from vrcomfort.cli.renderer import describe_machine, make_renderer
+from vrcomfort.cli.terminal import console, warn
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Protocol
+
+if TYPE_CHECKING:
+    from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.records import Machine
+    from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.respondent import Respondent
+    from vrcomfort.scene.data import Scene
+    from vrcomfort.session import Enrolment, Outcome, ProgressCallback
+
+
+class RespondentKind(StrEnum):
+    """Who answers."""
+
+    SIMULATED = "simulated"
+    TERMINAL = "terminal"
+    PANEL = "panel"
+
+
+class StudySetup:
+    """One study's protocol, folder, headset and renderer; scenes are loaded once.
+
+    Parameters
+    ----------
+    playback
+        Where there is no live headset.
+
+    Raises
+    ------
+    InputError
+        If exposures would be longer than the protocol's.
+    """
+
+    def __init__(
+        self,
+        protocol: Protocol,
+        study: Path,
+        playback: PlaybackSetup,
+        seed: int | None,
+        exposure_s: float | None,
+    ) -> None:
+        self._protocol = protocol
+        self._study = study
+        self._playback = playback
+        self._seed = seed
+        protocol.shown_s(exposure_s)  # refuses a longer one before anything is made
+        self._exposure_s = exposure_s
+        self._rendering: tuple[StereoRenderer, Machine] | None = None
+        self._load_scene = lru_cache(maxsize=None)(_load_scene)
+
+    def open_enrolment(
+        self,
+        participant: str,
+        sessions: list[int] | None,
+        kind: RespondentKind,
+        *,
+        resume: bool = False,
+    ) -> AbstractContextManager[Enrolment]:
+        """Return a participant who can be run; see `session.open_enrolment`."""
+        from vrcomfort.session import open_enrolment
+
+        return open_enrolment(
+            self._protocol,
+            participant,
+            study=self._study,
+            respondent=kind,
+            seed=self._seed,
+            sessions=sessions,
+            exposure_s=self._exposure_s,
+            resume=resume,
+        )
+
+    def run(
+        self,
+        enrolment: Enrolment,
+        kind: RespondentKind,
+        progress: ProgressCallback,
+        headset: HeadsetSetup | None = None,
+    ) -> Outcome:
+        """Run a participant's sessions in a headset, or without one on the playback."""
+        from vrcomfort import session
+
+        respondent = self._respondent(kind, enrolment, headset)
+        renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
+        simulated = kind is RespondentKind.SIMULATED
+        return session.run(
+            enrolment,
+            respondent=respondent,
+            headset_for=headset.headset_for if headset else self._playback,
+            load_scene=self._load_scene,
+            renderer=renderer,
+            clock=session.VirtualClock() if simulated else session.WallClock(),
+            machine=machine,
+            screen=headset.screen if headset else None,
+            progress=progress,
+        )
+
+    def _windowless(self) -> tuple[StereoRenderer, Machine]:
+        if self._rendering is None:
+            renderer = make_renderer(self._playback.size_px)
+            self._rendering = renderer, describe_machine(renderer, self._protocol)
+        return self._rendering
+
+    def _respondent(
+        self, kind: RespondentKind, enrolment: Enrolment, headset: HeadsetSetup | None
+    ) -> Respondent:
+        from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
+
+        if kind is RespondentKind.SIMULATED:
+            settings, seed = self._protocol.simulation, enrolment.design.seed
+            return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
+        if kind is RespondentKind.TERMINAL:
+            return TerminalRespondent(console())
+        if headset is None:
+            raise InputError("--respondent panel needs a headset to answer in")
+        return headset.panel
+
+
+def _load_scene(source: str) -> Scene:
+    from vrcomfort.scene.load import load_scene
+
+    scene = load_scene(source)
+    for warning in scene.warnings:
+        warn(warning)
+    return scene
+
+
+def outcome_sentence(outcome: Outcome, out: Path) -> str:
+    """Say what became of a participant's sessions."""
+    sessions = ", ".join(map(str, outcome.sessions))
+    note = f" ({outcome.note})" if outcome.note else ""
+    return (
+        f"{outcome.participant} ({outcome.sequence}): session {sessions} recorded, "
+        f"{outcome.status}{note}; {out / f'sub-{outcome.participant}'}"
+    )

@@ -1,0 +1,35 @@
+"""The version of what a study folder holds, and what each version added."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.errors import InputError
+
+SCHEMA_VERSION = 2
+"""Written into manifests and study descriptions. What has none is of version 1."""
+
+ADDED_COLUMNS: Mapping[str, tuple[str, ...]] = {
+    "trials.csv": ("missed_refreshes", "live_s", "frozen_s", "hidden_s", "unfocused_s"),
+    "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
+}
+"""What version 2 has and version 1 has not. A folder of version 1 that is continued gets them,
+blank: what they say was not recorded."""
+
+
+def check_schema_version(content: Mapping[str, Any], file: Path) -> None:
+    """Refuse what a newer version of this program has written.
+
+    Raises
+    ------
+    InputError
+        If the version is newer, or is none.
+    """
+    version = content.get("schema_version", 1)
+    if type(version) is not int or version < 1:
+        raise InputError(f"schema_version {version!r} is no version; restore it", file=file)
+    if version > SCHEMA_VERSION:
+        message = f"this was written in schema version {version}, and this vrcomfort knows up to"
+        raise InputError(f"{message} {SCHEMA_VERSION}; install a newer vrcomfort", file=file)

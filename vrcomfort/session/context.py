@@ -1,0 +1,52 @@
+"""What all parts of a participant's sessions share, built once and handed to each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from vrcomfort.protocol import Protocol, Sequence
+from vrcomfort.records import Machine
+from vrcomfort.respondent import Respondent
+from vrcomfort.session.clock import Clock
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.panel_screen import PanelScreen
+
+
+@dataclass(frozen=True, kw_only=True)
+class SessionContext:
+    """Whose sessions these are, and with what they are run; made by `vrcomfort.session.run`.
+
+    Parameters
+    ----------
+    study
+        The study folder.
+    sequence
+        What the participant meets in which order.
+    seed
+        Of the study.
+    exposure_s
+        How long an exposure is shown: the protocol's time, or less.
+    screen
+        Where questions are asked in the headset, None where they are asked elsewhere.
+    """
+
+    protocol: Protocol
+    study: Path
+    participant: str
+    sequence: Sequence
+    seed: int
+    exposure_s: float
+    respondent: Respondent
+    headset_for: HeadsetFor
+    load_scene: LoadScene
+    renderer: Renderer
+    clock: Clock
+    machine: Machine
+    screen: PanelScreen | None
+    progress: ProgressCallback
+
+    @property
+    def stretch(self) -> float:
+        """Return the protocol's seconds for each shown second."""
+        return self.protocol.exposure_s / self.exposure_s

@@ -1,0 +1,95 @@
+"""Makes sure that a participant can be run, before anything else is made ready for it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from vrcomfort.design import Design, build_design
+from vrcomfort.protocol import Protocol
+from vrcomfort.records import enrolled, only_run, open_study
+from vrcomfort.session.resume import InterruptedSessions, choose_sessions
+
+
+@dataclass(frozen=True, kw_only=True)
+class Enrolment:
+    """A participant whose sessions nobody else can run meanwhile; see `open_enrolment`.
+
+    Parameters
+    ----------
+    exposure_s
+        How long an exposure is shown: the protocol's time, or less.
+    numbers
+        Of the sessions to run.
+    interrupted
+        What is recorded of those among them that go on.
+    """
+
+    protocol: Protocol
+    participant: str
+    study: Path
+    design: Design
+    exposure_s: float
+    numbers: Sequence[int]
+    interrupted: InterruptedSessions
+
+
+@contextmanager
+def open_enrolment(
+    protocol: Protocol,
+    participant: str,
+    *,
+    study: Path,
+    respondent: str,
+    seed: int | None = None,
+    sessions: Iterable[int] | None = None,
+    exposure_s: float | None = None,
+    resume: bool = False,
+) -> Iterator[Enrolment]:
+    """Make sure that a participant can be run, and keep every other program from it.
+
+    Nothing is recorded yet, nobody enrolled, no headset needed: what is refused, is refused here.
+
+    Parameters
+    ----------
+    respondent
+        Name of the kind that will answer; one session is answered by one kind.
+    seed
+        Of the study: decides shuffled and random orders. `None` is the study's own (0 in a new
+        one). Recorded.
+    sessions
+        Which; default: all that are left.
+    exposure_s
+        Shortens the protocol's exposure (and training alike), for demonstrations; the
+        respondent's time is stretched back to the protocol's. Recorded.
+    resume
+        Continue a session that was interrupted: at the first exposure after the last completed
+        one, after a new baseline, with the settings and the random state of before.
+
+    Raises
+    ------
+    InputError
+        If the participant or session cannot be run: another program runs them, a session is
+        unfinished or on disk, the folder holds another study; or if exposures would be longer
+        than the protocol's.
+    """
+    protocol.shown_s(exposure_s)  # refused before anything is made
+    kept_seed = open_study(study, protocol, seed=seed)
+    with only_run(study, participant):
+        design = build_design(protocol, seed=kept_seed)
+        row = enrolled(study, participant)
+        chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
+        interrupted = InterruptedSessions(study, participant, chosen.unfinished)
+        sequence = row.sequence if row else ""
+        interrupted.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)
+        yield Enrolment(
+            protocol=protocol,
+            participant=participant,
+            study=study,
+            design=design,
+            exposure_s=protocol.shown_s(interrupted.exposure_s(exposure_s)),
+            numbers=chosen.numbers,
+            interrupted=interrupted,
+        )

@@ -1,0 +1,66 @@
+"""Events of one session and its progress, as they happen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from vrcomfort.frame import HeadsetEvent
+from vrcomfort.records import EventRow, Recorder
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.interfaces import Progress, Step
+
+
+@dataclass(frozen=True)
+class TrialPlace:
+    """Which trial something belongs to; all blank where it belongs to the whole session."""
+
+    period: int | None = None
+    block: int | None = None
+    trial: int | None = None
+    condition: str | None = None
+    scene: str = ""
+
+
+@dataclass(frozen=True)
+class EventLog:
+    """Writes events and tells progress under the name of one session."""
+
+    context: SessionContext
+    session: int
+    recorder: Recorder
+
+    def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now; without a start it is a moment."""
+        self.recorder.write(self._event(name, start_s, detail))
+
+    def note(self, happened: HeadsetEvent) -> None:
+        """Write, between two frames, what happened to the headset."""
+        self.event_soon(happened.name, detail=happened.detail)
+
+    def event_soon(self, name: str, *, detail: str = "") -> None:
+        """Write a moment between two frames: nothing waits for the disk."""
+        self.recorder.write_soon(self._event(name, None, detail))
+
+    def _event(self, name: str, start_s: float | None, detail: str) -> EventRow:
+        now_s = self.context.clock.now_s()
+        onset_s = now_s if start_s is None else start_s
+        return EventRow(onset_s, round(now_s - onset_s, 9), name, detail)
+
+    def tell(
+        self, step: Step, place: TrialPlace, done: float, total: float, text: str = ""
+    ) -> None:
+        """Tell how far a step has come."""
+        trial, condition = place.trial or 0, place.condition or ""
+        self.context.progress(
+            Progress(
+                step,
+                self.context.participant,
+                self.session,
+                trial=trial,
+                scene=place.scene,
+                condition=condition,
+                done=done,
+                total=total,
+                text=text,
+            )
+        )

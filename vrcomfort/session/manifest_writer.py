@@ -1,0 +1,106 @@
+"""Keeps a session's manifest up to date: what it showed, and what its continuation would need."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+from vrcomfort.headset.base import Headset
+from vrcomfort.protocol import Protocol as StudyProtocol
+from vrcomfort.records import Manifest, Recorder
+from vrcomfort.records.study import now
+from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
+from vrcomfort.respondent import Respondent
+
+
+@runtime_checkable
+class Remembering(Protocol):
+    """A respondent that can be put back into the state it was in, such as a simulated one."""
+
+    def memory(self) -> dict[str, Any]:
+        """Return that state as plain JSON."""
+
+    def recall(self, memory: dict[str, Any]) -> None:
+        """Be in that state again."""
+
+
+class ManifestWriter:
+    """The manifest of one session, written whenever something changes that must survive a crash."""
+
+    def __init__(self, manifest: Manifest, recorder: Recorder, respondent: Respondent) -> None:
+        self._manifest = manifest
+        self._recorder = recorder
+        self._respondent = respondent
+
+    def open(self) -> None:
+        """Write the manifest, with the memory that a continued session begins with."""
+        memory = self._manifest.memory
+        if memory is not None and isinstance(self._respondent, Remembering):
+            self._respondent.recall(memory)
+        self.boundary()
+
+    def boundary(self) -> None:
+        """Remember the respondent: no exposure is under way, a continuation may begin here."""
+        if isinstance(self._respondent, Remembering):
+            self._manifest.memory = self._respondent.memory()
+        self._manifest.under_way = None
+        self._write()
+
+    def begin_exposure(self, **row: Any) -> None:
+        """Note what a killed program could not write into ``trials.csv``."""
+        self._manifest.under_way = row
+        self._write()
+
+    def flag(self, sentence: str) -> None:
+        """Note a trial whose timing was worse than the protocol allows."""
+        self._manifest.timing_flags.append(sentence)
+        self._write()
+
+    def clamp(self, sentence: str) -> None:
+        """Note a limit that has shortened a blur."""
+        self._manifest.clamps.append(sentence)
+        self._write()
+
+    def close(self, status: str) -> None:
+        """Note how the run ended."""
+        manifest = self._manifest
+        manifest.status, manifest.finished_at = status, now()
+        manifest.frames_not_recorded = self._recorder.frames_not_recorded
+        if status != "aborted":
+            manifest.memory = manifest.under_way = None
+        self._write()
+
+    def note_headset(self, headset: Headset, ipd_m: float) -> None:
+        """Enter the headset when it is first used."""
+        if not self._manifest.headset:
+            self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
+            self._write()
+
+    def _write(self) -> None:
+        self._manifest.write(self._recorder.folder)
+
+
+def headset_facts(headset: Headset) -> dict[str, Any]:
+    """Return what a headset says of itself."""
+    return {
+        "name": headset.name,
+        "refresh_hz": headset.refresh_hz,
+        "image_size_px": list(headset.image_size_px),
+        **headset.details,
+    }
+
+
+def limits(protocol: StudyProtocol) -> list[str]:
+    """Return the clamps that the conditions put on the stimulus."""
+    found = []
+    for condition in protocol.conditions:
+        if blur := condition.depth_of_field:
+            radius = f"{blur.max_radius_percent:g} % of one eye's image width"
+            beyond = unlimited(condition)
+            limit = beyond.text if beyond else f"circle of confusion at most {radius} (radius)"
+            found.append(f"{condition.name}: {limit}")
+            if condition.focus.method == "gaze" and condition.focus.without_gaze == "nine_ray":
+                found.append(f"{condition.name}: without an eye tracker nine rays ahead find focus")
+        if motion := condition.motion_blur:
+            streak = f"{motion.max_radius_percent:g} % of one eye's image width"
+            found.append(f"{condition.name}: half a motion streak at most {streak}")
+    return found

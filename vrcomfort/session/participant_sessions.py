@@ -1,0 +1,155 @@
+"""The sessions of one participant: their files, their manifests, and how they ended."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+
+from vrcomfort.errors import InputError
+from vrcomfort.records import (
+    Interrupted,
+    Manifest,
+    Recorder,
+    completed_sessions,
+    facts_of_run,
+    set_status,
+)
+from vrcomfort.records.study import now
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog
+from vrcomfort.session.flow import SessionFlow, SessionStatus
+from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.manifest_writer import ManifestWriter, limits
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How far a participant came.
+
+    Parameters
+    ----------
+    status
+        completed (all sessions are on disk), enrolled (more to come), withdrawn or aborted.
+    sessions
+        Numbers of the sessions that this run recorded, also in part.
+    note
+        Why it ended early.
+    warnings
+        What somebody should look at: rows that a crash cut, trials with too many dropped frames.
+    """
+
+    participant: str
+    sequence: str
+    status: str
+    sessions: tuple[int, ...]
+    note: str = ""
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ParticipantSessions:
+    """The sessions of one participant, one after the other.
+
+    Parameters
+    ----------
+    interrupted
+        Session → how far it came, for those that go on.
+    """
+
+    context: SessionContext
+    interrupted: Mapping[int, Interrupted]
+    notices: list[str] = field(default_factory=list)
+
+    def run(self, numbers: Iterable[int]) -> Outcome:
+        """Run sessions until one is not completed."""
+        ran: list[int] = []
+        for number in numbers:
+            ran.append(number)
+            status, note = self._session(number)
+            if status != "completed":
+                break
+        study, participant = self.context.study, self.context.participant
+        if status == "withdrawn":
+            set_status(study, participant, "withdrawn", f"session {ran[-1]}: {note}")
+            return self._outcome(status, ran, note)
+        if status == "aborted":
+            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted")
+            return self._outcome(status, ran, note)
+        complete = completed_sessions(study, participant)
+        all_done = len(complete) == len(self.context.sequence.sessions)
+        status_now = "completed" if all_done else "enrolled"
+        set_status(study, participant, status_now)
+        return self._outcome(status_now, ran)
+
+    def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
+        name, warnings = self.context.sequence.name, tuple(self.notices)
+        return Outcome(self.context.participant, name, status, tuple(ran), note, warnings)
+
+    def _session(self, number: int) -> tuple[SessionStatus, str]:
+        context = self.context
+        context.progress(Progress("session", context.participant, number))
+        before = self.interrupted.get(number)
+        study, participant, resumed = context.study, context.participant, before is not None
+        with Recorder(study, participant, number, resumed=resumed) as recorder:
+            manifest = self._manifest(number, before)
+            writer = ManifestWriter(manifest, recorder, context.respondent)
+            events = EventLog(context, number, recorder)
+            if context.screen is not None:
+                context.screen.notice = events.note
+            flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
+            manifest.write(recorder.folder)
+            try:
+                status, note = _kept(flow, writer, recorder)
+            finally:
+                self._look_at(number, manifest, before)
+        context.progress(Progress("end", context.participant, number, text=status))
+        return status, note
+
+    def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
+        context = self.context
+        then = before.manifest if before else {}
+        return Manifest(
+            participant=context.participant,
+            session=number,
+            sequence=context.sequence.name,
+            protocol=context.protocol,
+            machine=context.machine,
+            headset={},
+            respondent=context.respondent.name,
+            seed=context.seed,
+            exposure_s=context.exposure_s,
+            started_at=now(),
+            clamps=limits(context.protocol),
+            earlier_runs=[*then.get("earlier_runs", []), *([facts_of_run(then)] if then else [])],
+            timing_flags=list(then.get("timing_flags", [])),
+            memory=then.get("memory"),
+        )
+
+    def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
+        """Tell what was cut off, and write into the participant's note what was flagged."""
+        flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
+        self.notices.extend([*(before.warnings if before else ()), *flags])
+        if flags:
+            note = "; ".join(f"session {number}, {flag}" for flag in flags)
+            with suppress(InputError):  # it stands in the manifest and in the events, too
+                set_status(self.context.study, self.context.participant, "enrolled", note)
+
+
+def _kept(
+    flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
+) -> tuple[SessionStatus, str]:
+    """Run a session and write into its manifest how it ended, whatever ended it."""
+    status: SessionStatus = "aborted"
+    note = ""
+    try:
+        status, note = flow.run()
+        recorder.flush()
+    except KeyboardInterrupt:
+        status, note = "aborted", "stopped by the operator"
+    except BaseException:
+        with suppress(InputError):  # the first error is the one to tell
+            writer.close("aborted")
+        raise
+    writer.close(status)
+    return status, note
