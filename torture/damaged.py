@@ -18,7 +18,7 @@ import numpy as np
 from torture.case import HANG, OTHER, Outcome, Result, Rig
 from torture.mutate import Rng, in_json, pick, worse
 from torture.session import TRIALS, Ended, Victim, run_words, session_folder
-from torture.worker import workers
+from torture.worker import named, workers
 from vrcomfort.cli import main as command_line
 
 START_S, CASE_S = 60.0, 40.0
@@ -51,7 +51,9 @@ def _interrupt(folder: Path) -> Outcome | None:
     victim = Victim(run_words(folder / "study"), folder / "said.txt")
 
     def in_last_exposure() -> bool:
-        shown = [row for row in victim.rows("frames.csv") if dict(row.cells)["trial"] == str(TRIALS)]
+        shown = [
+            row for row in victim.rows("frames.csv") if dict(row.cells)["trial"] == str(TRIALS)
+        ]
         return len(shown) > 20
 
     reached = victim.wait_for(in_last_exposure, START_S)
@@ -69,19 +71,15 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     done = damage(study, number, np.random.default_rng(seed))
     resumed = number % 2 == 0
     report = ["report", str(study), "--out", str(folder / "report"), "--quiet"]
-    ended = command(run_words(study, "--resume") if resumed else report)
+    changes = "; ".join(f"{file}: {change}" for file, change in done.items())
+    name = f"{'--resume' if resumed else 'report'} after {changes}"
+    with named(name):
+        ended = command(run_words(study, "--resume") if resumed else report)
     fault, detail = ended.fault({0, 2})
     handed, lost = _rows_kept(before, done)
     if not fault and resumed and ended.code == 0 and "nobody planned" in "".join(done.values()):
         fault, detail = _all_shown(study)
-    what = "; ".join(f"{file}: {change}" for file, change in done.items())
-    return {
-        "name": f"{'--resume' if resumed else 'report'} after {what}",
-        "handed": handed,
-        "lost": lost,
-        "fault": fault,
-        "detail": detail,
-    }
+    return {"name": name, "handed": handed, "lost": lost, "fault": fault, "detail": detail}
 
 
 def command(words: list[str]) -> Ended:

@@ -13,7 +13,7 @@ import numpy as np
 from torture import small_scene
 from torture.case import OTHER, Result, Rig
 from torture.mutate import worse
-from torture.worker import workers
+from torture.worker import named, workers
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
@@ -64,7 +64,8 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     file.write_bytes(worse(good[int(rng.integers(len(good)))], file.suffix, rng))
     fault = detail = ""
     try:
-        kind.read(file)
+        with named(kind_name):
+            kind.read(file)
     except InputError as error:
         if "\n" in str(error):
             fault, detail = OTHER, f"more than one line: {str(error)[:200]!r}"
@@ -82,7 +83,9 @@ def _shipped(pattern: str) -> Callable[[], list[bytes]]:
 
 
 def _walks() -> list[bytes]:
-    return [b"".join(walk.splitlines(True)[:TRACE_LINES]) for walk in _shipped("scenes/*walk.csv")()]
+    return [
+        b"".join(walk.splitlines(True)[:TRACE_LINES]) for walk in _shipped("scenes/*walk.csv")()
+    ]
 
 
 def _gaze() -> list[bytes]:

@@ -72,9 +72,7 @@ def _case(folder: Path, make: Callable[[Path], Disk], seed: int, *, after_end: b
         shutil.rmtree(folder / "disk", ignore_errors=True)
 
 
-def _judge(
-    folder: Path, disk: Disk, victim: Victim, finish: Callable[..., Outcome]
-) -> Outcome:
+def _judge(folder: Path, disk: Disk, victim: Victim, finish: Callable[..., Outcome]) -> Outcome:
     found = Findings()
     over = victim.process.poll() is not None
     cut_ns = victim.send(signal.SIGSTOP)

@@ -10,7 +10,7 @@ from typing import Any
 
 from torture.case import OTHER, Result, Rig
 from torture.small_scene import HOSTILE, REFUSED
-from torture.worker import workers
+from torture.worker import named, workers
 from vrcomfort.errors import InputError
 from vrcomfort.scene.load import load_scene
 
@@ -43,7 +43,8 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     began_s = time.monotonic()
     fault, became = "", "loaded"
     try:
-        load_scene(path)
+        with named(name):
+            load_scene(path)
     except InputError as error:
         became = f"refused: {error.message}"
     took_s, peak_mb = time.monotonic() - began_s, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

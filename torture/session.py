@@ -14,6 +14,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,6 +23,7 @@ from torture.case import HANG, OTHER, TRACEBACK, Outcome
 
 STUDY = Path(__file__).with_name("study.toml")
 ROOT = Path(__file__).resolve().parent.parent
+TRACE = ROOT / "scenes" / "temple_walk.csv"
 PARTICIPANT = "P01"
 TRIALS, ITEMS = 3, 16
 ANSWER_S = 0.03
@@ -70,7 +72,8 @@ def run_words(study: Path, *more: str) -> list[str]:
     """Return the command that runs the session."""
     return [
         *("run", str(STUDY), "--participant", PARTICIPANT, "--out", str(study)),
-        *("--respondent", "simulated", "--size", "32x40", "--refresh-hz", "20", "--quiet", *more),
+        *("--respondent", "simulated", "--size", "32x40", "--refresh-hz", "20"),
+        *("--trace", str(TRACE), "--quiet", *more),
     ]
 
 
@@ -179,10 +182,8 @@ Rows = Counter[tuple[str, tuple[tuple[str, str], ...]]]
 
 def kill_group(process: subprocess.Popen[Any]) -> None:
     """Kill a program and what it has started."""
-    try:
+    with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
     process.wait()
 
 
@@ -274,9 +275,7 @@ class Findings:
     def outcome(self, *, name: str, seed: int, folder: Path) -> Outcome:
         """Return what became of the case; its files stay only where something is wrong."""
         detail = "; ".join(self.details)
-        outcome = Outcome(
-            name, seed, self.handed, self.lost, self.never_asked, self.fault, detail
-        )
+        outcome = Outcome(name, seed, self.handed, self.lost, self.never_asked, self.fault, detail)
         if outcome.happened == "ok":
             shutil.rmtree(folder, ignore_errors=True)
         return outcome

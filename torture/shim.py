@@ -39,7 +39,7 @@ def install(study: Path, disk: Path) -> None:
 
 
 def _keep(number: int, root: Path, disk: Path) -> None:
-    path = Path(os.readlink(f"/proc/self/fd/{number}"))
+    path = Path(f"/proc/self/fd/{number}").readlink()
     if not path.is_relative_to(root):
         return
     found = os.fstat(number)

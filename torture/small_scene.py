@@ -183,7 +183,9 @@ HOSTILE: Mapping[str, Callable[[Path], Path]] = {
     "JSON nested 10^6 deep": _nested,
     "a picture of 30,000 × 30,000 pixels": lambda at: _pictures(at, picture(30_000, 30_000)),
     "300 pictures of 4,096 × 4,096": lambda at: _pictures(at, *[picture(4096, 4096)] * 300),
-    "a picture that says 65,000 × 65,000": lambda at: _pictures(at, picture(65_000, 65_000, cut=True)),
+    "a picture that says 65,000 × 65,000": lambda at: _pictures(
+        at, picture(65_000, 65_000, cut=True)
+    ),
 }
 """May be loaded or refused, but within the limits."""
 

@@ -13,6 +13,7 @@ import functools
 import json
 import os
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -48,8 +49,6 @@ def main() -> None:
         observe(Observer(options.tell), options.answer_s)
     if options.pace:
         pace()
-    import sys
-
     sys.argv = ["vrcomfort", *options.command]
     command_line()
 

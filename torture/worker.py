@@ -17,7 +17,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -43,7 +43,10 @@ def main() -> None:
 
 
 def _judge(cases: Any, folder: Path, number: int, seed: int) -> dict[str, Any]:
-    """Run a case: it returns what became of it, or raises what should never be raised."""
+    """Run a case: it returns what became of it, or raises what should never be raised.
+
+    A note on what it raises is its name.
+    """
     try:
         found: dict[str, Any] = cases.case(folder, number, seed)
     except Exception as error:  # of any kind: it is what this looks for
@@ -52,8 +55,19 @@ def _judge(cases: Any, folder: Path, number: int, seed: int) -> dict[str, Any]:
             where = where.tb_next
         place = f"{where.tb_frame.f_code.co_filename}:{where.tb_lineno}" if where else ""
         detail = f"{type(error).__name__}: {str(error)[:200]} ({place})"
-        return {"fault": TRACEBACK, "detail": detail}
+        names = getattr(error, "__notes__", [])
+        return {"fault": TRACEBACK, "detail": detail} | ({"name": names[0]} if names else {})
     return found
+
+
+@contextmanager
+def named(name: str) -> Iterator[None]:
+    """Give what is raised inside the name of its case."""
+    try:
+        yield
+    except Exception as error:
+        error.add_note(name)
+        raise
 
 
 class Workers:
@@ -62,7 +76,7 @@ class Workers:
     Parameters
     ----------
     module
-        Has `case(folder, number, seed)`, and `name(number, seed)` for one that does not return.
+        Has `case(folder, number, seed)`.
     gigabytes
         Of address space; 0 is no limit.
     case_s
@@ -84,11 +98,9 @@ class Workers:
         """Have a case run."""
         worker = self._worker()
         asked = f"{number} {seed}\n".encode()
-        try:
+        with suppress(BrokenPipeError):  # it does not even start: its end is the answer
             worker.stdin.write(asked)
             worker.stdin.flush()
-        except BrokenPipeError:
-            pass  # it does not even start: its end is the answer
         first = self._mine.count == 0
         answer = self._answer(worker, self._case_s + START_TIMEOUT_S * first)
         self._mine.count += 1
@@ -135,10 +147,8 @@ class Workers:
     def _end(self, worker: Any) -> None:
         if not self._mine.late:  # it may be about to say why
             worker.stdin.close()
-            try:
+            with suppress(subprocess.TimeoutExpired):
                 worker.wait(5.0)
-            except subprocess.TimeoutExpired:
-                pass
         kill_group(worker)
 
     def close(self) -> None:
