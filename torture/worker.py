@@ -149,12 +149,19 @@ class Workers:
             worker.stdin.close()
             with suppress(subprocess.TimeoutExpired):
                 worker.wait(5.0)
-        kill_group(worker)
+        _put_away(worker)
 
     def close(self) -> None:
         """End all workers."""
         for worker in self._all:
-            kill_group(worker)
+            _put_away(worker)
+
+
+def _put_away(worker: Any) -> None:
+    kill_group(worker)
+    for pipe in (worker.stdin, worker.stdout):
+        with suppress(BrokenPipeError):
+            pipe.close()
 
 
 @contextmanager
