@@ -21,7 +21,7 @@ from vrcomfort.questionnaire import SSQ, score_ssq
 from vrcomfort.records import GazeRow, QuestionnaireRow
 from vrcomfort.report.plan import load_plan
 from vrcomfort.report.study_data import read_study
-from vrcomfort.resources import data_folder
+from vrcomfort.resources import Folder, data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import import_trace, read_trace
@@ -77,14 +77,13 @@ def _good(name: str) -> list[bytes]:
     return KINDS[name].good()
 
 
-def _shipped(pattern: str) -> Callable[[], list[bytes]]:
-    folder, _, names = pattern.partition("/")
+def _shipped(folder: Folder, names: str) -> Callable[[], list[bytes]]:
     return lambda: [file.read_bytes() for file in sorted(data_folder(folder).glob(names))]
 
 
 def _walks() -> list[bytes]:
     return [
-        b"".join(walk.splitlines(True)[:TRACE_LINES]) for walk in _shipped("scenes/*walk.csv")()
+        b"".join(walk.splitlines(True)[:TRACE_LINES]) for walk in _shipped("scenes", "*walk.csv")()
     ]
 
 
@@ -125,7 +124,7 @@ def _read_protocol(file: Path) -> object:
 
 def _side_cars() -> list[bytes]:
     """Return what shipped ones say of light and floors: nodes are their own scenes'."""
-    return [text.partition(b"\n[nodes")[0] for text in _shipped("scenes/*.toml")()]
+    return [text.partition(b"\n[nodes")[0] for text in _shipped("scenes", "*.toml")()]
 
 
 def _scene_file() -> list[bytes]:
@@ -133,8 +132,8 @@ def _scene_file() -> list[bytes]:
 
 
 KINDS: Mapping[str, Kind] = {
-    "protocols": Kind("protocol.toml", _shipped("protocols/*.toml"), _read_protocol),
-    "analysis plans": Kind("plan.toml", _shipped("analysis/*.toml"), load_plan),
+    "protocols": Kind("protocol.toml", _shipped("protocols", "*.toml"), _read_protocol),
+    "analysis plans": Kind("plan.toml", _shipped("analysis", "*.toml"), load_plan),
     "traces": Kind("trace.csv", _walks, read_trace),
     "gaze": Kind("gaze.csv", _gaze, read_gaze),
     "logs of Unity": Kind("unity.csv", _unity, import_trace),

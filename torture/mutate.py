@@ -39,20 +39,18 @@ def in_bytes(content: bytes, rng: Rng) -> bytes:
     at = int(rng.integers(len(content) + 1))
     length = int(2 ** rng.uniform(0, 8))
     piece = content[at : at + length]
-    return pick(
-        rng,
-        (
-            content[:at],
-            content[:at] + content[at + length :],
-            content[:at] + piece + piece + content[at + length :],
-            content[:at] + rng.bytes(length) + content[at + length :],
-            content[:at] + bytes(length) + content[at + length :],
-            content + bytes(length),
-            content[:at] + b"\xff\xfe\xed\xa0\x80" + content[at:],
-            content[at:] + content[:at],
-            b"",
-        ),
+    changed = (
+        content[:at],
+        content[:at] + content[at + length :],
+        content[:at] + piece + piece + content[at + length :],
+        content[:at] + rng.bytes(length) + content[at + length :],
+        content[:at] + bytes(length) + content[at + length :],
+        content + bytes(length),
+        content[:at] + b"\xff\xfe\xed\xa0\x80" + content[at:],
+        content[at:] + content[:at],
+        b"",
     )
+    return changed[int(rng.integers(len(changed)))]
 
 
 def in_json(content: bytes, rng: Rng, *, top: bool = False) -> bytes:

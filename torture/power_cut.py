@@ -64,8 +64,8 @@ def _case(folder: Path, make: Callable[[Path], Disk], seed: int, *, after_end: b
             victim.wait_for(lambda: False, END_S)
             moment_s = AFTER_END_S
         time.sleep(moment_s)
-        state = "no session any more" if after_end else victim.state()
-        name = f"cut in {state}, at {moment_s:.2f} s"
+        state = "after the end" if after_end else f"in {victim.state()}"
+        name = f"cut at {moment_s:.2f} s, {state}"
         return _judge(folder, disk, victim, partial(Findings.outcome, name=name, seed=seed))
     finally:
         disk.close()

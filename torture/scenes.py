@@ -39,7 +39,7 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     shutil.rmtree(place, ignore_errors=True)
     place.mkdir(parents=True)
     name = NAMES[number]
-    path = (REFUSED | HOSTILE)[name](place)
+    path = {**REFUSED, **HOSTILE}[name](place)
     began_s = time.monotonic()
     fault, became = "", "loaded"
     try:

@@ -30,7 +30,13 @@ ANSWER_S = 0.03
 LENGTH_S = 12.0
 """About how long a paced session takes from its first row to its last."""
 
-STATES = {"questionnaires.csv": "question", "frames.csv": "exposure", "ratings.csv": "exposure"}
+STATES = {
+    "questionnaires.csv": "a question",
+    "answer": "a question",
+    "frames.csv": "an exposure",
+    "ratings.csv": "an exposure",
+    "rest": "a rest",
+}
 SLOW_FILES = {"frames.csv", "gaze.csv", "timing.csv"}
 SLOW_S, QUICK_S = 1.2, 0.2
 """A row handed to the recorder so long before a power cut must be on the disk."""
@@ -131,7 +137,10 @@ class Victim:
     def state(self) -> str:
         """Return what the session was doing when it told its last row."""
         told = self.rows()
-        return STATES.get(told[-1].file, "between") if told else "start"
+        if not told:
+            return "the start"
+        last = dict(told[-1].cells).get("name")  # of an event
+        return STATES.get(last or told[-1].file, "between")
 
     def said(self) -> str:
         """Return what it has written on stderr."""
@@ -205,7 +214,7 @@ def missing(rows: Rows, study: Path) -> Rows:
         there = _table(session_folder(study) / file)
         columns = {tuple(name for name, _ in cells) for told, cells in rows if told == file}
         for names in columns:
-            found = Counter(tuple((name, row.get(name)) for name in names) for row in there)
+            found = Counter(tuple((name, row.get(name) or "") for name in names) for row in there)
             wanted = Counter(
                 {
                     cells: count
