@@ -113,13 +113,17 @@ def test_the_end_of_a_command_is_judged(ended: Ended, fault: str) -> None:
 
 
 def test_workers_tell_tracebacks_hangs_and_ends_apart_and_go_on(tmp_path: Path) -> None:
-    pool = Workers("tests.support.torture_cases", tmp_path, gigabytes=3, case_s=2.0)
+    pool = Workers(
+        "tests.support.torture_cases", tmp_path, name="case {}".format, gigabytes=3, case_s=2.0
+    )
     try:
         found = [pool.run(number, 7) for number in (0, 1, 2, 3, 4, 5, 0)]
     finally:
         pool.close()
     assert [each.fault for each in found] == ["", TRACEBACK, HANG, OTHER, TRACEBACK, OTHER, ""]
-    assert [found[index].name for index in (0, 1, 5)] == ["fine 7 in worker", "falls", "wrong"]
+    assert [found[index].name for index in (0, 1, 2, 5)] == [
+        "fine 7 in worker", "falls", "case 2", "wrong",
+    ]  # fmt: skip
     assert "KeyError: 'sickness'" in found[1].detail
     assert "MemoryError" in found[4].detail
 

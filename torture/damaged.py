@@ -33,7 +33,12 @@ def torture(rig: Rig) -> Result:
     folder = rig.place("damaged")
     if (fault := _interrupt(folder / REFERENCE)) is not None:
         return Result("damaged", [fault], "no session could be interrupted")
-    limits: dict[str, Any] = {"gigabytes": 0, "case_s": CASE_S, "renewed": BEFORE_RENEWAL}
+    limits: dict[str, Any] = {
+        "name": _command_of,
+        "gigabytes": 0,
+        "case_s": CASE_S,
+        "renewed": BEFORE_RENEWAL,
+    }
     count = rig.count(400, 40)
     with workers("torture.damaged", folder, **limits) as pool:
         outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 30)))
@@ -69,10 +74,10 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     shutil.copytree(folder.parent / REFERENCE / "study", study)
     before = {file: file.read_bytes() for file in session_folder(study).glob("*.csv")}
     done = damage(study, number, np.random.default_rng(seed))
-    resumed = number % 2 == 0
+    resumed = _command_of(number) == "--resume"
     report = ["report", str(study), "--out", str(folder / "report"), "--quiet"]
     changes = "; ".join(f"{file}: {change}" for file, change in done.items())
-    name = f"{'--resume' if resumed else 'report'} after {changes}"
+    name = f"{_command_of(number)} after {changes}"
     with named(name):
         ended = command(run_words(study, "--resume") if resumed else report)
     fault, detail = ended.fault({0, 2})
@@ -80,6 +85,10 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     if not fault and resumed and ended.code == 0 and "nobody planned" in "".join(done.values()):
         fault, detail = _all_shown(study)
     return {"name": name, "handed": handed, "lost": lost, "fault": fault, "detail": detail}
+
+
+def _command_of(number: int) -> str:
+    return ("--resume", "report")[number % 2]
 
 
 def command(words: list[str]) -> Ended:

@@ -42,7 +42,7 @@ class Kind(NamedTuple):
 def torture(rig: Rig) -> Result:
     """Have mutated files read."""
     count = rig.count(6000, 900)
-    limits: dict[str, Any] = {"gigabytes": GIGABYTES, "case_s": CASE_S}
+    limits: dict[str, Any] = {"name": _kind_of, "gigabytes": GIGABYTES, "case_s": CASE_S}
     with workers("torture.inputs", rig.place("inputs"), **limits) as pool:
         outcomes = list(rig.all("inputs", count, pool.run, limit_s=rig.count(240, 30)))
     how = (
@@ -55,7 +55,7 @@ def torture(rig: Rig) -> Result:
 
 def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
     """Change a file and read it."""
-    kind_name = list(KINDS)[number % len(KINDS)]
+    kind_name = _kind_of(number)
     kind, rng = KINDS[kind_name], np.random.default_rng(seed)
     good = _good(kind_name)
     file = folder / kind.name
@@ -70,6 +70,10 @@ def case(folder: Path, number: int, seed: int) -> dict[str, Any]:
         if "\n" in str(error):
             fault, detail = OTHER, f"more than one line: {str(error)[:200]!r}"
     return {"name": kind_name, "fault": fault, "detail": detail}
+
+
+def _kind_of(number: int) -> str:
+    return list(KINDS)[number % len(KINDS)]
 
 
 @cache

@@ -21,7 +21,12 @@ NAMES = (*REFUSED, *HOSTILE)
 def torture(rig: Rig) -> Result:
     """Load them, each in a process of its own."""
     count = rig.count(len(NAMES), len(REFUSED) + 4)
-    limits: dict[str, Any] = {"gigabytes": GIGABYTES, "case_s": CASE_S, "renewed": 1}
+    limits: dict[str, Any] = {
+        "name": NAMES.__getitem__,
+        "gigabytes": GIGABYTES,
+        "case_s": CASE_S,
+        "renewed": 1,
+    }
     with workers("torture.scenes", rig.place("scenes"), **limits) as pool:
         outcomes = list(rig.all("scenes", count, pool.run, limit_s=rig.count(240, 40)))
     how = (

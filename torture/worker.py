@@ -16,7 +16,7 @@ import select
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
@@ -77,6 +77,8 @@ class Workers:
     ----------
     module
         Has `case(folder, number, seed)`.
+    name
+        Of a case that does not return its own.
     gigabytes
         Of address space; 0 is no limit.
     case_s
@@ -86,11 +88,18 @@ class Workers:
     """
 
     def __init__(
-        self, module: str, folder: Path, *, gigabytes: int, case_s: float, renewed: int = 10**9
+        self,
+        module: str,
+        folder: Path,
+        *,
+        name: Callable[[int], str],
+        gigabytes: int,
+        case_s: float,
+        renewed: int = 10**9,
     ) -> None:
         self._words = [sys.executable, "-m", "torture.worker", module]
         self._folder, self._gigabytes = folder, gigabytes
-        self._case_s, self._renewed = case_s, renewed
+        self._case_s, self._renewed, self._name = case_s, renewed, name
         self._mine = threading.local()
         self._all: list[subprocess.Popen[bytes]] = []
 
@@ -107,7 +116,7 @@ class Workers:
         if answer is None or self._mine.count >= self._renewed:
             self._end(worker)
         answer = answer or self._end_of(worker)
-        return Outcome(**{"name": f"case {number}", "seed": seed, **answer})
+        return Outcome(**{"name": self._name(number), "seed": seed, **answer})
 
     def _worker(self) -> Any:
         worker = getattr(self._mine, "worker", None)
