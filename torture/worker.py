@@ -36,10 +36,11 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what a case prints is no answer
     cases: Any = importlib.import_module(module)
+    print("{}", file=answers, flush=True)  # ready: from here on time is that of cases
     for line in sys.stdin:
         number, seed = map(int, line.split())
-        answers.write(json.dumps(_judge(cases, Path(folder), number, seed)) + "\n")
-        answers.flush()
+        answer = _judge(cases, Path(folder), number, seed)
+        print(json.dumps(answer), file=answers, flush=True)
 
 
 def _judge(cases: Any, folder: Path, number: int, seed: int) -> dict[str, Any]:
@@ -110,8 +111,7 @@ class Workers:
         with suppress(BrokenPipeError):  # it does not even start: its end is the answer
             worker.stdin.write(asked)
             worker.stdin.flush()
-        first = self._mine.count == 0
-        answer = self._answer(worker, self._case_s + START_TIMEOUT_S * first)
+        answer = self._answer(worker, self._case_s)
         self._mine.count += 1
         if answer is None or self._mine.count >= self._renewed:
             self._end(worker)
@@ -135,6 +135,7 @@ class Workers:
                 )
             self._all.append(worker)
             self._mine.worker, self._mine.count = worker, 0
+            self._answer(worker, START_TIMEOUT_S)
         return worker
 
     def _answer(self, worker: Any, timeout_s: float) -> dict[str, Any] | None:
