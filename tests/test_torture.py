@@ -15,11 +15,12 @@ import pytest
 
 import torture
 from torture import __main__ as command
-from torture import inputs, session, shim, victim
+from torture import inputs, shim, victim
 from torture.case import HANG, OTHER, TRACEBACK, Outcome, Result, Rig
 from torture.damaged import damage
 from torture.mutate import worse
-from torture.session import Ended, Findings, Rows
+from torture.rows import PARTICIPANT, Rows, by_file, missing, session_folder
+from torture.session import Ended, Findings
 from torture.worker import Workers
 from vrcomfort.records import EventRow, QuestionnaireRow, RatingRow, Recorder
 
@@ -49,7 +50,7 @@ def recorded(study: Path, *, forgetful: bool) -> Rows:
     if forgetful:
         victim.forget()
     victim.observe(victim.Observer(writing), 0.0)
-    with Recorder(study, session.PARTICIPANT, 1) as recorder:
+    with Recorder(study, PARTICIPANT, 1) as recorder:
         recorder.write(answer("nausea"), answer("sweating"))
         recorder.replace(answer("nausea"), answer("nausea", 2))
         for number in range(10):
@@ -68,8 +69,8 @@ def test_a_recorder_that_keeps_all_rows_has_lost_none(
     recorder_put_back: None, tmp_path: Path
 ) -> None:
     rows = recorded(tmp_path, forgetful=False)
-    assert session.by_file(rows) == "10 of events.csv, 2 of questionnaires.csv, 1 of ratings.csv"
-    assert not session.missing(rows, tmp_path)
+    assert by_file(rows) == "10 of events.csv, 2 of questionnaires.csv, 1 of ratings.csv"
+    assert not missing(rows, tmp_path)
 
 
 def test_rows_that_a_recorder_forgets_are_counted_as_lost(
@@ -89,11 +90,11 @@ def test_a_row_cut_in_half_or_overwritten_with_zeros_is_lost(
     recorder_put_back: None, tmp_path: Path
 ) -> None:
     rows = recorded(tmp_path, forgetful=False)
-    file = session.session_folder(tmp_path) / "events.csv"
+    file = session_folder(tmp_path) / "events.csv"
     content = file.read_bytes()
     for damaged in (content[:-1], content[:-9] + bytes(9), content[:-9] + bytes(8) + b"\n"):
         file.write_bytes(damaged)
-        assert session.missing(rows, tmp_path).total() == 1
+        assert missing(rows, tmp_path).total() == 1
 
 
 @pytest.mark.parametrize(
@@ -169,7 +170,7 @@ def test_the_same_seed_makes_the_same_cases(tmp_path: Path) -> None:
     one, two = ([worse(content, ".csv", np.random.default_rng(5)) for _ in "12"] for _ in "12")
     assert one == two
     for folder in ("one", "two"):
-        place = session.session_folder(tmp_path / folder)
+        place = session_folder(tmp_path / folder)
         place.mkdir(parents=True)
         (place / "manifest.json").write_text('{"status": "running", "memory": {"a": 1}}')
         (place / "trials.csv").write_text("trial,status\n1,completed\n")
@@ -193,7 +194,7 @@ def test_the_exit_code_says_whether_anything_was_lost(
     monkeypatch.setattr(
         command, "TORTURES", {"signals": lambda _: Result("signals", [outcome], "how")}
     )
-    monkeypatch.setattr(command, "_in_own_namespace", lambda: None)
+    monkeypatch.setattr(command, "_prepare", lambda: None)
     monkeypatch.setattr(command, "_gpu", lambda: "a GPU")
     monkeypatch.setattr(sys, "argv", ["torture", "--out", str(tmp_path), "--only", "signals"])
     with pytest.raises(SystemExit) as ended:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from torture import damaged, disk_full, inputs, power_cut, runtime, scenes, signals, table
 from torture.case import Result, Rig
+from torture.session import kill_all
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import create_context, describe
 from vrcomfort.headset.monado import SERVICE
@@ -41,7 +43,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of all cases")
     parser.add_argument("--only", choices=sorted(TORTURES), nargs="+", help="run these")
     arguments = parser.parse_args()
-    _in_own_namespace()
+    _prepare()
     shutil.rmtree(arguments.out / "cases", ignore_errors=True)
     rig = Rig((arguments.out / "cases").resolve(), arguments.seed, arguments.short)
     results = []
@@ -72,6 +74,12 @@ def _gpu() -> str:
         return describe(create_context())["renderer"]
     except InputError:
         return "no OpenGL"
+
+
+def _prepare() -> None:
+    _in_own_namespace()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, kill_all)
 
 
 def _in_own_namespace() -> None:

@@ -54,11 +54,24 @@ class Outcome:
 
 
 class Result(NamedTuple):
-    """One torture's cases, and a sentence on how they came about."""
+    """One torture's cases, and a sentence on how they came about.
+
+    Parameters
+    ----------
+    planned
+        How many there would have been in unlimited time.
+    """
 
     name: str
     outcomes: Sequence[Outcome]
     how: str
+    planned: int = 0
+
+    @property
+    def story(self) -> str:
+        """How the cases came about, and whether there was time for all."""
+        missing = self.planned - len(self.outcomes)
+        return f"{self.how} No time was left for {missing} more cases." if missing > 0 else self.how
 
     def row(self) -> dict[str, Any]:
         """Return the torture's row in the table."""

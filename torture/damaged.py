@@ -17,7 +17,8 @@ import numpy as np
 
 from torture.case import HANG, OTHER, Outcome, Result, Rig
 from torture.mutate import Rng, in_json, pick, worse
-from torture.session import TRIALS, Ended, Victim, run_words, session_folder
+from torture.rows import TRIALS, session_folder
+from torture.session import Ended, Victim, run_words
 from torture.worker import named, workers
 from vrcomfort.cli import main as command_line
 
@@ -48,7 +49,7 @@ def torture(rig: Rig) -> Result:
         "planned), into `--resume` and `report` in turn: exit code 0, or 2 with one sentence. "
         "Rows count that stood in files which were not damaged."
     )
-    return Result("damaged", outcomes, how)
+    return Result("damaged", outcomes, how, count)
 
 
 def _interrupt(folder: Path) -> Outcome | None:

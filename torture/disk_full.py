@@ -13,7 +13,8 @@ import numpy as np
 
 from torture.case import OTHER, Outcome, Result, Rig
 from torture.disk import mount_memory, unmount
-from torture.session import Findings, Rows, Victim, missing, never_asked, run_words, session_folder
+from torture.rows import Rows, missing, never_asked, session_folder
+from torture.session import Findings, Victim, run_words
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 
@@ -39,7 +40,7 @@ def torture(rig: Rig) -> Result:
         "the recorder took before the first that it refused; then the folder is moved to a disk "
         "with room, and `--resume` runs to the end."
     )
-    return Result("disk_full", outcomes, how)
+    return Result("disk_full", outcomes, how, count)
 
 
 def _case(folder: Path, size_bytes: int, seed: int, *, memory: bool) -> Outcome:

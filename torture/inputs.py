@@ -50,7 +50,7 @@ def torture(rig: Rig) -> Result:
         f"{GIGABYTES} GiB of address space and {CASE_S:g} s: each loads whole or is refused in "
         "one sentence."
     )
-    return Result("inputs", outcomes, how)
+    return Result("inputs", outcomes, how, count)
 
 
 def case(folder: Path, number: int, seed: int) -> dict[str, Any]:

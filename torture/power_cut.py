@@ -13,16 +13,8 @@ import numpy as np
 
 from torture.case import Outcome, Result, Rig
 from torture.disk import Disk, LoopImage, ShimDisk, can_mount
-from torture.session import (
-    LENGTH_S,
-    QUICK_S,
-    SLOW_S,
-    Ended,
-    Findings,
-    Victim,
-    never_asked,
-    run_words,
-)
+from torture.rows import never_asked
+from torture.session import LENGTH_S, QUICK_S, SLOW_S, Ended, Findings, Victim, run_words
 
 START_S, END_S = 60.0, 60.0
 AFTER_END_S = 0.3
@@ -50,7 +42,7 @@ def torture(rig: Rig) -> Result:
         f"({SLOW_S:g} s for frames, gaze and timing); then `--resume` to the end and `report`. "
         f"Each fifth cut comes {AFTER_END_S:g} s after the session ended."
     )
-    return Result("power_cut", outcomes, how)
+    return Result("power_cut", outcomes, how, count)
 
 
 def _case(folder: Path, make: Callable[[Path], Disk], seed: int, *, after_end: bool) -> Outcome:

@@ -15,16 +15,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from torture.case import HANG, OTHER, Outcome, Result, Rig
-from torture.session import (
-    PARTICIPANT,
-    STUDY,
-    TRACE,
-    TRIALS,
-    Ended,
-    Findings,
-    Victim,
-    session_folder,
-)
+from torture.rows import PARTICIPANT, TRIALS, session_folder
+from torture.session import STUDY, TRACE, Ended, Findings, Victim
 from vrcomfort.headset.monado import READY_SOCKET, SERVICE
 
 STATE_S = 120.0
@@ -94,7 +86,7 @@ def torture(rig: Rig) -> Result:
         "The session ends with one sentence or goes on; one that stands still says so within "
         f"{TOLD_S:g} s and then hears Ctrl-C. Its records are closed and have every row."
     )
-    return Result("runtime", outcomes, how)
+    return Result("runtime", outcomes, how, len(pairs))
 
 
 def _words(folder: Path) -> list[str]:
@@ -117,7 +109,7 @@ def _case(folder: Path, state: str, deed: str, seed: int) -> Outcome:
         found.details.append(f"never reached: {victim.said()[-300:]}")
         return found.outcome(name=f"{deed} {state}", seed=seed, folder=folder)
     ended, codes = _do(victim, deed, STATES[state].codes)
-    found.end("the session", ended, codes)
+    found.end("the session", ended, codes, noted=deed == "stop")
     found.rows("after its end", victim.must_be_there(None), study)
     _closed(study, found)
     return found.outcome(name=f"{deed} {state}", seed=seed, folder=folder)
@@ -128,12 +120,13 @@ def _do(victim: Victim, deed: str, killed: frozenset[int]) -> tuple[Ended, froze
     if deed == "kill":
         _signal(victim, signal.SIGKILL)
         return victim.end(END_S), killed
+    before = victim.sentences()
     _signal(victim, signal.SIGSTOP)
     if deed == "stop and continue":
         time.sleep(PAUSE_S)
         _signal(victim, signal.SIGCONT)
         return victim.end(STATE_S), killed | {0}
-    told = victim.wait_for(lambda: bool(victim.said().strip()), TOLD_S)
+    told = victim.wait_for(lambda: victim.sentences() > before, TOLD_S)
     victim.send(signal.SIGINT)
     ended = victim.end(END_S)
     if not told:

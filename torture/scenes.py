@@ -34,7 +34,7 @@ def torture(rig: Rig) -> Result:
         f"loads or is refused in one sentence. Must be refused: {', '.join(REFUSED)}. Either: "
         f"{', '.join(NAMES[len(REFUSED) : count])}."
     )
-    return Result("scenes", outcomes, how)
+    return Result("scenes", outcomes, how, count)
 
 
 def case(folder: Path, number: int, seed: int) -> dict[str, Any]:

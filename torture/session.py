@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import os
 import shutil
@@ -20,12 +18,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from torture.case import HANG, OTHER, TRACEBACK, Outcome
+from torture.rows import PARTICIPANT, Rows, Told, by_file, missing
 
 STUDY = Path(__file__).with_name("study.toml")
 ROOT = Path(__file__).resolve().parent.parent
 TRACE = ROOT / "scenes" / "temple_walk.csv"
-PARTICIPANT = "P01"
-TRIALS, ITEMS = 3, 16
 ANSWER_S = 0.03
 LENGTH_S = 12.0
 """About how long a paced session takes from its first row to its last."""
@@ -42,29 +39,28 @@ SLOW_S, QUICK_S = 1.2, 0.2
 """A row handed to the recorder so long before a power cut must be on the disk."""
 
 
-class Told(NamedTuple):
-    """A row that the recorder took, and when."""
-
-    ns: int
-    file: str
-    cells: tuple[tuple[str, str], ...]
-
-
 class Ended(NamedTuple):
     """How a program ended; `code` is None where it had to be killed."""
 
     code: int | None
     said: str
 
-    def fault(self, codes: Iterable[int]) -> tuple[str, str]:
-        """Return the fault of an end that should be one of `codes`, with a sentence if not 0."""
+    def fault(self, codes: Iterable[int], *, noted: bool = False) -> tuple[str, str]:
+        """Return the fault of an end that should be one of `codes`, with a sentence if not 0.
+
+        Parameters
+        ----------
+        noted
+            Notes are sentences enough.
+        """
         if self.code is None:
             return HANG, f"still running at its time limit; said: {last_line(self.said)}"
         if "Traceback" in self.said:
             return TRACEBACK, last_line(self.said)
         if self.code not in codes:
             return OTHER, f"exit code {self.code}; said: {last_line(self.said)}"
-        if self.code > 0 and self.said.count("error: ") != 1:
+        sentences = self.said.count("error: ")
+        if self.code > 0 and sentences != 1 and not (noted and "note: " in self.said):
             return OTHER, f"exit code {self.code} without one sentence; said: {self.said[-300:]!r}"
         return "", ""
 
@@ -113,6 +109,7 @@ class Victim:
                 start_new_session=True,
                 env=environment(),
             )
+        RUNNING.add(self.process)
         os.close(writing)
         self._listener = threading.Thread(target=self._listen, args=(reading,), daemon=True)
         self._listener.start()
@@ -141,6 +138,10 @@ class Victim:
             return "the start"
         last = dict(told[-1].cells).get("name")  # of an event
         return STATES.get(last or told[-1].file, "between")
+
+    def sentences(self) -> int:
+        """Return how many sentences it has said; a runtime's own log is none of ours."""
+        return sum(line.startswith(("note: ", "error: ")) for line in self.said().splitlines())
 
     def said(self) -> str:
         """Return what it has written on stderr."""
@@ -186,7 +187,8 @@ class Victim:
         return rows - self._gone
 
 
-Rows = Counter[tuple[str, tuple[tuple[str, str], ...]]]
+RUNNING: set[subprocess.Popen[Any]] = set()
+"""Programs with a process group of their own that must not outlive this one."""
 
 
 def kill_group(process: subprocess.Popen[Any]) -> None:
@@ -194,65 +196,21 @@ def kill_group(process: subprocess.Popen[Any]) -> None:
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()
+    RUNNING.discard(process)
+
+
+def kill_all(*_: object) -> None:
+    """Kill all programs, and end this one: for a signal."""
+    for process in list(RUNNING):
+        with suppress(ProcessLookupError):
+            os.killpg(process.pid, signal.SIGKILL)
+    os._exit(1)
 
 
 def environment() -> dict[str, str]:
     """Return the environment of victims: this checkout's code, one thread for sums."""
     path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
     return {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", "COLUMNS": "1000"}
-
-
-def session_folder(study: Path) -> Path:
-    """Return where the session's files are."""
-    return study / f"sub-{PARTICIPANT}" / "ses-1"
-
-
-def missing(rows: Rows, study: Path) -> Rows:
-    """Return which rows are not in the files; half-written ones are not."""
-    lost: Rows = Counter()
-    for file in {file for file, _ in rows}:
-        there = _table(session_folder(study) / file)
-        columns = {tuple(name for name, _ in cells) for told, cells in rows if told == file}
-        for names in columns:
-            found = Counter(tuple((name, row.get(name) or "") for name in names) for row in there)
-            wanted = Counter(
-                {
-                    cells: count
-                    for (told, cells), count in rows.items()
-                    if told == file and tuple(name for name, _ in cells) == names
-                }
-            )
-            lost.update({(file, cells): count for cells, count in (wanted - found).items()})
-    return lost
-
-
-def _table(file: Path) -> list[dict[str, str]]:
-    """Read whole rows by rules of our own: what the product's reader takes is not the question."""
-    try:
-        content = file.read_bytes()
-    except FileNotFoundError:
-        return []
-    whole = content.rpartition(b"\n")[0] + b"\n" if b"\n" in content else b""
-    text = whole.decode("utf-8", errors="replace")
-    lines = [line for line in text.splitlines(keepends=True) if "\0" not in line]
-    return list(csv.DictReader(io.StringIO("".join(lines), newline="")))
-
-
-def never_asked(study: Path) -> int:
-    """Return how many items of its questionnaires a session that is complete does not have."""
-    folder = session_folder(study)
-    rows = _table(folder / "questionnaires.csv")
-    answered = {(row["timepoint"], row["trial"], row["item"]) for row in rows}
-    owed = ITEMS * (TRIALS + 2)  # before, after each trial, at the end
-    return max(owed - len(answered), 0)
-
-
-def by_file(rows: Rows) -> str:
-    """Return how many rows of each file there are, in words."""
-    counts: Counter[str] = Counter()
-    for (file, _), count in rows.items():
-        counts[file] += count
-    return ", ".join(f"{count} of {file}" for file, count in sorted(counts.items()))
 
 
 @dataclass
@@ -265,13 +223,12 @@ class Findings:
     fault: str = ""
     details: list[str] = field(default_factory=list)
 
-    def end(self, what: str, ended: Ended, codes: Iterable[int]) -> bool:
-        """Note how a command ended; return whether as it should."""
-        fault, detail = ended.fault(codes)
+    def end(self, what: str, ended: Ended, codes: Iterable[int], *, noted: bool = False) -> None:
+        """Note how a command ended; see `Ended.fault`."""
+        fault, detail = ended.fault(codes, noted=noted)
         if fault:
             self.fault = self.fault or fault
             self.details.append(f"{what}: {detail}")
-        return not fault
 
     def rows(self, when: str, rows: Rows, study: Path) -> None:
         """Note which rows are lost."""

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from torture.case import Outcome, Result, Rig
-from torture.session import LENGTH_S, Findings, Victim, never_asked, run_words
+from torture.rows import never_asked
+from torture.session import LENGTH_S, Findings, Victim, run_words
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
 START_S, END_S = 60.0, 60.0
@@ -32,7 +33,7 @@ def torture(rig: Rig) -> Result:
         "the end. Rows count that were handed over more than 0.2 s before a kill, and all where "
         "the session closed its files itself."
     )
-    return Result("signals", outcomes, how)
+    return Result("signals", outcomes, how, count)
 
 
 def _case(folder: Path, number: signal.Signals, seed: int) -> Outcome:

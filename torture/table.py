@@ -25,7 +25,7 @@ def write(folder: Path, results: Sequence[Result], *, command: str, gpu: str) ->
             "",
             f"Measured on {day} with `{command}` ({machine}).",
             "",
-            *(f"- **{result.name}**: {result.how}" for result in results),
+            *(f"- **{result.name}**: {result.story}" for result in results),
             "",
         ]
     )
@@ -35,7 +35,7 @@ def write(folder: Path, results: Sequence[Result], *, command: str, gpu: str) ->
         "machine": machine,
         "tortures": [
             result.row()
-            | {"how": result.how}
+            | {"how": result.story}
             | {"of": [asdict(each) | {"happened": each.happened} for each in result.outcomes]}
             for result in results
         ],

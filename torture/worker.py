@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from torture.case import HANG, OTHER, TRACEBACK, Outcome
-from torture.session import environment, kill_group, last_line
+from torture.session import RUNNING, environment, kill_group, last_line
 
 START_TIMEOUT_S = 120.0
 
@@ -134,6 +134,7 @@ class Workers:
                     env=environment(),
                 )
             self._all.append(worker)
+            RUNNING.add(worker)
             self._mine.worker, self._mine.count = worker, 0
             self._answer(worker, START_TIMEOUT_S)
         return worker
