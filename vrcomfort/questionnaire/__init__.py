@@ -3,7 +3,7 @@
 from vrcomfort.questionnaire.instruments import FMS, INSTRUMENTS, MISC, SSQ, Instrument, Item
 from vrcomfort.questionnaire.scoring import score_ssq
 from vrcomfort.questionnaire.ssq import LOADINGS, WEIGHTS, SsqScore, score
-from vrcomfort.questionnaire.tables import Sheet, read_sheets
+from vrcomfort.questionnaire.tables import Sheet, answer_number, read_sheets
 
 __all__ = [
     "FMS",
@@ -16,6 +16,7 @@ __all__ = [
     "Item",
     "Sheet",
     "SsqScore",
+    "answer_number",
     "read_sheets",
     "score",
     "score_ssq",

@@ -28,11 +28,70 @@ class Sheet:
         The cells that say whose it is, by column.
     answers
         item name → answer; None where the cell is blank.
+    place
+        File and line where it starts, for people.
+    run
+        How often the session had been resumed when this was asked.
     """
 
     line: int
     keys: dict[str, str]
     answers: dict[str, int | None] = field(default_factory=dict)
+    place: str = ""
+    run: int = 0
+
+    @property
+    def participant(self) -> str:
+        """Whose it is; this and what follows are blank where the file says nothing."""
+        return self.keys.get("participant", "")
+
+    @property
+    def session(self) -> str:
+        """The session in which it was asked."""
+        return self.keys.get("session", "")
+
+    @property
+    def period(self) -> str:
+        """The period of the study."""
+        return self.keys.get("period", "")
+
+    @property
+    def trial(self) -> str:
+        """The exposure of the session."""
+        return self.keys.get("trial", "")
+
+    @property
+    def condition(self) -> str:
+        """What was shown before."""
+        return self.keys.get("condition", "")
+
+    @property
+    def scene(self) -> str:
+        """Where it was shown."""
+        return self.keys.get("scene", "")
+
+    @property
+    def sequence(self) -> str:
+        """The participant's order."""
+        return self.keys.get("sequence", "")
+
+    @property
+    def timepoint(self) -> str:
+        """When it was asked, such as before or after."""
+        return self.keys.get("timepoint", "")
+
+    @property
+    def name(self) -> str:
+        """The moment in words."""
+        parts = [f"session {self.session}" if self.session else ""]
+        number = self.trial or self.period
+        parts += [f"exposure {number}" if number else "", self.condition, self.timepoint]
+        return ", ".join(part for part in parts if part)
+
+    def require_unanswered(self, item: Item, table: CsvTable, line: int) -> None:
+        """Raise `InputError` where a second row answers the same item."""
+        if item.name in self.answers:
+            raise table.fault(f"`{item.name}` is answered twice in one questionnaire", line, "item")
 
 
 def read_sheets(file: Path, instrument: Instrument = SSQ) -> list[Sheet]:
@@ -100,10 +159,7 @@ def _answer(
     text = cell.strip()
     if not text:
         return None
-    try:
-        number = float(plain_digits(text))
-    except ValueError:
-        number = float("nan")
+    number = answer_number(text)
     if not number.is_integer():
         raise table.fault(f"`{text}` is not a whole number", line, column)
     answer = int(number)
@@ -112,6 +168,14 @@ def _answer(
         limits = f"{instrument.low} to {instrument.high}"
         raise table.fault(f"{answer} is out of range, answers are {limits}{hint}", line, column)
     return answer
+
+
+def answer_number(text: str) -> float:
+    """Return the number that an answer says, NaN where it says none."""
+    try:
+        return float(plain_digits(text))
+    except ValueError:
+        return float("nan")
 
 
 def _long(table: CsvTable, instrument: Instrument) -> list[Sheet]:
@@ -126,8 +190,7 @@ def _long(table: CsvTable, instrument: Instrument) -> list[Sheet]:
             raise table.fault(_unknown_item(instrument, row["item"]), line, "item")
         keys = {name: row[name] for name in LONG_KEYS if name in row}
         sheet = sheets.setdefault(tuple(keys.values()), Sheet(line, keys))
-        if item.name in sheet.answers:
-            raise table.fault(f"`{item.name}` is answered twice in one questionnaire", line, "item")
+        sheet.require_unanswered(item, table, line)
         sheet.answers[item.name] = _answer(table, instrument, row["response"], line, "response")
     return list(sheets.values())
 

@@ -13,8 +13,9 @@ from vrcomfort.questionnaire import LOADINGS, SSQ, score
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
+    from vrcomfort.questionnaire import Sheet
     from vrcomfort.report.plan import Plan
-    from vrcomfort.report.study_data import Sheet, StudyData
+    from vrcomfort.report.study_data import StudyData
 
 Basis = Literal["difference_from_baseline", "raw_post"]
 OUTCOMES = ("T", "N", "O", "D")

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable, plain_digits
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import SSQ, Sheet, answer_number
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
@@ -23,33 +23,6 @@ _NEEDED_ELSEWHERE = {
     "ratings.csv": ("missed",),
 }
 _NUMBERS = ("start_s", "end_s", "frames", "dropped", "missed")
-
-
-@dataclass
-class Sheet:
-    """One filled-in questionnaire; texts are as in the file, blank where it says nothing."""
-
-    participant: str
-    session: str
-    period: str
-    trial: str
-    condition: str
-    scene: str
-    sequence: str
-    timepoint: str
-    place: str
-    """File and line where it starts."""
-    answers: dict[str, int | None]
-    run: int = 0
-    """How often the session had been resumed when this was asked."""
-
-    @property
-    def name(self) -> str:
-        """The moment in words."""
-        parts = [f"session {self.session}" if self.session else ""]
-        number = self.trial or self.period
-        parts += [f"exposure {number}" if number else "", self.condition, self.timepoint]
-        return ", ".join(part for part in parts if part)
 
 
 @dataclass(frozen=True)
@@ -176,7 +149,7 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     if found.header:
         found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets = _SheetsOfFile(file, name)
+    sheets = _SheetsOfFile(found, name)
     for row, line in zip(found.dicts(), found.lines, strict=True):
         if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
             sheets.add(row, line)
@@ -186,28 +159,25 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
 class _SheetsOfFile:
     """The questionnaires of one file, whose rows are in the order in which they were answered."""
 
-    def __init__(self, file: Path, name: str) -> None:
-        self._file = file
+    def __init__(self, table: CsvTable, name: str) -> None:
+        self._table = table
         self._name = name
         self._runs: dict[tuple[str, ...], int] = {}
         self.found: dict[tuple[str | int, ...], Sheet] = {}
 
     def add(self, row: dict[str, str], line: int) -> None:
         """Put one answer where it belongs."""
-        file = self._file
+        table = self._table
         key = tuple(row.get(column, "").strip() for column in _KEYS)
         if not key[0]:
-            raise InputError("a participant is missing", file=file, line=line, column="participant")
+            raise table.fault("a participant is missing", line, "participant")
         item = SSQ.item(row["item"])
         if item is None:
-            message = f"`{row['item']}` is not an item of the SSQ"
-            raise InputError(message, file=file, line=line, column="item")
+            raise table.fault(f"`{row['item']}` is not an item of the SSQ", line, "item")
         run = self._run(row, key, item.name)
-        sheet = self.found.setdefault((*key, run), _sheet(key, f"{self._name}, line {line}", run))
-        if item.name in sheet.answers:
-            message = f"`{item.name}` is answered twice in one questionnaire"
-            raise InputError(message, file=file, line=line, column="item")
-        sheet.answers[item.name] = _answer(row["response"].strip(), file, line)
+        sheet = self.found.setdefault((*key, run), self._sheet(key, line, run))
+        sheet.require_unanswered(item, table, line)
+        sheet.answers[item.name] = _answer(row["response"].strip(), table, line)
 
     def _run(self, row: dict[str, str], key: tuple[str, ...], item: str) -> int:
         """Return how often the session had been resumed: each run asks something once."""
@@ -220,22 +190,18 @@ class _SheetsOfFile:
             self._runs[person] = run
         return run
 
+    def _sheet(self, key: tuple[str, ...], line: int, run: int) -> Sheet:
+        keys = dict(zip(_KEYS, key, strict=True))
+        keys["timepoint"] = keys["timepoint"] or "post"
+        return Sheet(line, keys, place=f"{self._name}, line {line}", run=run)
 
-def _sheet(key: tuple[str, ...], place: str, run: int) -> Sheet:
-    moment = dict(zip(_KEYS, key, strict=True))
-    moment["timepoint"] = moment["timepoint"] or "post"
-    return Sheet(place=place, answers={}, run=run, **moment)
 
-
-def _answer(text: str, file: Path, line: int) -> int | None:
+def _answer(text: str, table: CsvTable, line: int) -> int | None:
     """Return a whole answer on the scale; blank is missing."""
     if not text:
         return None
-    try:
-        number = float(plain_digits(text))
-    except ValueError:
-        number = float("nan")
+    number = answer_number(text)
     if not number.is_integer() or not SSQ.low <= number <= SSQ.high:
         message = f"`{text}` is not a whole number from {SSQ.low} to {SSQ.high}"
-        raise InputError(message, file=file, line=line, column="response")
+        raise table.fault(message, line, "response")
     return int(number)
