@@ -169,9 +169,9 @@ def test_tiles_are_told_by_what_can_be_seen_in_them(ctx, rng):
         shutter_fraction=1.0,
         max_radius_percent=3.0,
     )
-    longest = effect._gather._neighbours.target
+    longest = effect._gather._dilate.target
     kinds = np.frombuffer(longest.read(), "f2").reshape(longest.height, longest.width, 4)[1, :, 2]
-    assert effect._streaks.tile_px == 16
+    assert effect._tile_max.tile_px == 16
     assert kinds[:9].tolist() == [0] * 9
     assert kinds[12:18].tolist() == [1] * 6
     assert kinds[21:].tolist() == [2] * 11
@@ -185,7 +185,7 @@ def test_streaks_that_grow_slowly_across_the_image_hide_nothing(ctx, rng):
     effect = motion_blur_pass(
         ctx, rgb, rng.uniform(1, 9, (64, 256)), velocity, shutter_fraction=1.0
     )
-    longest = effect._gather._neighbours.target
+    longest = effect._gather._dilate.target
     kinds = np.frombuffer(longest.read(), "f2").reshape(longest.height, longest.width, 4)[..., 2]
     assert np.unique(kinds).tolist() == [1]
 

@@ -223,7 +223,7 @@ def _check_text(file: Path, *, appended: bool) -> bool:
             while block := stream.read(_BLOCK):
                 first = 0 if cut else block.find(b"\0")
                 cut = first >= 0
-                if cut and b"\n" in block[first:]:
+                if cut and block[first:].strip(b"\0"):
                     raise not_text
                 has_lines = has_lines or b"\n" in block
     except FileNotFoundError:

@@ -64,7 +64,7 @@ def _slices(root: dict[str, Any]) -> Iterator[tuple[dict[str, Any], int]]:
     yield {key: value for key, value in root.items() if not isinstance(value, list)}, 0
     for key, items in root.items():
         if isinstance(items, list):
-            for start in range(0, len(items), _AT_ONCE):
+            for start in range(0, max(len(items), 1), _AT_ONCE):
                 yield {key: items[start : start + _AT_ONCE]}, start
 
 
