@@ -61,8 +61,11 @@ def _spread(
 
 @contextmanager
 def _ctrl_c_later() -> Iterator[None]:
-    """Hold Ctrl-C back. Processes that start meanwhile never hear it: this one ends them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """Hold Ctrl-C back. Processes that start meanwhile never hear it: this one ends them.
+
+    Nor do they hear that the terminal was closed, which is told to all as Ctrl-C is.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:
