@@ -60,9 +60,7 @@ def open_window(
     try:
         from vrcomfort.headset.window import Window
     except ImportError as error:
-        raise InputError(
-            "windows need GLFW, which is not installed; pip install 'vrcomfort[desktop]'"
-        ) from error
+        raise InputError("windows need GLFW, which is not installed; pip install glfw") from error
     from vrcomfort.gpu.gl import prepare
 
     window = Window(title, size_px, wait_for_display=participant, drag_turns=not participant)

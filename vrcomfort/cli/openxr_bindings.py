@@ -15,13 +15,25 @@ def require_bindings() -> str:
     """
     try:
         from xr.version import PYOPENXR_VERSION
-    except ImportError as error:
-        raise InputError(
-            "the OpenXR bindings are not installed; pip install 'vrcomfort[openxr]'"
-        ) from error
+    except ModuleNotFoundError as error:
+        if (error.name or "").partition(".")[0] == "xr":
+            raise InputError(
+                "the OpenXR bindings are not installed; pip install pyopenxr"
+            ) from error
+        raise _not_loaded(error) from error
+    except (ImportError, AttributeError) as error:  # as PyOpenGL says that a library is missing
+        raise _not_loaded(error) from error
     except OSError as error:
         raise InputError(
             f"the OpenXR loader cannot be loaded ({error}); reinstall the bindings that bring it: "
             "pip install --force-reinstall pyopenxr"
         ) from error
     return str(PYOPENXR_VERSION)
+
+
+def _not_loaded(error: Exception) -> InputError:
+    return InputError(
+        f"the OpenXR bindings cannot be loaded ({error}); install the graphics libraries (on "
+        "Debian or Ubuntu 'apt-get install libgl1 libegl1', elsewhere your graphics driver) and "
+        "the bindings: pip install --force-reinstall pyopenxr PyOpenGL"
+    )

@@ -28,7 +28,7 @@ class SessionBars(ExitStack):
             self.close()
             self._title, self._done = title, 0.0
             if title:
-                bar = progress_bar(title, round(progress.total), quiet=self._quiet)
+                bar = progress_bar(title, progress.total, quiet=self._quiet, unit="s")
                 self._advance = self.enter_context(bar)
         if title:
             self._advance(progress.done - self._done)

@@ -101,7 +101,7 @@ def simulate_study(
     sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
-    with progress_bar("participants", participants, quiet=quiet) as advance:
+    with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for name, ended in ends.items():
             if not _is_over(out, name, ended, sessions):
                 outcomes.append(_simulate_one(setup, out, name))

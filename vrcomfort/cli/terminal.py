@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import json
 import sys
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from threading import Event, Thread
+from typing import Any, Self
 
 import typer
 from rich.console import Console
@@ -53,6 +53,11 @@ def console(quiet: bool = False, *, wrap: bool = False) -> Console:
     return _console(quiet=quiet, soft_wrap=not wrap)
 
 
+def dialogue() -> Console:
+    """Return where a person is asked: beside a progress bar, lines stand above it."""
+    return _errors if sys.stdout.isatty() and sys.stderr.isatty() else console()
+
+
 class _Words(ProgressColumn):
     """What is done, as text that is nothing but text."""
 
@@ -62,7 +67,9 @@ class _Words(ProgressColumn):
 
 
 @contextmanager
-def progress_bar(title: str, total: int | None, *, quiet: bool, unit: str = "") -> Iterator[Any]:
+def progress_bar(
+    title: str, total: float | None, *, quiet: bool, unit: str = ""
+) -> Iterator[Any]:
     """Show a bar on stderr, or now and then a line where stderr is no terminal.
 
     Parameters
@@ -76,7 +83,8 @@ def progress_bar(title: str, total: int | None, *, quiet: bool, unit: str = "") 
         ``advance(steps=1, title=None)``.
     """
     if not quiet and not sys.stderr.isatty():
-        yield _Lines(title, total, unit).advance
+        with _Lines(title, total, unit) as lines:
+            yield lines.advance
         return
     columns = (_Words(Column(no_wrap=True)), BarColumn(), TimeRemainingColumn())
     with Progress(*columns, console=_errors, disable=quiet, transient=True) as progress:
@@ -91,29 +99,34 @@ def progress_bar(title: str, total: int | None, *, quiet: bool, unit: str = "") 
 class _Lines:
     """Says how far work has come, in lines: the first after `SILENT_S`, then rarely."""
 
-    def __init__(
-        self,
-        title: str,
-        total: float | None,
-        unit: str,
-        *,
-        now_s: Callable[[], float] = time.monotonic,
-        say: Callable[[str], None] = lambda line: _errors.print(line),
-    ) -> None:
+    def __init__(self, title: str, total: float | None, unit: str) -> None:
         self._title, self._total, self._unit = title, total, unit
-        self._now_s, self._say = now_s, say
         self._done = 0.0
-        self._due_s = now_s() + SILENT_S
+        self._over = Event()
+        self._thread = Thread(target=self._tell, name="progress", daemon=True)
 
     def advance(self, steps: float = 1, title: str | None = None) -> None:
-        """Count steps, and say so where a line is due."""
+        """Count steps."""
         self._done += steps
         self._title = title or self._title
-        if self._now_s() >= self._due_s:
-            self._due_s = self._now_s() + LINE_EVERY_S
-            self._say(f"{_how_far(self._title, self._done, self._total, self._unit)} ...")
+
+    def _tell(self) -> None:
+        wait_s = SILENT_S
+        while not self._over.wait(wait_s):
+            words = _how_far(self._title, self._done, self._total, self._unit)
+            _errors.print(f"{words} ...")
+            wait_s = LINE_EVERY_S
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._over.set()
+        self._thread.join()
 
 
 def _how_far(title: str, done: float, total: float | None, unit: str) -> str:
-    counts = f"{done:.0f}" if total is None else f"{done:.0f} of {total:.0f}"
-    return f"{title}: {counts} {unit}".rstrip()
+    if total is None:
+        return title
+    return f"{title}: {done:.0f} of {total:.0f} {unit}".rstrip()

@@ -205,7 +205,7 @@ class Window:
         self._faults.append(f"{words} ({code:#x})")
 
     def _on_key(self, _: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
-        del scancode, modifiers
+        del modifiers
         if action == glfw.RELEASE:
             return
         now = self._pressed
@@ -217,6 +217,9 @@ class Window:
         elif key in PRESSES and action == glfw.PRESS:
             changes: dict[str, Any] = {PRESSES[key]: True}
             self._pressed = replace(now, **changes)
+        elif action == glfw.PRESS:
+            written = (glfw.get_key_name(key, scancode) or "").lower()
+            self._pressed = replace(now, letters=now.letters + written)
 
     def _on_button(self, _: Any, button: int, action: int, modifiers: int) -> None:
         del modifiers

@@ -116,6 +116,7 @@ class PanelScreen:
             stop=inputs.stop,
             arrow=keys.arrow,
             digits=keys.digits,
+            letters=keys.letters,
             enter=keys.enter,
         )
 

@@ -93,9 +93,7 @@ def _dask_client(address: str) -> Iterator[Any]:
     try:
         from distributed import Client  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise InputError(
-            "--cluster needs Dask; install it with: pip install 'vrcomfort[cluster]'"
-        ) from error
+        raise InputError("--cluster needs Dask; pip install distributed") from error
     try:
         client = Client(  # type: ignore[no-untyped-call]
             address, timeout=CONNECT_S, set_as_default=False
