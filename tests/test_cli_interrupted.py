@@ -34,7 +34,7 @@ def start(*program: object, before: Callable[[], None] = hear_all) -> subprocess
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        preexec_fn=before,
+        preexec_fn=before,  # noqa: PLW1509 - no threads here
     )
 
 
@@ -115,7 +115,7 @@ def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
     process = subprocess.Popen(
         [sys.executable, "-c", MAIN, *map(str, words)],
         stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
-        preexec_fn=lambda: (hear_all(), fcntl.ioctl(0, termios.TIOCSCTTY, 0)),
+        preexec_fn=lambda: (hear_all(), fcntl.ioctl(0, termios.TIOCSCTTY, 0)),  # noqa: PLW1509
     )  # fmt: skip
     os.close(theirs)
     while b"General discomfort" not in os.read(ours, 4096):
@@ -205,9 +205,7 @@ sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
 main()
 """
     command = [sys.executable, "-c", program]
-    done = subprocess.run(
-        command, check=False, capture_output=True, text=True, preexec_fn=hear_all
-    )
+    done = subprocess.run(command, check=False, capture_output=True, text=True, preexec_fn=hear_all)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 

@@ -25,6 +25,7 @@ from vrcomfort.cli import (
     simulate,
     stopping,
     tradeoff,
+    undo_withdrawal,
 )
 from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
@@ -44,7 +45,7 @@ FAULTS_OF_THE_MACHINE = {
 
 
 class OneSentence(TyperGroup):
-    """Tells a value that no option takes like all other bad input, and that the command was stopped.
+    """Tells a value that no option takes like all other bad input, and that it was stopped.
 
     Typer ends the program without a word on a KeyboardInterrupt that it meets.
     """
@@ -86,6 +87,7 @@ for module in (
     doctor,
     demo,
     tradeoff,
+    undo_withdrawal,
 ):
     module.register(app)
 

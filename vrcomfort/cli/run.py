@@ -121,6 +121,7 @@ def run(
         enrolment = owned.enter_context(
             study_setup.open_enrolment(participant, numbers, kind, resume=resume)
         )
+        _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal)
         bars = owned.enter_context(SessionBars(quiet))
         try:
@@ -133,6 +134,13 @@ def run(
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
+    from vrcomfort.records import told_of_the_other_kind
+
+    if told := told_of_the_other_kind(study, simulated=kind is RespondentKind.SIMULATED):
+        warn(told)
 
 
 def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:

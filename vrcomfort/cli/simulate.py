@@ -91,7 +91,7 @@ def simulate_study(
         holds another study.
     """
     from vrcomfort.design import build_design
-    from vrcomfort.records import open_study
+    from vrcomfort.records import open_study, told_of_the_other_kind
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
@@ -100,6 +100,8 @@ def simulate_study(
     resume_check = ResumeCheck(protocol, playback, exposure_s)
     sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
+    if told := told_of_the_other_kind(out, simulated=True):
+        warn(told)
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for name, ended in ends.items():

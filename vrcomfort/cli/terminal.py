@@ -67,9 +67,7 @@ class _Words(ProgressColumn):
 
 
 @contextmanager
-def progress_bar(
-    title: str, total: float | None, *, quiet: bool, unit: str = ""
-) -> Iterator[Any]:
+def progress_bar(title: str, total: float | None, *, quiet: bool, unit: str = "") -> Iterator[Any]:
     """Show a bar on stderr, or now and then a line where stderr is no terminal.
 
     Parameters

@@ -25,6 +25,7 @@ from vrcomfort.records.rows import (
     TrialRow,
     cell_text,
 )
+from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 Cells = Mapping[str, str]
 
@@ -89,7 +90,7 @@ def take_up(folder: Path) -> Interrupted:
     trials = list(_rows(folder, TrialRow))
     if begun and not any(_is_attempt(row, begun) for row in trials):
         trials.append(_killed(folder, begun, frames, end_s))
-    last_trial, ended_by = _last_trial(trials)
+    last_trial, ended_by = _last_trial(trials, undone_trials(manifest))
     return Interrupted(
         done=max((int(row["trial"]) for row in trials if row["status"] == "completed"), default=0),
         attempts=Counter(int(row["trial"]) for row in trials),
@@ -104,15 +105,19 @@ def take_up(folder: Path) -> Interrupted:
     )
 
 
-_ENDED_THE_STUDY = ("withdrawn", "stopped")
+def _last_trial(
+    trials: Sequence[Cells], undone: set[tuple[int, int]]
+) -> tuple[int | None, str | None]:
+    """Return the trial that ended last, and what ended the study in it.
 
-
-def _last_trial(trials: Sequence[Cells]) -> tuple[int | None, str | None]:
-    """Return the trial that ended last, unless it was aborted, and what ended the study in it."""
-    if not trials or trials[-1]["status"] not in {"completed", *_ENDED_THE_STUDY}:
+    None for one that was aborted, or whose withdrawal was undone: it is shown again.
+    """
+    if trials and (int(trials[-1]["trial"]), int(trials[-1]["attempt"])) in undone:
+        return None, None
+    if not trials or trials[-1]["status"] not in {"completed", *ENDED_THE_STUDY}:
         return None, None
     status = trials[-1]["status"]
-    return int(trials[-1]["trial"]), status if status in _ENDED_THE_STUDY else None
+    return int(trials[-1]["trial"]), status if status in ENDED_THE_STUDY else None
 
 
 def _answered(folder: Path) -> dict[tuple[int | None, str, str], frozenset[str]]:

@@ -64,6 +64,8 @@ class Manifest:
     missed_questions
         Questionnaires that an interruption cut off and that were not asked in time, a sentence
         each.
+    withdrawals_undone
+        Withdrawals that an operator took back: when, why, and in which attempt at which trial.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
     """
@@ -87,6 +89,7 @@ class Manifest:
     under_way: dict[str, Any] | None = None
     exposure_ended: dict[str, Any] | None = None
     missed_questions: list[str] = field(default_factory=list)
+    withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
 
     def write(self, folder: Path) -> None:
@@ -132,6 +135,7 @@ class Manifest:
             "under_way": self.under_way,
             "exposure_ended": self.exposure_ended,
             "missed_questions": self.missed_questions,
+            "withdrawals_undone": self.withdrawals_undone,
             "memory": self.memory,
         }
 
@@ -140,7 +144,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "memory",
+    "withdrawals_undone", "memory",
 )  # fmt: skip
 
 
