@@ -90,7 +90,7 @@ def _python() -> Finding:
 
 
 def _opengl() -> tuple[Finding, moderngl.Context | None]:
-    from vrcomfort.gpu.gl import create_context, describe
+    from vrcomfort.gpu.gl import VERSION_NAME, create_context, describe
 
     try:
         context = create_context()
@@ -98,7 +98,8 @@ def _opengl() -> tuple[Finding, moderngl.Context | None]:
         return Finding("OpenGL", False, "no context", str(error)), None
     facts = describe(context)
     kind = "EGL" if sys.platform.startswith("linux") else "WGL"
-    words = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
+    there = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
+    words = f"{there}; needed: {VERSION_NAME}"
     return Finding("OpenGL", True, words), context
 
 
