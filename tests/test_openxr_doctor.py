@@ -45,7 +45,8 @@ def fake_bindings(folder: Path, error: str) -> str:
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        ("ImportError('no')", "pip install 'vrcomfort[openxr]'"),
+        ("ModuleNotFoundError('no', name='xr')", "are not installed; pip install pyopenxr"),
+        ("ImportError('no')", "cannot be loaded (no)"),
         (
             "OSError('libopenxr_loader.so: cannot open shared object file')",
             "the OpenXR loader cannot be loaded (libopenxr_loader.so: cannot open",
