@@ -100,9 +100,9 @@ def simulate_study(
     resume_check = ResumeCheck(protocol, playback, exposure_s)
     sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
     outcomes: list[Outcome] = []
+    ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     if told := told_of_the_other_kind(out, simulated=True):
         warn(told)
-    ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for name, ended in ends.items():
             if not _is_over(out, name, ended, sessions):

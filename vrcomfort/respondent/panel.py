@@ -89,6 +89,7 @@ class PanelRespondent:
         if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
             self._stopping = stop_page()
             self._keys.forget()
+            self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
         elif self._stopping is not None:
             self._take_decision(self._step(self._stopping, pointing))
         elif self._scale is not None:
