@@ -2,7 +2,7 @@
 BIN := .venv/bin
 OUT ?= out
 
-.PHONY: help setup demo test test-slow test-local test-openxr explore runtime check bench scenes clean
+.PHONY: help setup demo test test-slow test-local test-openxr explore runtime check bench torture torture-short scenes clean
 
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
@@ -14,6 +14,8 @@ help:
 	@echo "make test-openxr the tests that need one, in it"
 	@echo "make check   ruff, mypy --strict, import-linter"
 	@echo "make bench   what each effect costs and how wrong it is (out/bench)"
+	@echo "make torture     sessions stopped, cut off and damaged; files made worse (out/torture, 20 minutes)"
+	@echo "make torture-short   the same with few cases (2 minutes)"
 	@echo "make scenes  rebuild the shipped scenes and traces"
 
 setup:
@@ -53,6 +55,14 @@ check: setup
 bench: setup
 	@$(BIN)/python -m bench --out $(OUT)/bench
 	@$(BIN)/vrcomfort tradeoff --quick --out $(OUT)/bench/tradeoff
+
+torture: setup
+	@failed=0; $(BIN)/python -m torture --out $(OUT)/torture || failed=1; \
+	scripts/in_runtime.sh python -m torture --only runtime --out $(OUT)/torture/runtime || failed=1; \
+	exit $$failed
+
+torture-short: setup
+	@$(BIN)/python -m torture --short --out $(OUT)/torture
 
 scenes: setup
 	@$(BIN)/python scenes/build_temple.py

@@ -59,10 +59,11 @@ class View:
     def show(self, frame: Frame, eyes: Eyes | None, panels: Sequence[PanelLayer]) -> None:
         """Draw the left eye."""
         self._target.clear()
-        copies = [WindowPanel(self._ctx, (1024, 768), panel.quad) for panel in panels]
-        for copy, panel in zip(copies, panels, strict=True):
+        copies = []
+        for panel in panels:
             if panel.picture is not None:
-                copy.draw(panel.picture)
+                copies.append(WindowPanel(self._ctx, panel.size_px, panel.quad))
+                copies[-1].draw(panel.picture)
         image = None if eyes is None else eyes[0]
         self._painter.paint(self._target, (0, 0, *SIZE_PX), image, frame.views[0], copies)
 

@@ -25,7 +25,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-TIMES = re.compile(r"_ms$|^asked_s$|^answered_s$|^latency_s$")
+TIMES = re.compile(r"_ms$|^asked_s$|^answered_s$|^latency_s$|^enrolled_at$")
 BY_NATURE = {
     "started_at", "finished_at", "version", "versions", "shaders", "machine", "python", "platform",
     "under_way", "git", "schema", "schema_version", "source", "date", "path", "study",
@@ -47,7 +47,7 @@ def protocols() -> dict[str, list[str]]:
 
 def commands() -> Iterator[tuple[str, list[str]]]:
     """Yield the name of an output and the command that makes it."""
-    small, few = ["--size", "160x200"], ["--exposure-s", "1", "--refresh-hz", "4"]
+    small, few = ["--size", "160x200"], ["--exposure-s", "0.1", "--refresh-hz", "40"]
     gaze = {"mantiuk_2011"}
     for protocol, conditions in protocols().items():
         yield f"{protocol}/plan", ["plan", protocol, *small]
@@ -71,12 +71,14 @@ def commands() -> Iterator[tuple[str, list[str]]]:
         yield out, ["play", trace, "--scene", scene, "--frames", "12", *small, "--out", "@" + out]
 
 
-def run(checkout: Path, out: Path) -> None:
-    """Run all commands with the code of a checkout; keep what they print, too."""
+def run(checkout: Path, out: Path, only: str) -> None:
+    """Run commands with the code of a checkout; keep what they print, too."""
     shutil.rmtree(out, ignore_errors=True)
     environment = {**os.environ, "PYTHONPATH": str(checkout), "COLUMNS": "100"}
     program = "import sys; from vrcomfort.cli import main; sys.argv[0] = 'vrcomfort'; main()"
     for name, words in commands():
+        if not name.startswith(only):
+            continue
         log = out / f"{name}.txt"
         log.parent.mkdir(parents=True, exist_ok=True)
         words_here = [re.sub("^@", f"{out}/", word) for word in words]
@@ -84,7 +86,7 @@ def run(checkout: Path, out: Path) -> None:
             [sys.executable, "-c", program, *words_here],
             env=environment, cwd=out, capture_output=True, text=True, check=False,
         )  # fmt: skip
-        said = (ended.stdout + ended.stderr).replace(str(out), "OUT")
+        said = (ended.stdout + ended.stderr).replace(str(out), "OUT").replace(str(checkout), "")
         log.write_text(re.sub(r"\s+", " ", f"{said}\nexit code {ended.returncode}\n"))
         print(f"{name}: exit code {ended.returncode}", flush=True)
 
@@ -140,6 +142,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("revision", help="for example HEAD~1")
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "same")
+    parser.add_argument("--only", default="", help="outputs whose names begin so, such as smoke/")
     parser.add_argument("--keep", action="store_true", help="use outputs of REVISION made before")
     parser.add_argument("--only-before", action="store_true", help=argparse.SUPPRESS)
     options = parser.parse_args()
@@ -152,13 +155,13 @@ def main() -> int:
             ["git", "worktree", "add", "--force", "--detach", str(checkout), options.revision],
             cwd=ROOT, check=True,
         )  # fmt: skip
-        run(checkout, before)
+        run(checkout, before, options.only)
         subprocess.run(
             ["git", "worktree", "remove", "--force", str(checkout)], cwd=ROOT, check=True
         )
     if options.only_before:
         return 0
-    run(ROOT, out / "after")
+    run(ROOT, out / "after", options.only)
     found = list(differences(before, out / "after"))
     total = sum(1 for p in before.rglob("*") if p.is_file())
     print("\n".join(found))

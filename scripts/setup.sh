@@ -75,3 +75,6 @@ can_draw || {
 if [ "${1:-}" = --tests ] && ! { command -v Xvfb && command -v xdotool; } >/dev/null; then
     require "Xvfb or xdotool (for the tests)" xvfb xdotool libglx-mesa0
 fi
+
+# Tests of pages need a browser.
+[ "${1:-}" != --tests ] || scripts/browser.sh >/dev/null

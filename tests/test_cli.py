@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+import trimesh
 
 from vrcomfort.cli import main
 from vrcomfort.gpu.gl import VERSION_NAME
@@ -330,6 +331,21 @@ def test_trace_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "trace.csv"
     file.write_text("time,x\n0,1\n", encoding="utf-8")
     assert_refused(run("play", file, "--scene", "temple", "--out", tmp_path / "o"), "xr_time_ns")
+
+
+@pytest.mark.parametrize("command", ["play", "render"])
+def test_a_scene_is_looked_for_where_the_user_stands(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    assert run("import-trace", unity_log(tmp_path), "--out", tmp_path / "walk.csv")[0] == 0
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    trimesh.Scene([trimesh.creation.box()]).export(here / "box.glb")
+    trace = ("../walk.csv", "--frames", "1", "--no-video") if command == "play" else ()
+    shown = ("--protocol", "carnegie_2015", "--condition", "dof_on", "--size", "32x40")
+    assert run(command, *trace, "--scene", "box.glb", *shown, "--out", "made")[0] == 0
+    assert json.loads((here / "made" / "meta.json").read_text())["scene"] == "box"
 
 
 def test_broken_scene_is_refused(run: Run, tmp_path: Path) -> None:

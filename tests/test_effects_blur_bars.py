@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from tests.oracles import layers
+from tests.oracles import gather, layers
 from tests.support.effects import depth_of_field, textures
 from tests.support.kernels import blur
-from vrcomfort.optics import fronts
+from vrcomfort.optics.gather_resolution import small_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
@@ -79,8 +79,8 @@ def test_discs_on_the_grid_are_discs(radius_px, pixel_aspect):
     That disc is up to 0.1 px narrower (wider where it hardly leaves its pixel).
     """
     y, x = np.mgrid[-7:8, -7:8]
-    grid = fronts.grid_radius_px(radius_px)
-    found = fronts.disc_share(np.hypot(x, y / pixel_aspect), grid)
+    grid = gather.grid_radius_px(radius_px)
+    found = gather.disc_share(np.hypot(x, y / pixel_aspect), grid)
     found /= found.sum()
     widths = radius_px + np.linspace(-0.1, 0.05, 16)
     errors = [np.abs(found - shares(width, pixel_aspect)).max() for width in widths]
@@ -89,15 +89,15 @@ def test_discs_on_the_grid_are_discs(radius_px, pixel_aspect):
 
 
 def test_a_disc_of_half_a_pixel_is_its_pixel():
-    assert fronts.disc_share(1.0, fronts.grid_radius_px(0.5)) == pytest.approx(0, abs=1e-12)
-    assert fronts.disc_share(1.0, fronts.grid_radius_px(0.55)) > 0.01
+    assert gather.disc_share(1.0, gather.grid_radius_px(0.5)) == pytest.approx(0, abs=1e-12)
+    assert gather.disc_share(1.0, gather.grid_radius_px(0.55)) > 0.01
 
 
 @pytest.mark.parametrize("radius_px", [0.75, 1.0, 3.0])
 def test_the_shares_of_a_disc_are_its_light(radius_px):
     """Integrated over the plane, by rings of radius a: π times a disc's share is π."""
     away, step = np.linspace(0, 5, 20_001, retstep=True)
-    share = fronts.disc_share(away, fronts.grid_radius_px(radius_px))
+    share = gather.disc_share(away, gather.grid_radius_px(radius_px))
     assert np.sum(2 * np.pi * away * share) * step == pytest.approx(np.pi, rel=1e-3)
 
 
@@ -192,7 +192,7 @@ def test_more_rings_are_closer_to_the_ideal(ctx):
         assert few >= some >= many, radius_px
         assert many <= 0.01
         for rings, each in zip((1, 3, 8), found, strict=True):
-            if radius_px <= fronts.small_px(rings):
+            if radius_px <= small_px(rings):
                 np.testing.assert_array_equal(each, found[-1])
             else:
                 assert np.abs(each - found[-1]).max() > 0.05

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.oracles.motion import velocity_px
 from vrcomfort.geometry import (
     Fov,
     Pose,
@@ -14,7 +15,6 @@ from vrcomfort.geometry import (
     quaternion_multiply,
     rotate,
 )
-from vrcomfort.optics.motion import velocity_px
 from vrcomfort.render.camera_motion import camera_motion, extrapolated_eye_pose, previous_eye_pose
 
 SIZE_PX = (640, 800)

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from test_effects_optics import evaluate
 
+from tests.oracles import motion
 from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Pose, View, axis_angle
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics import motion
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.output import read_depth, read_linear
 from vrcomfort.render.pipeline import StereoRenderer

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
+from tests.oracles.motion import SPEED_LIMIT_PX
 from tests.support.effects import rgb_of, textures
 from tests.support.extremes import (
     FOCUS_M,
@@ -31,12 +32,12 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.headset.eye_painter import EyePainter
-from vrcomfort.optics.motion import SPEED_LIMIT_PX
 from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.output import read_texture
 from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.tone_map import TONE_CURVE
 from vrcomfort.resources import data_folder
 
 ULP = 1 + 2**-10
@@ -180,6 +181,7 @@ def test_tone_map(ctx, cases):
         tone_map = FullscreenPass(
             ctx,
             "display/tone_map.frag",
+            defines=TONE_CURVE,
             size_px=(width, height),
             inputs={"radiance": colour},
             constants=Exposure(float(10.0 ** rng.uniform(-4, 4))),

@@ -5,18 +5,19 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.support.effects import defocus_of, square_pixels, textures
+from tests.oracles.circle_of_confusion import lens_radius_px
+from tests.support.effects import coc_passes_of, square_pixels, textures
 from tests.support.render import at, eye, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
 from vrcomfort.render.effects.depth_of_field import lens_radius
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import (
-    Defocus,
-    Radii,
-    RadiusRange,
-    defocus_uniforms,
+from vrcomfort.render.effects.depth_of_field.coc_passes import (
+    CocPasses,
+    CocTileMinMax,
+    DepthToCoc,
+    eye_uniforms,
 )
 from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
@@ -29,7 +30,7 @@ distances = st.floats(0.05, 2e4)
 def radius_px(distance_m, **settings):
     depth = NEAR_M / np.asarray(distance_m, float)
     wide = {"near_m": NEAR_M, "radius_limit_px": 1e12, "infinity_m": 1e6, **settings}
-    return coc.lens_radius_px(depth, **wide)
+    return lens_radius_px(depth, **wide)
 
 
 def test_a_camera_lens_by_hand():
@@ -97,23 +98,23 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
     _, fours = textures(ctx, np.zeros((80, 100, 3)), np.kron(distance, np.ones((2, 2))), near_m)
     z = (near_m / distance).astype("f4").astype(float)
     eye_pose = Pose(np.array([0.03, 0.0, -0.01]))
-    head = defocus_uniforms(LEFT_EYE, near_m, eye_pose)
+    head = eye_uniforms(LEFT_EYE, near_m, eye_pose)
     focal_px = focal_length_px(LEFT_EYE, (50, 40))[0]
     for focus_m in (0.01, 0.05, 0.6, 2.0, 40.0, 3e4, np.inf):
         focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-        effect = Defocus(
+        effect = CocPasses(
             ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(50, 40),
             infinity_m=3e4,
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
-        radii = Radii(depth=fours, focus=focus, settings=settings, infinity_m=3e4)
-        largest = RadiusRange(ctx, radii, size_px=(100, 80), tile_px=2)
+        radii = DepthToCoc(depth=fours, focus=focus, settings=settings, infinity_m=3e4)
+        largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2)
         largest.render(radii.of_eye(head, 2 * focal_px))
-        found = np.frombuffer(largest.tiles.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
+        found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(
             settings, focal_px=focal_px, size_px=(50, 40), focus_m=np.inf
         )
-        twin = coc.lens_radius_px(
+        twin = lens_radius_px(
             z, px_per_dioptre=px, focus_m=float(np.float32(focus_m)),
             near_m=np.float64(np.float32(near_m)), radius_limit_px=1e9,
             offset_m=float(np.float32(0.01)),
@@ -123,7 +124,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         small = np.abs(twin) <= 100
         np.testing.assert_allclose(found[small], np.abs(twin[small]), rtol=1e-5, atol=1e-3)
         effect.render(fov=LEFT_EYE, near_m=near_m, head_from_eye=eye_pose)
-        points = np.frombuffer(effect.points.read(), "f2").reshape(40, 50, 4)[..., 3]
+        points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(40, 50, 4)[..., 3]
         np.testing.assert_allclose(points, np.clip(twin, -5, 5), rtol=1e-3, atol=2e-3)
 
 
@@ -136,11 +137,13 @@ def test_tiles_hold_the_radii_of_their_pixels(ctx, name, peripheral):
     distance[:16] = np.inf
     distance[16:32] = 2.0
     settings = DepthOfField(max_radius_percent=10, peripheral=peripheral, **LAWS[name])
-    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
+    effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     turned = Pose(np.array([0.03, 0.0, -0.01]), axis_angle([0.0, 1.0, 0.0], 0.2))
     effect.render(fov=LEFT_EYE, near_m=NEAR_M, head_from_eye=turned)
-    radii = np.frombuffer(effect.points.read(), "f2").reshape(45, 61, 4)[..., 3].astype(float)
-    tiles = np.frombuffer(effect.tiles.read(), "f4").reshape(6, 8, 4)
+    radii = (
+        np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(45, 61, 4)[..., 3].astype(float)
+    )
+    tiles = np.frombuffer(effect.tile_min_max.read(), "f4").reshape(6, 8, 4)
     assert effect.tile_px == 8
     for row, column in np.ndindex(6, 8):
         inside = radii[8 * row : 8 * row + 8, 8 * column : 8 * column + 8]
@@ -159,9 +162,9 @@ def test_the_largest_diameter_can_be_an_angle(ctx):
     assert lens_radius.radius_limit_in_px(settings, focal_px, size_px) == pytest.approx(
         np.tan(np.radians(1.0)) * focal_px
     )
-    effect = defocus_of(ctx, settings, np.inf, 1.0, size_px)
+    effect = coc_passes_of(ctx, settings, np.inf, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
-    points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
+    points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
     assert effect.limit_now_px == pytest.approx(np.tan(np.radians(1.0)) * focal_px)
     # Law `linear`: 10 m of defocus reach the limit; the sky would have 2999.9 times as much.
@@ -191,9 +194,9 @@ def test_the_smaller_of_both_limits_is_what_full_blur_reaches(ctx, law):
         max_radius_percent=10,
         max_diameter_arcmin=120.0,
     )
-    effect = defocus_of(ctx, settings, 2.0, 1.0, size_px)
+    effect = coc_passes_of(ctx, settings, 2.0, 1.0, size_px)
     effect.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
-    points = np.frombuffer(effect.points.read(), "f2").reshape(48, 64, 4)[..., 3]
+    points = np.frombuffer(effect.colour_and_coc.read(), "f2").reshape(48, 64, 4)[..., 3]
     np.testing.assert_allclose(points, 0.5 * np.tan(np.radians(1.0)) * focal_px, rtol=1e-3)
 
 
@@ -243,7 +246,7 @@ def test_the_largest_radius_is_found_wherever_it_is(ctx, size_px, corner):
     distance = np.full((height, width), 2.0)
     distance[corner] = 0.5
     settings = DepthOfField(law="eye", pupil_mm=20.0, max_radius_percent=1.0)
-    effect = defocus_of(ctx, settings, distance, 2.0, size_px)
+    effect = coc_passes_of(ctx, settings, distance, 2.0, size_px)
     fov = Fov(-0.5, 0.5, 0.4, -0.4)
     effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
     px = coc.eye_px_per_dioptre(20.0, focal_length_px(fov, size_px)[0])

@@ -11,9 +11,9 @@ from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.effects.depth_of_field.blur_limit import radius_per_dioptre_px, unlimited
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
-from vrcomfort.render.effects.depth_of_field.kernels.rings import VrcomfortKernel
+from vrcomfort.render.effects.depth_of_field.kernels.ring_gather import RingGatherKernel
 from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_px
 from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view, part_of_one_view
@@ -206,11 +206,11 @@ def test_views_whose_discs_are_small_within_a_dioptre_have_small_ones(settings, 
 
 def test_the_kernel_that_draws_views_is_the_one_that_was_meant(ctx):
     colour, depth, focus = (ctx.texture((64, 60), 4, dtype="f4") for _ in range(3))
-    for percent, kernel in ((10.0, SmallDiscsKernel), (40.0, VrcomfortKernel)):
+    for percent, kernel in ((10.0, SmallDiscsKernel), (40.0, RingGatherKernel)):
         lens = DepthOfField(law="dioptre", views=16, full_blur_dioptre=1.0)
         wide = lens.model_copy(update={"max_radius_percent": percent})
         one = blur_of_one_view(wide, colour.size)  # 3.2 px and 12.8 px at a dioptre
-        defocus = Defocus(
+        coc = CocPasses(
             ctx,
             colour=colour,
             depth=depth,
@@ -219,7 +219,7 @@ def test_the_kernel_that_draws_views_is_the_one_that_was_meant(ctx):
             size_px=colour.size,
             infinity_m=3e4,
         )
-        assert isinstance(make_kernel(ctx, colour, defocus, one), kernel)
+        assert isinstance(make_kernel(ctx, colour, coc, one), kernel)
 
 
 @pytest.mark.slow

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.oracles.motion import streak_taps
 from tests.support.effects import motion_blur, motion_blur_pass, rgb_of
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.optics.motion import streak_taps
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
 
@@ -112,11 +112,13 @@ def test_a_plain_gather_does_not_know_who_hides_whom(ctx):
 
 
 @pytest.mark.parametrize("samples", [2, 4, 8, 16])
-@pytest.mark.parametrize("half_streak_px", [0.4, 1.3, 5.0, 11.6])
-def test_a_point_is_spread_as_the_twin_says(ctx, half_streak_px, samples):
+@pytest.mark.parametrize("half_velocity_px", [0.4, 1.3, 5.0, 11.6])
+def test_a_point_is_spread_as_the_twin_says(ctx, half_velocity_px, samples):
     rgb = np.where(columns() == 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
-    line = motion_blur(ctx, rgb, 2.0, [2 * half_streak_px, 0.0], samples=samples, **WHOLE)[48, :, 0]
-    reach = float(np.float16(half_streak_px))
+    line = motion_blur(ctx, rgb, 2.0, [2 * half_velocity_px, 0.0], samples=samples, **WHOLE)[
+        48, :, 0
+    ]
+    reach = float(np.float16(half_velocity_px))
     taps = streak_taps(reach, samples=samples)
     x = np.arange(128)[:, None] - 64
     tents = np.maximum(1 - np.abs(np.abs(x) - taps.at_px), 0) * np.where(x == 0, 2, 1)
@@ -202,24 +204,24 @@ def test_streaks_fade_while_the_head_turns(ctx, rng):
         effect = motion_blur_pass(
             ctx, rgb, 2.0, [8.0, 0.0], step=turning(deg_s), fade_with_turning=fade, **WHOLE
         )
-        lengths[deg_s] = effect.longest_half_streak_px()
+        lengths[deg_s] = effect.longest_half_velocity_px()
         if deg_s >= 180:
             np.testing.assert_array_equal(rgb_of(effect.target), rgb)
     assert lengths == pytest.approx({0: 4, 60: 4, 90: 3, 120: 2, 180: 0, 400: 0}, rel=1e-3)
     cut = motion_blur_pass(ctx, rgb, 2.0, [8.0, 0.0], fade_with_turning=fade, **WHOLE)
-    assert cut.longest_half_streak_px() == pytest.approx(4, rel=1e-3)
+    assert cut.longest_half_velocity_px() == pytest.approx(4, rel=1e-3)
 
 
 def test_the_limit_shortens_and_says_so(ctx, rng):
     rgb = rng.uniform(0, 1, (96, 128, 3))
     effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], **WHOLE)
     assert effect.limit_px == pytest.approx(12.8)
-    assert effect.longest_half_streak_px() == pytest.approx(50, rel=1e-3)
+    assert effect.longest_half_velocity_px() == pytest.approx(50, rel=1e-3)
     assert effect.clamps() == (
         "motion blur: half streaks of up to 50.0 px were shortened to 12.8 px",
     )
     gentle = motion_blur_pass(ctx, rgb, 2.0, [3.0, 4.0], **WHOLE)
-    assert gentle.longest_half_streak_px() == pytest.approx(2.5, rel=1e-3)
+    assert gentle.longest_half_velocity_px() == pytest.approx(2.5, rel=1e-3)
     assert gentle.clamps() == ()
 
 
@@ -229,7 +231,7 @@ def test_the_longest_streak_is_remembered_over_frames(ctx, rng):
     fade = TurnRamp(from_deg_s=60, to_deg_s=180)
     effect = motion_blur_pass(ctx, rgb, 2.0, [8.0, 0.0], fade_with_turning=fade, **WHOLE)
     effect.render(step=turning(120))
-    assert effect.longest_half_streak_px() == pytest.approx(4, rel=1e-3)
+    assert effect.longest_half_velocity_px() == pytest.approx(4, rel=1e-3)
 
 
 @pytest.mark.parametrize("size_px", [(1, 1), (7, 5), (33, 17), (131, 67)])

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_effects_optics import evaluate
 
+from tests.oracles import motion
 from tests.support.effects import motion_blur, motion_blur_pass, texels_of
-from vrcomfort.optics import motion
 
 WIDTH, HEIGHT, FINER = 160, 128, 4
 WHOLE = {"shutter_fraction": 1.0, "max_radius_percent": 20.0, "samples": 16}
@@ -107,7 +107,7 @@ def test_a_tile_tells_the_slower_of_two_that_cross(ctx, way):
     effect = motion_blur_pass(
         ctx, np.ones((HEIGHT, WIDTH, 3)), 2.0, np.where(front, way, back), **WHOLE
     )
-    longest, crossing = map(texels_of, effect._gather._neighbours.targets)
+    longest, crossing = map(texels_of, effect._gather._dilate.targets)
     columns = longest.shape[1]
     beside = slice(2, 6)  # rows of tiles with the bar, which lies on the rim of two, and next to it
     np.testing.assert_array_equal(longest[beside, :, :3], [[[*back / 2, 2]] * columns] * 4)
@@ -119,7 +119,7 @@ def test_a_tile_tells_the_slower_of_two_that_cross(ctx, way):
 def test_nothing_crosses_where_all_go_along_one_line(ctx, way):
     velocity = np.where(covered("bar")[..., None], way, [40.0, 0.0])
     effect = motion_blur_pass(ctx, np.ones((HEIGHT, WIDTH, 3)), 2.0, velocity, **WHOLE)
-    longest, crossing = map(texels_of, effect._gather._neighbours.targets)
+    longest, crossing = map(texels_of, effect._gather._dilate.targets)
     assert (longest[..., 2] == 2).any()
     np.testing.assert_array_equal(crossing, 0)
 
@@ -130,14 +130,14 @@ def test_shader_thresholds_are_the_twins(ctx, rng):
     x[:100, 3] = motion.jump_px(x[:100, 2]) * rng.choice([0.999, 1.001], 100)
     x[100:200, :2] *= (motion.LEAST_PX / np.hypot(*x[100:200, :2].T))[:, None]
     x[100:200, :2] *= rng.choice([0.999, 1.001], 100)[:, None]
-    kinds = evaluate(ctx, "streak_kinds.glsl", "vec4(kind_of(x.xy, x.z, x.w))", x)[:, 0]
+    kinds = evaluate(ctx, "motion_tile_classes.glsl", "vec4(class_of(x.xy, x.z, x.w))", x)[:, 0]
     alike = [
         motion.moves_alike(r[:2], shortest_px=r[2], steepness_px=r[3]) for r in x.astype(float)
     ]
     assert set(kinds.tolist()) == {0.0, 1.0, 2.0}
     np.testing.assert_array_equal(kinds == 1, alike)
     call = "vec4(tolerance_px(x.x), jump_px(x.x), LEAST_PX, 0)"
-    tolerance, jump, least, _ = evaluate(ctx, "streak_kinds.glsl", call, x).T
+    tolerance, jump, least, _ = evaluate(ctx, "motion_tile_classes.glsl", call, x).T
     np.testing.assert_allclose(tolerance, motion.tolerance_px(x[:, 0]), rtol=1e-6)
     np.testing.assert_allclose(jump, motion.jump_px(x[:, 0]), rtol=1e-6)
     np.testing.assert_array_equal(least, motion.LEAST_PX)
@@ -154,7 +154,7 @@ def test_shader_crossings_and_shares_are_the_twins(ctx, rng):
         " share_along(x.xy, x.zw, vec2(0.0)))"
     )
     constants = [[0] * 4, [*other, 0, 0]]
-    found = evaluate(ctx, "streak_kinds.glsl", call, x, constants=constants).T
+    found = evaluate(ctx, "motion_tile_classes.glsl", call, x, constants=constants).T
     beside, crosses, share, alone = found
     scale = np.hypot(*u.T)
     np.testing.assert_allclose(
@@ -165,7 +165,7 @@ def test_shader_crossings_and_shares_are_the_twins(ctx, rng):
     np.testing.assert_allclose(share, motion.share_along(u, line, other), atol=1e-4)
     np.testing.assert_array_equal(alone, 1)
     call = "vec4(farther_beside(b.xy, x.xy, x.zw), 0, 0)"
-    farther = evaluate(ctx, "streak_kinds.glsl", call, x, constants=constants)[:, :2]
+    farther = evaluate(ctx, "motion_tile_classes.glsl", call, x, constants=constants)[:, :2]
     second = motion.beside_px(line, other) > motion.beside_px(u, other)
     np.testing.assert_array_equal(farther, np.where(second[:, None], x[:, 2:], x[:, :2]))
 

@@ -6,10 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.oracles import gather, motion
+from tests.oracles.circle_of_confusion import disc_area_px, ring_radius_px, tap_area_px
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import shaders
 from vrcomfort.optics import circle_of_confusion as coc
-from vrcomfort.optics import fronts, motion
 
 LAWS = ("linear", "dioptre")
 distances = st.floats(0.01, 1e5)
@@ -101,7 +102,7 @@ def test_disc_area_is_the_integral_of_its_weight(radius_px, softness_px):
     middle = (edges[1:] + edges[:-1]) / 2
     rings = 2 * np.pi * middle * np.diff(edges)
     integral = np.sum(rings * coc.disc_weight(middle, radius_px, softness_px))
-    np.testing.assert_allclose(coc.disc_area_px(radius_px, softness_px), integral, rtol=2e-3)
+    np.testing.assert_allclose(disc_area_px(radius_px, softness_px), integral, rtol=2e-3)
 
 
 def test_a_disc_of_half_a_pixel_covers_its_own_pixel_only():
@@ -114,9 +115,9 @@ def test_a_disc_of_half_a_pixel_covers_its_own_pixel_only():
 def test_ring_taps_share_the_disc_equally(rings):
     taps = len(coc.ring_directions(rings)) + 1
     assert taps == (2 * rings + 1) ** 2
-    np.testing.assert_allclose(taps * coc.tap_area_px(2.0), np.pi * (2 * (rings + 0.5)) ** 2)
+    np.testing.assert_allclose(taps * tap_area_px(2.0), np.pi * (2 * (rings + 0.5)) ** 2)
     np.testing.assert_allclose(coc.ring_directions(rings).sum(axis=0), 0, atol=1e-12)
-    moment = sum(8 * k * coc.ring_radius_px(k, 2.0) ** 2 for k in range(1, rings + 1)) / taps
+    moment = sum(8 * k * ring_radius_px(k, 2.0) ** 2 for k in range(1, rings + 1)) / taps
     np.testing.assert_allclose(moment, (2 * (rings + 0.5)) ** 2 / 2, rtol=0.02)
 
 
@@ -142,8 +143,8 @@ def test_a_point_from_behind_the_eye_comes_from_its_rim():
     assert velocity[1] == 0
 
 
-def test_half_streak_is_half_the_shutter_and_clamps_without_turning():
-    streak = motion.half_streak_px(
+def test_half_velocity_is_half_the_shutter_and_clamps_without_turning():
+    streak = motion.half_velocity_px(
         [[8, 0], [300, -400], [0, 0]], shutter_fraction=0.5, radius_limit_px=32
     )
     np.testing.assert_allclose(streak, [[2, 0], [19.2, -25.6], [0, 0]])
@@ -187,7 +188,7 @@ def test_shader_disc_and_slope_are_the_twins(ctx, rng):
     x = x.astype("f4")
     for row, (weight, area, *_) in zip(x, result, strict=True):
         np.testing.assert_allclose(weight, coc.disc_weight(row[0], row[1], row[2]), atol=1e-5)
-        np.testing.assert_allclose(area, coc.disc_area_px(row[1], row[2]), rtol=1e-5)
+        np.testing.assert_allclose(area, disc_area_px(row[1], row[2]), rtol=1e-5)
     uv = rng.uniform(0, 1, (100, 4))
     fov = Fov(-0.8, 0.6, 0.7, -0.9)
     constants = [fov.tangents, [0.3, 0.1, -0.95, 0]]
@@ -210,49 +211,52 @@ def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
         " slack_of(abs(x.x)))"
     )
     is_front, alike, margin, slack = evaluate(ctx, include, call, x).T
-    np.testing.assert_allclose(slack, fronts.slack_px(p), rtol=1e-5, atol=1e-6)
-    np.testing.assert_allclose(margin, fronts.margin_px(p), rtol=1e-5)
-    np.testing.assert_allclose(is_front, fronts.nearer(p, q), atol=1e-4)
-    np.testing.assert_array_equal(alike, fronts.is_alike(p, q, r, 2.0))
+    np.testing.assert_allclose(slack, gather.slack_px(p), rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(margin, gather.margin_px(p), rtol=1e-5)
+    np.testing.assert_allclose(is_front, gather.nearer(p, q), atol=1e-4)
+    np.testing.assert_array_equal(alike, gather.is_alike(p, q, r, 2.0))
     assert 0 < alike.mean() < 1
     assert ((is_front > 0) & (is_front < 1)).any()
     call = (
         "vec4(ring_count(abs(x.x), 1.25), ring_radius(2, abs(x.y)),"
-        " front_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)), grid_radius_px(abs(x.x)))"
+        " foreground_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)),"
+        " grid_radius_px(abs(x.x)))"
     )
     rings, away, opacity, grid = evaluate(ctx, include, call, abs(x)).T
     p, q, r, s = abs(x).T.astype("f8")
-    np.testing.assert_array_equal(rings, fronts.ring_count(p, 1.25, 3))
-    np.testing.assert_allclose(away, q * coc.ring_radius_px(2, 1.0), rtol=1e-5)
-    np.testing.assert_allclose(opacity, fronts.front_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5)
-    np.testing.assert_allclose(grid, fronts.grid_radius_px(p), rtol=1e-5)
+    np.testing.assert_array_equal(rings, gather.ring_count(p, 1.25, 3))
+    np.testing.assert_allclose(away, q * ring_radius_px(2, 1.0), rtol=1e-5)
+    np.testing.assert_allclose(
+        opacity, gather.foreground_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5
+    )
+    np.testing.assert_allclose(grid, gather.grid_radius_px(p), rtol=1e-5)
     share = evaluate(ctx, include, "vec4(disc_share(abs(x.x), abs(x.y)))", x)[:, 0]
-    np.testing.assert_allclose(share, fronts.disc_share(p, q), rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(share, gather.disc_share(p, q), rtol=1e-4, atol=1e-5)
     assert 0.1 < np.mean((share > 0) & (share < 1 / (q**2 + 1 / 12))) < 0.9
 
 
 def test_a_point_is_in_front_between_one_margin_and_two():
     """By hand: at 4 px the margin is 0.2 px, below 2.5 px it is an eighth."""
-    found = fronts.nearer(4.0, [4.5, 3.8, 3.7, 3.6, 0.0])
+    found = gather.nearer(4.0, [4.5, 3.8, 3.7, 3.6, 0.0])
     np.testing.assert_allclose(found, [0, 0, 0.5, 1, 1], atol=1e-12)
-    np.testing.assert_allclose(fronts.nearer(-1.0, [-1.125, -1.1875, -1.25]), [0, 0.5, 1])
+    np.testing.assert_allclose(gather.nearer(-1.0, [-1.125, -1.1875, -1.25]), [0, 0.5, 1])
 
 
 def test_all_of_a_points_light_lands_somewhere():
     y, x = np.mgrid[-30:31, -30:31]
-    light = fronts.front_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
+    light = gather.foreground_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
     assert light.sum() == pytest.approx(1, rel=5e-3)
 
 
 def test_shader_velocity_and_streak_are_the_twins(ctx, rng):
     x = rng.uniform(-3, 3, (200, 4))
     now = np.array([0.3, -0.2, 0.0, 1.5], "f4")
-    call = "vec4(velocity_px(a, x, b.xy), half_streak_px(x.xy * 30.0, 0.5, 16.0))"
+    call = "vec4(velocity_px(a, x, b.xy), half_velocity_px(x.xy * 30.0, 0.5, 16.0))"
     result = evaluate(ctx, "velocity.glsl", call, x, constants=[now, [640, 800, 0, 0]])
     x = x.astype("f4")
     twin = motion.velocity_px(np.broadcast_to(now, x.shape), x, (640, 800))
     np.testing.assert_allclose(result[:, :2], twin, rtol=1e-4, atol=0.01)
-    streak = motion.half_streak_px(30 * x[:, :2], shutter_fraction=0.5, radius_limit_px=16)
+    streak = motion.half_velocity_px(30 * x[:, :2], shutter_fraction=0.5, radius_limit_px=16)
     np.testing.assert_allclose(result[:, 2:], streak, rtol=1e-5, atol=1e-5)
 
 

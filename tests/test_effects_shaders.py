@@ -9,28 +9,32 @@ from vrcomfort.resources import data_folder
 def test_every_shader_has_its_bound_in_the_docs():
     root = Path(__file__).resolve().parent.parent
     text = (root / "docs" / "extremes.md").read_text(encoding="utf-8")
-    files = data_folder("shaders").glob("*.*")
-    assert [file.name for file in files if f"`{file.name}`" not in text] == []
+    files = data_folder("shaders").rglob("*.*")
+    assert [
+        file.name
+        for file in files
+        if file.parent.name != "include" and f"`{file.name}`" not in text
+    ] == []
 
 
 THROUGH = {
     "clip_now": "the scene's images",
     "through_lens": "the reference's images (test_render_depth_and_lens.py)",
     "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
-    "unlimited_radius_at": "defocus.frag (test_effects_lens_laws.py)",
-    "widest_px": "the shaders of tile_kinds.py (test_effects_tile_kinds.py)",
-    "comes": "the same",
+    "unlimited_radius_at": "colour_and_coc.frag (test_effects_lens_laws.py)",
+    "widest_px": "the shaders that look around (test_effects_tile_classes.py)",
+    "reaches": "the same",
     "matters": "the same",
-    "reach_now": "the same",
-    "radius_of": "defocus.frag (test_effects_lens_laws.py)",
-    "radius_at": "defocus.frag and defocus_range.frag (test_effects_lens_laws.py)",
+    "tiles_around": "the same",
+    "radius_of": "colour_and_coc.frag (test_effects_lens_laws.py)",
+    "radius_at": "colour_and_coc.frag and coc_tile_min_max.frag (test_effects_lens_laws.py)",
     "velocity_at": "the shaders of motion blur (test_effects_motion_blur.py: extremes)",
-    "half_streak_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",
-    "add_peripheral_px": "defocus.frag (test_effects_peripheral.py)",
-    "light_of": "defocus_far.frag (test_effects_far_layers.py)",
-    "sum_over": "defocus_far.frag (test_effects_far_layers.py)",
-    "mix_layers": "depth_of_field.frag (test_effects_far_layers.py)",
-    "suffices": "defocus_wide.frag (test_effects_far_layers.py)",
+    "half_velocity_at": "the same (test_effects_motion_blur.py: the limit, the shutter)",
+    "add_peripheral_px": "colour_and_coc.frag (test_effects_peripheral.py)",
+    "light_of": "gather_coarse.frag (test_effects_coarse_layers.py)",
+    "sum_over": "gather_coarse.frag (test_effects_coarse_layers.py)",
+    "bilateral_upsample": "gather_composite.frag (test_effects_coarse_layers.py)",
+    "suffices": "gather_half_resolution.frag (test_effects_coarse_layers.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",
 }

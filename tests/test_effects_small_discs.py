@@ -5,8 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.oracles.small_discs import share, trade
 from tests.support.kernels import blur
-from vrcomfort.optics.small_discs import grid_discs, share, trade
+from vrcomfort.optics.small_discs import grid_discs
 from vrcomfort.optics.view_points import FEW
 
 LIMIT_PX = 6.0

@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from tests.oracles.gaussian import gaussian_weights
 from tests.support.effects import rgb_of, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
-from vrcomfort.optics.gaussian import gaussian_weights, sigma_px
+from vrcomfort.optics.gaussian import sigma_px
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
 from vrcomfort.render.effects.speed_blur import SpeedBlurPass, strength

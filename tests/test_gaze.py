@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +26,16 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
-from vrcomfort.records import FrameRow, GazeRow, Recorder, session_folder, take_up
+from vrcomfort.records import (
+    FrameRow,
+    GazeRow,
+    Machine,
+    Manifest,
+    Recorder,
+    session_folder,
+    take_up,
+)
+from vrcomfort.records.study import now
 from vrcomfort.resources import data_folder
 from vrcomfort.session import VirtualClock
 from vrcomfort.session.frame_log import FrameLog
@@ -161,10 +169,11 @@ def test_a_resumed_session_goes_on_in_the_same_file(tmp_path):
     with Recorder(tmp_path, "P1", 1) as recorder:
         recorder.write(row)
     folder = recorder.folder
-    (folder / "manifest.json").write_text(json.dumps({"timing_flags": []}))
+    protocol = tiny_protocol(tmp_path)
+    Manifest("P1", 1, "ab", protocol, Machine(), {}, "scripted", 0, 10.0, now()).write(folder)
     with (folder / "gaze.csv").open("a") as file:
         file.write("0.1,2,1,0.0,")
-    warnings = take_up(folder).warnings
+    warnings = take_up(folder, protocol.order.sequences[0].sessions[0]).warnings
     assert [warning.rpartition("/")[2] for warning in warnings] == [
         "gaze.csv, line 3: a half-written row was moved to gaze.csv.cut"
     ]

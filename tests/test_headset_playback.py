@@ -12,8 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, axis_angle, slerp, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset, default_fovs
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.recorder import csv_line
-from vrcomfort.records.rows import cell_text
+from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.traces.pose_track import PoseTrack
 from vrcomfort.traces.trace import Trace, read_trace
 

@@ -7,10 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.oracles import scattering
+from tests.oracles import poisson_taps, pyramid, scattering
 from tests.support.effects import depth_of_field
 from tests.support.kernels import FOCUS_M, blur
-from vrcomfort.optics import gathering, pyramid
+from vrcomfort.optics.poisson_taps import POISSON_12, POISSON_15
+from vrcomfort.optics.pyramid import levels
 from vrcomfort.protocol.conditions import Kernel
 
 KERNELS = ("scatter", "poisson12", "poisson15_near", "mip", "mip_slices")
@@ -22,9 +23,9 @@ def twin(kernel, found, pixel_aspect):
     if kernel == "scatter":
         return scattering.scatter(found.points, pixel_aspect=pixel_aspect)
     if kernel == "poisson12":
-        return gathering.poisson12(found.points, pixel_aspect=pixel_aspect, **limit)
+        return poisson_taps.poisson12(found.points, pixel_aspect=pixel_aspect, **limit)
     if kernel == "poisson15_near":
-        return gathering.poisson15_near(found.points, pixel_aspect=pixel_aspect, **limit)
+        return poisson_taps.poisson15_near(found.points, pixel_aspect=pixel_aspect, **limit)
     return pyramid.mip(found.points, slices=kernel == "mip_slices", **limit)
 
 
@@ -200,17 +201,17 @@ def test_fifteen_taps_leak_a_sharp_front(ctx, edge):
 
 
 def test_near_circles_widen_by_equation_2():
-    radius = gathering.spread_radius_px(
+    radius = poisson_taps.spread_radius_px(
         [-4.0, 0.0, 0.0, 1.0, 7.0, -1.0], [2.0, 2.0, 6.0, 2.0, 2.0, 3.0], radius_limit_px=8.0
     )
     np.testing.assert_allclose(radius, [4, 4, 8, 4, 7, 5])
-    near = gathering.near_mean_px([[-1.0] * 8 + [5.0, -4.0]])
+    near = poisson_taps.near_mean_px([[-1.0] * 8 + [5.0, -4.0]])
     np.testing.assert_allclose(near, [[1.0, 2.0]])
 
 
 @given(radii, st.floats(0, 16))
 def test_a_spread_circle_is_never_narrower_than_its_own(radius_px, near_mean):
-    spread = gathering.spread_radius_px(radius_px, near_mean, radius_limit_px=16.0)
+    spread = poisson_taps.spread_radius_px(radius_px, near_mean, radius_limit_px=16.0)
     assert abs(radius_px) <= spread <= 16
     assert spread == abs(radius_px) or near_mean > 0
 
@@ -222,7 +223,7 @@ def test_a_level_fades_in_as_the_radius_grows(radius_px, level, slices):
     assert pyramid.fade(0.0, level, slices=slices) == 0
 
 
-@pytest.mark.parametrize("taps", [gathering.POISSON_12, gathering.POISSON_15])
+@pytest.mark.parametrize("taps", [POISSON_12, POISSON_15])
 def test_poisson_offsets_lie_apart_in_a_disc_of_diameter_1(taps):
     apart = np.linalg.norm(taps[:, None] - taps, axis=-1) + np.eye(len(taps))
     assert np.linalg.norm(taps, axis=-1).max() <= 0.5
@@ -271,7 +272,7 @@ def test_every_texel_is_the_mean_of_the_pixels_it_covers(ctx, rng):
 
 @pytest.mark.parametrize(("limit_px", "wanted"), [(0, 1), (2, 1), (2.1, 2), (16, 4), (1e9, 9)])
 def test_the_last_level_is_at_least_as_blurred_as_the_widest_disc(limit_px, wanted):
-    assert pyramid.levels(limit_px) == wanted
+    assert levels(limit_px) == wanted
 
 
 @pytest.mark.parametrize("radius_px", [1.0, 2.0, 3.0, 4.0, 7.0, 8.0])

@@ -96,6 +96,48 @@ def test_an_image_that_never_comes_is_a_runtime_lost(
     session.close()
 
 
+@pytest.mark.parametrize(
+    ("function", "result", "words"),
+    [
+        ("xrWaitFrame", xr.Result.SESSION_LOSS_PENDING, "announced the loss of the session"),
+        ("xrEndFrame", xr.Result.ERROR_POSE_INVALID, "pose of a frame invalid"),
+        ("xrEndFrame", xr.Result.ERROR_TIME_INVALID, "display time of a frame invalid"),
+        ("xrLocateViews", xr.Result.ERROR_TIME_INVALID, "display time of a frame invalid"),
+    ],
+)
+def test_a_runtime_that_refuses_to_go_on_is_one_sentence(
+    ctx: moderngl.Context, feed: RemoteFeed, function: str, result: Any, words: str
+) -> None:
+    refusing = {"now": False}
+
+    def refuse(follow: Any, *arguments: Any) -> Any:
+        return result if refusing["now"] else follow(*arguments)
+
+    with headset(ctx, feed, **{function: refuse}) as session:
+        frames = session.frames()
+        session.submit(next(frames), None)
+        refusing["now"] = True
+        with pytest.raises(RuntimeLostError, match=rf"{words}.*is kept.*--resume"):
+            session.submit(next(frames), None)
+        refusing["now"] = False
+
+
+def test_a_frame_that_the_runtime_discards_is_an_event(
+    ctx: moderngl.Context, feed: RemoteFeed
+) -> None:
+    results = iter([xr.Result.SUCCESS, xr.Result.FRAME_DISCARDED])
+
+    def begin(follow: Any, *arguments: Any) -> Any:
+        follow(*arguments)
+        return next(results, xr.Result.SUCCESS)
+
+    with headset(ctx, feed, xrBeginFrame=begin) as session:
+        for frame in islice(session.frames(), 4):
+            session.submit(frame, None)
+        told = [event.name for event in session.take_events()]
+    assert told.count("frame_discarded") == 1
+
+
 def test_a_runtime_that_is_gone_is_told_whatever_is_asked_of_it(
     ctx: moderngl.Context, tmp_path: Path
 ) -> None:

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.support.openxr import BEST_PRACTICES, VALIDATION, needs_monado
+from tests.support.openxr import BEST_PRACTICES, VALIDATION, needs_monado, services_of
 from tests.support.study import smoke_with
 from vrcomfort.resources import data_folder
 
@@ -152,19 +152,6 @@ def test_a_whole_session_records_the_trace_and_the_script_and_is_reported(
     results = json.loads((tmp_path / "report" / "results.json").read_text())
     assert results["participants"]["n"] == 1
     assert results["quality"]["questionnaires"] == 5
-
-
-def services_of(pid: int) -> list[int]:
-    """Return the Monado services that a process has started."""
-    found = []
-    for stat in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            name, _, rest = stat.read_text().rpartition(") ")
-        except OSError:
-            continue
-        if "monado" in name and int(rest.split()[1]) == pid:
-            found.append(int(stat.parent.name))
-    return found
 
 
 def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_path: Path) -> None:

@@ -139,15 +139,15 @@ def test_memory_of_a_headsets_size_is_allocated(ctx):
 @pytest.mark.parametrize("condition", CONDITIONS, ids=lambda condition: condition.name)
 def test_a_pipeline_holds_nothing_as_soon_as_it_is_gone(ctx, condition):
     """Or two conditions would fill the GPU until Python looks for cycles."""
-    ledger = gpu_memory.ledger(ctx)
-    first = ledger.mark()
+    account = gpu_memory.account(ctx)
+    first = account.mark()
     renderer = StereoRenderer(ctx, SIZE)
     gc.disable()
     try:
         renderer.build(still_life(), condition)
-        assert ledger.between(first, ledger.mark())
+        assert account.between(first, account.mark())
         renderer.release()
-        assert ledger.between(first, ledger.mark()) == ()
+        assert account.between(first, account.mark()) == ()
     finally:
         gc.enable()
 
@@ -157,7 +157,7 @@ def test_mipmaps_go_down_to_one_texel():
     assert gpu_memory.texture_bytes((5, 2), 8, samples=4) == 320
 
 
-def test_everything_that_renders_allocates_through_the_ledger():
+def test_everything_that_renders_allocates_through_the_account():
     """Or it would be missing from what `vrcomfort plan` says."""
     raw = re.compile(r"\w*ctx\.(texture\w*|depth_texture\w*|buffer|\w*renderbuffer|simple_\w+)\(")
     found = {

@@ -3,9 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.oracles.motion import velocity_px
 from tests.support.render import at, box, eye, floor, glowing, scene, wall
 from vrcomfort.geometry import Pose, axis_angle, quaternion_multiply, yaw_pitch_roll
-from vrcomfort.optics.motion import velocity_px
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
 from vrcomfort.render.output import distance_m, read_depth, read_texture

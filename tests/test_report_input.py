@@ -41,10 +41,11 @@ def test_other_tables_from_elsewhere_are_told_and_not_used(tmp_path):
     )
 
 
-def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_path):
+@pytest.mark.parametrize("tail", ["", "\0" * 4096])  # a power cut leaves the latter
+def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_path, tail):
     file = foreign(tmp_path / "s/questionnaires.csv", SCORES)
     text = file.read_text("utf-8")
-    file.write_text(text[:-3])
+    file.write_text(text[:-3] + tail)
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
     assert summary.analysed == 4
     half, incomplete = summary.warnings

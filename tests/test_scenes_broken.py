@@ -190,7 +190,7 @@ BROKEN = {
     scaled_out_of_all_bounds: "node 'in' is scaled or moved by more than 1e",
     keys_that_are_no_numbers: "animation 'spin' has a number in accessor 2 that is not finite",
     keys_without_a_turn: "animation 'spin' has a rotation of length 0",
-    texture_of_a_device: "needs the file '/dev/zero', which cannot be read",
+    texture_of_a_device: "image 0 is '/dev/zero', which is not in the scene's folder",
     missing_mesh: "number 3 of its meshes, but has 1",
     missing_child: "number 7 of its nodes, but has 1",
     compressed_geometry: "needs KHR_draco_mesh_compression",

@@ -242,12 +242,3 @@ def test_rotations_turn_at_an_even_rate(t, angle):
     keys = np.stack([axis_angle([0, 1, 0], 0.0), axis_angle([0, 1, 0], angle)])
     value = sample(Channel(0, "rotation", np.array([0.0, 1.0]), keys, "LINEAR"), t)
     np.testing.assert_allclose(value, normalize(axis_angle([0, 1, 0], angle * t)), atol=1e-9)
-
-
-def test_objects_are_looked_at_and_rooms_are_entered(tmp_path):
-    trimesh.Scene([trimesh.creation.box([1, 1, 1])]).export(tmp_path / "object.glb")
-    spawn = load_scene(tmp_path / "object.glb").spawn
-    np.testing.assert_allclose(spawn.position, [0, -0.5, 2.0])
-    np.testing.assert_allclose(spawn.forward, [0, 0, -1])
-    trimesh.Scene([trimesh.creation.box([9, 3, 9])]).export(tmp_path / "room.glb")
-    np.testing.assert_allclose(load_scene(tmp_path / "room.glb").spawn.position, [0, -1.5, 0])

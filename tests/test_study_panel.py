@@ -29,6 +29,7 @@ class ScriptedScreen:
         self._choices = iter(choices)
         self._now = self._next = Pointing()
         self.pictures: list[Picture | None] = []
+        self.points: list[tuple[float, float] | None] = []
         self.ticks = 0
         self.frames = 0
         self.absences_s: list[float] = []
@@ -41,6 +42,9 @@ class ScriptedScreen:
 
     def show(self, picture: Picture | None) -> None:
         self.pictures.append(picture)
+
+    def point_at(self, point: tuple[float, float] | None) -> None:
+        self.points.append(point)
 
     def pointing(self) -> Pointing:
         return self._now
@@ -251,6 +255,24 @@ def test_of_two_controllers_the_one_that_presses_counts() -> None:
         assert place == pytest.approx(places[hand])
     headset.now = Inputs()
     assert screen.pointing().unable
+
+
+def test_a_pointer_that_moves_on_a_cell_redraws_nothing() -> None:
+    screen = ScriptedScreen([])
+    person = PanelRespondent(screen, watch=lambda _: None)
+    person.start_session(1)
+    person.start_exposure(Exposure(1, 1, "temple", "plain", 60.0))
+    person.prompt(FMS, 0.0, 10.0)
+    screen.pictures.clear()
+    for frame in range(5):
+        screen.do(Pointing((0.1 + 0.001 * frame, 0.1)))
+        person.endure(0.1 * frame)
+    assert len(screen.pictures) == 1
+    assert screen.points == [(0.1 + 0.001 * frame, 0.1) for frame in range(5)]
+    screen.do(Pointing())
+    person.endure(0.6)
+    assert len(screen.pictures) == 1
+    assert screen.points[-1] is None
 
 
 def test_a_look_chooses_after_it_has_rested() -> None:

@@ -39,6 +39,9 @@ class TypingScreen:
         self._doings = iter(doings)
         self._now = Pointing()
 
+    def point_at(self, point: tuple[float, float] | None) -> None:
+        """Show no pointer."""
+
     def show(self, picture: Picture | None) -> None:
         """Show it to nobody."""
 

@@ -1,4 +1,4 @@
-"""How a panel looks: its cells, its pointer, and where a ray meets it."""
+"""How a panel looks: its cells and its pointer, and where a ray meets it."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
+from vrcomfort.headset import pointer
+from vrcomfort.headset.pointer import pointer_picture, pointer_quad
 from vrcomfort.questionnaire import INSTRUMENTS, Instrument
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Page, Painter
@@ -34,12 +36,12 @@ def test_a_cell_knows_its_middle() -> None:
     assert cell.center == (0.5, 0.25)
 
 
-def test_the_pointed_cell_and_the_pointer_are_seen() -> None:
+def test_the_pointed_cell_is_seen() -> None:
     cells = question_cells(SSQ, first=True)
     page = Page("1 of 16", "Nausea", cells)
     painter = Painter()
-    plain = painter.draw(page, None, None)
-    pointed = painter.draw(page, cells[2].center, cells[2])
+    plain = painter.draw(page, None)
+    pointed = painter.draw(page, cells[2])
     assert plain.shape == (SIZE_PX[1], SIZE_PX[0], 4)
     changed = np.argwhere((plain != pointed).any(axis=2))
     left, top, right, bottom = cells[2].box
@@ -47,24 +49,33 @@ def test_the_pointed_cell_and_the_pointer_are_seen() -> None:
     assert changed.max(axis=0).tolist() <= [bottom, right]
 
 
-def test_pointing_changes_the_pointed_cell_and_a_dot_and_nothing_else():
+def test_pointing_changes_the_pointed_cell_and_nothing_else():
     cells = question_cells(FMS, first=True)
     page = Page("", FMS.instruction, cells, chosen=2)
     painter = Painter()
-    plain = painter.draw(page, None, None)
+    plain = painter.draw(page, None)
     cell = cells[5]
-    pointed = painter.draw(page, cell.center, cell)
+    pointed = painter.draw(page, cell)
     left, top, right, bottom = cell.box
     changed = np.any(plain != pointed, axis=2)
     assert changed[top : bottom + 1, left : right + 1].mean() > 0.9
     changed[top : bottom + 1, left : right + 1] = False
     assert not changed.any()
-    dot = painter.draw(page, (0.0, 1.0), None)  # half of it lies beside the panel
-    where = np.argwhere(np.any(plain != dot, axis=2))
-    assert len(where)
-    assert where.min(axis=0)[0] >= SIZE_PX[1] - 11
-    assert where.max(axis=0)[1] <= 11
-    assert np.array_equal(painter.draw(page, None, None), plain)
+    assert np.array_equal(painter.draw(page, None), plain)
+
+
+def test_the_pointer_is_a_dot_with_a_rim_that_stands_where_it_points() -> None:
+    picture = pointer_picture()
+    assert picture.shape == (*pointer.SIZE_PX[::-1], 4)
+    middle, corner, rim = picture[16, 16], picture[0, 0], picture[16, 3]
+    assert middle.tolist() == [255, 210, 80, 255]
+    assert corner[3] == 0
+    assert rim.tolist() == [0, 0, 0, 255]
+    panel = Quad(Pose(np.array([1.0, 1.5, -2.0]), yaw_pitch_roll(0.4, 0.1, 0.0)), (1.0, 0.75))
+    quad = pointer_quad(panel, (0.25, 0.8))
+    ray = Pose(quad.pose.position, quad.pose.orientation)
+    assert panel.intersection(ray) == pytest.approx((0.25, 0.8))
+    assert quad.size_m[0] == quad.size_m[1] == pytest.approx(0.02)
 
 
 angles = st.floats(-1.2, 1.2)

@@ -191,7 +191,8 @@ def test_simulate_goes_on_with_the_same_text_of_a_protocol(tmp_path, monkeypatch
     manifest.write_text('{"status": "completed", "respondent": "simulated"}')
     code, said = call(monkeypatch, capsys, "simulate", smoke_of(study), *options)
     assert code == 2
-    assert "manifest.json: this manifest is damaged; restore it" in said
+    assert "manifest.json, line 1" in said
+    assert "`participant` is missing: this manifest is damaged; restore it" in said
 
 
 def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypatch, capsys):
@@ -233,3 +234,34 @@ def test_a_session_with_longer_exposures_than_the_protocols_is_not_continued(
     code, said = command(monkeypatch, capsys, study, "--resume")
     assert (code, said.count("\n")) == (2, 1)
     assert "an exposure of 5 s cannot be shown: protocol smoke has exposures of 0.5 s" in said
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new", "says"),
+    [
+        ("manifest.json", '"status": "aborted"', '"status": []', "`status`: should be"),
+        ("manifest.json", '"memory": null', '"memory": {}', "`memory` is not the state of"),
+        ("manifest.json", '"seed": 7', '"seed": 1e300', "`seed`: should be a whole number"),
+        ("trials.csv", "P01,1,2,1,2,", "P01,1,2,1,99,", "order has 4 trials, and no 99"),
+        ("events.csv", "\n0.0,", "\ninf,", "'inf' is larger than anything recorded"),
+    ],
+)
+def test_a_damaged_session_is_refused_in_one_sentence(
+    study, monkeypatch, capsys, name, old, new, says
+):
+    file = study / "sub-P01" / "ses-1" / name
+    text = file.read_text()
+    assert old in text
+    file.write_text(text.replace(old, new, 1))
+    code, said = command(monkeypatch, capsys, study, "--resume")
+    assert (code, said.count("\n")) == (2, 1)
+    assert f"{name}" in said
+    assert says in said
+
+
+def test_a_study_is_opened_to_a_group_by_an_option(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "made"
+    words = ("simulate", smoke_with(tmp_path, FULL_S), "-n", 1, "--out", out, "--exposure-s", 0.2)
+    code, said = call(monkeypatch, capsys, *words, "--group-readable")
+    assert code == 0, said
+    assert {oct(file.stat().st_mode)[-3:] for file in out.rglob("*") if file.is_file()} == {"640"}

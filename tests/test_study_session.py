@@ -74,7 +74,8 @@ def test_questionnaires_by_timepoint(tmp_path):
 
 def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypatch):
     synced: list[int] = []
-    monkeypatch.setattr("os.fsync", synced.append)
+    for name in ("fsync", "fdatasync"):
+        monkeypatch.setattr(f"os.{name}", synced.append)
     seen: list[int] = []
 
     class Watcher(Scripted):
@@ -87,7 +88,8 @@ def test_every_answer_is_on_the_disk_before_the_next_is_asked(tmp_path, monkeypa
             super().ask(form, then_look)
 
     go(tmp_path, Watcher(), sessions=[1])
-    assert seen == [1] * 64  # four questionnaires
+    assert len(seen) == 64  # four questionnaires
+    assert min(seen) >= 1
     assert rows(tmp_path, "events.csv")[1]["detail"] == "baseline ssq general_discomfort: 1"
 
 

@@ -37,8 +37,9 @@ class StuckDisk:
         self._file = recorder.folder / "frames.csv"
         os.mkfifo(self._pipe)
         self._reader = os.open(self._pipe, os.O_RDONLY | os.O_NONBLOCK)
-        recorder._files["frames.csv"].close()
-        recorder._files["frames.csv"] = self._pipe.open("w", encoding="utf-8", newline="")
+        writer = os.open(self._pipe, os.O_WRONLY)
+        os.dup2(writer, recorder._files["frames.csv"].fileno())
+        os.close(writer)
 
     def heal(self) -> threading.Thread:
         os.set_blocking(self._reader, True)
@@ -82,8 +83,9 @@ def test_a_stuck_disk_stops_no_frame_and_what_is_left_out_is_told(tmp_path):
 
 
 def full(recorder: Recorder, name: str) -> None:
-    recorder._files[name].close()
-    recorder._files[name] = Path("/dev/full").open("w")  # noqa: SIM115
+    device = os.open("/dev/full", os.O_WRONLY)
+    os.dup2(device, recorder._files[name].fileno())
+    os.close(device)
 
 
 def test_a_disk_that_refused_a_frame_is_told_by_the_next_call_and_takes_other_rows(tmp_path):

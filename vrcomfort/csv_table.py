@@ -5,15 +5,17 @@ from __future__ import annotations
 import csv
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain, islice
 from pathlib import Path
-from typing import Self
+from typing import BinaryIO, Self
 
 from vrcomfort.errors import InputError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+_BLOCK = 2**20
 
 
 @dataclass(frozen=True)
@@ -47,29 +49,43 @@ class CsvTable:
         appended
             Rows were added one by one, each with its line end, by a program that may have been
             killed. So a last row without one was cut short, even where all of its columns seem to
-            be there: it is left out and reported, never guessed.
+            be there: it is left out and reported, never guessed. NUL bytes at the end, which a
+            power cut leaves, are such a row.
 
         Raises
         ------
         InputError
             If the file cannot be read, is no such table, or a row is of another width.
         """
+        (table,) = cls.parts(path, appended=appended)
+        return table
+
+    @classmethod
+    def parts(
+        cls, path: str | Path, *, appended: bool = False, most_rows: int | None = None
+    ) -> Iterator[Self]:
+        """Read a table in parts of at most so many rows, at least one; of all, without `most_rows`.
+
+        Raises
+        ------
+        InputError
+            As `read`, when the part that is wrong is reached.
+        """
         file = Path(path)
-        content = _content(file)
-        whole, line_end, cut = content.rpartition(b"\n") if appended else (content, b"", b"")
-        records = _records(file, whole + line_end)
-        last = content.count(b"\n") + 1
-        if not records:
-            return cls(file, (), (), (), _half(file, last, "header") if cut else ())
-        header = _header(file, records)
-        del records[0]
-        if appended and not cut and records and len(records[-1][1]) < len(header):
-            cut, (last, _) = b"cells", records.pop()
-        for line, cells in records:
-            if len(cells) != len(header):
-                raise InputError(_other_width(cells, header), file=file, line=line)
-        rows, lines = tuple(cells for _, cells in records), tuple(line for line, _ in records)
-        return cls(file, header, rows, lines, _half(file, last, "last row") if cut else ())
+        text = _Text(file, appended=appended)
+        records = text.records()
+        first = list(islice(records, 2))
+        if not first:
+            yield cls(file, (), (), (), text.left_out("header"))
+            return
+        header = _header(file, first)
+        rows = text.whole_rows(chain(first[1:], records), header)
+        left = True
+        while left:
+            part = list(islice(rows, most_rows))
+            lines, cells = tuple(line for line, _ in part), tuple(cells for _, cells in part)
+            left = most_rows is not None and len(part) == most_rows
+            yield cls(file, header, cells, lines, () if left else text.left_out("last row"))
 
     def dicts(self) -> Iterator[dict[str, str]]:
         """Yield each row as column → text."""
@@ -118,32 +134,105 @@ def _is_number(cell: str) -> bool:
         return False
 
 
-def _content(file: Path) -> bytes:
+class _Text:
+    """The rows of a file, read line by line, and whether the last of them is a whole one."""
+
+    def __init__(self, file: Path, *, appended: bool) -> None:
+        self._file = file
+        self._appended = appended
+        self._cut_line = 0
+        self._has_lines = _check_text(file, appended=appended)
+
+    def records(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield line and cells of the rows that hold anything."""
+        with self._file.open("rb") as stream:
+            reader = csv.reader(self._lines(stream))
+            try:
+                for cells in reader:
+                    if any(map(str.strip, cells)):
+                        yield reader.line_num, cells
+            except csv.Error as error:
+                message = f"not a CSV table: {error}"
+                raise InputError(message, file=self._file, line=reader.line_num) from None
+
+    def _lines(self, stream: BinaryIO) -> Iterator[str]:
+        for number, line in enumerate(stream, start=1):
+            if self._appended and self._has_lines and not line.endswith(b"\n"):
+                self._cut_line = number
+                return
+            try:
+                text = str(line.removeprefix(BYTE_ORDER_MARK) if number == 1 else line, "utf-8")
+            except UnicodeDecodeError:
+                message = "this line is not UTF-8; save the file as CSV in UTF-8"
+                raise InputError(message, file=self._file, line=number) from None
+            if not self._has_lines:
+                text = self._of_carriage_returns(text)
+            several = "\r" in text[:-2] or not self._has_lines
+            yield from io.StringIO(text, newline="") if several else (text,)
+
+    def _of_carriage_returns(self, text: str) -> str:
+        """Return the text of a file that ends its lines with carriage returns alone."""
+        text = text.replace("\r", "\n")
+        if not self._appended or text.endswith("\n"):
+            return text
+        self._cut_line = text.count("\n") + 1
+        return text[: text.rfind("\n") + 1]
+
+    def whole_rows(
+        self, records: Iterable[tuple[int, list[str]]], header: Sequence[str]
+    ) -> Iterator[tuple[int, list[str]]]:
+        """Yield the rows, all as long as the header; not the last of an appended file if short."""
+        before: tuple[int, list[str]] | None = None
+        for record in records:
+            if before is not None:
+                yield self._of_width(before, header)
+            before = record
+        if before is None:
+            return
+        if self._appended and not self._cut_line and len(before[1]) < len(header):
+            self._cut_line = before[0]
+        else:
+            yield self._of_width(before, header)
+
+    def _of_width(
+        self, record: tuple[int, list[str]], header: Sequence[str]
+    ) -> tuple[int, list[str]]:
+        line, cells = record
+        if len(cells) != len(header):
+            raise InputError(_other_width(cells, header), file=self._file, line=line)
+        return record
+
+    def left_out(self, what: str) -> tuple[str, ...]:
+        """Return what is said of a row that was left out, once all are read."""
+        return _half(self._file, self._cut_line, what) if self._cut_line else ()
+
+
+def _check_text(file: Path, *, appended: bool) -> bool:
+    """Return whether lines end with line feeds; raise InputError if the file cannot be text.
+
+    A power cut can leave NUL bytes at the end of a file that is appended to: a half-written row.
+    """
+    has_lines = cut = False
+    not_text = InputError("this is not a text file; a CSV table is needed", file=file)
     try:
-        content = file.read_bytes()
+        with file.open("rb") as stream:
+            if stream.read(2) in UTF_16:
+                message = "this file is UTF-16; save it as CSV in UTF-8"
+                raise InputError(message, file=file, line=1)
+            stream.seek(0)
+            while block := stream.read(_BLOCK):
+                first = 0 if cut else block.find(b"\0")
+                cut = first >= 0
+                if cut and b"\n" in block[first:]:
+                    raise not_text
+                has_lines = has_lines or b"\n" in block
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=file) from None
-    if content.startswith(UTF_16):
-        raise InputError("this file is UTF-16; save it as CSV in UTF-8", file=file, line=1)
-    if b"\0" in content:
-        raise InputError("this is not a text file; a CSV table is needed", file=file)
-    content = content.removeprefix(BYTE_ORDER_MARK)
-    return content if b"\n" in content else content.replace(b"\r", b"\n")
-
-
-def _records(file: Path, content: bytes) -> list[tuple[int, list[str]]]:
-    """Return the rows that hold anything."""
-    try:
-        reader = csv.reader(io.StringIO(content.decode("utf-8"), newline=""))
-        return [(reader.line_num, cells) for cells in reader if any(map(str.strip, cells))]
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        message = "this line is not UTF-8; save the file as CSV in UTF-8"
-        raise InputError(message, file=file, line=line) from None
-    except csv.Error as error:
-        raise InputError(f"not a CSV table: {error}", file=file, line=reader.line_num) from None
+    if cut and not (appended and has_lines):
+        raise not_text
+    return has_lines
 
 
 def _header(file: Path, records: list[tuple[int, list[str]]]) -> tuple[str, ...]:

@@ -13,6 +13,9 @@ from vrcomfort.geometry import Array, Gaze, Pose, View
 MEAN_IPD_M = 0.063
 """The average distance between adults' pupils (Carnegie & Rhee 2015)."""
 
+EYE_HEIGHT_M = 1.6
+"""Of somebody who stands; where a picture is taken from if nothing else is said."""
+
 DROPPED_INTERVAL_PERIODS = 1.2
 """A frame is dropped when its interval exceeds this many periods (as PsychoPy counts)."""
 
@@ -42,11 +45,13 @@ class Frame:
         does not count as exposure.
     gaze
         Where the participant looks, None without an eye tracker.
-    head_valid, head_tracked
-        Whether the headset knows the head's pose, and whether it has measured it for this frame.
+    head_valid
+        False where the headset does not know the head: the poses are the last known.
+    head_tracked
+        False where no sensor sees the head: the poses are inferred, or the last known.
     session_state
-        Of the OpenXR session: ``synchronized``, ``visible`` (something of the runtime's has the
-        input), ``focused`` ...; blank where there is none.
+        OpenXR's, in lower case: ``visible`` (something of the runtime's has the input), ``focused``
+        ...; empty where there is none.
     """
 
     index: int

@@ -1,7 +1,8 @@
 #version 450 core
 // Each pixel from the levels of a pyramid that are about as blurred as it should be.
 //
-// Input:  points of defocus.frag (signed CoC RADIUS, px of image width), levels of mip_half.frag.
+// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width), levels of
+//         mip_downsample.frag.
 // Output: the blurred image, linear HDR, full resolution.
 //
 // Level k, blown up bilinearly, spreads a point with the variance of a disc of radius 2^k px: its
@@ -10,9 +11,9 @@
 // SLICES: no cross-fade. A billboard with level k stands where the radius is 2^(k - 1/2), on either
 // side of the focus, and covers what is blurred more: a hard edge where a surface meets it.
 // The levels hold whatever was in the image: sharp things have halos in blurred surroundings.
-// NumPy twin: vrcomfort/optics/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
+// NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
 // (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
-uniform sampler2D points;
+uniform sampler2D colour_and_coc;
 uniform sampler2D levels[LEVELS];
 
 out vec4 blurred;
@@ -39,7 +40,7 @@ void draw(sampler2D level, int k) {
 }
 
 void main() {
-    vec4 p = texelFetch(points, ivec2(gl_FragCoord.xy), 0);
+    vec4 p = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0);
     own_px = abs(p.a);
     blurred = vec4(p.rgb, 1.0);
     for (int k = 1; k <= LEVELS; ++k)

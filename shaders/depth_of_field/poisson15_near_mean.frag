@@ -1,21 +1,21 @@
 #version 450 core
 // How blurred a cell of CELL x CELL pixels is by what lies in front of the focus.
 //
-// Input:  points of defocus.frag (signed CoC RADIUS, px of image width, negative in front).
+// Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width, negative in front).
 // Output: r = mean of the front's radii, positive; 0 where nothing is in front. Size / CELL, rounded
 //         up: cells at the rim average the pixels that exist.
-// NumPy twin: vrcomfort/optics/gathering.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
+// NumPy twin: tests/oracles/poisson_taps.py. Mantiuk et al. 2011, section 4: "down-sampled to 1/8th
 // of its size in every dimension".
-uniform sampler2D points;
+uniform sampler2D colour_and_coc;
 
 out float near_mean;
 
 void main() {
     ivec2 first = ivec2(gl_FragCoord.xy) * CELL;
-    ivec2 end = min(first + CELL, textureSize(points, 0));
+    ivec2 end = min(first + CELL, textureSize(colour_and_coc, 0));
     float sum = 0.0;
     for (int y = first.y; y < end.y; ++y)
         for (int x = first.x; x < end.x; ++x)
-            sum += max(-texelFetch(points, ivec2(x, y), 0).a, 0.0);
+            sum += max(-texelFetch(colour_and_coc, ivec2(x, y), 0).a, 0.0);
     near_mean = sum / float((end.x - first.x) * (end.y - first.y));
 }

@@ -2,12 +2,13 @@
 // A square for each pixel, as wide as its disc: a point, or where a driver's points are too small for
 // the widest disc (SQUARES), an instance of a triangle strip of four corners.
 //
-// Input:  points of defocus.frag; gl_VertexID counts the pixels, or gl_InstanceID does and gl_VertexID
+// Input:  colour_and_coc of colour_and_coc.frag; gl_VertexID counts the pixels, or gl_InstanceID
+//         does and gl_VertexID
 //         the corners.
 // Output: what scatter.frag needs of the pixel. A RADIUS in px of image width; its sign is lost.
 #include "coc.glsl"
 
-uniform sampler2D points;
+uniform sampler2D colour_and_coc;
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
 flat out vec3 colour;
@@ -16,7 +17,7 @@ flat out float radius_px;
 flat out float area_px;
 
 void main() {
-    ivec2 size_px = textureSize(points, 0);
+    ivec2 size_px = textureSize(colour_and_coc, 0);
 #ifdef SQUARES
     int index = gl_InstanceID;
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
@@ -25,7 +26,7 @@ void main() {
     vec2 corner = vec2(0.0);
 #endif
     ivec2 pixel = ivec2(index % size_px.x, index / size_px.x);
-    vec4 p = texelFetch(points, pixel, 0);
+    vec4 p = texelFetch(colour_and_coc, pixel, 0);
     bool sharp = abs(p.a) <= 0.5;
     colour = p.rgb;
     centre = vec2(pixel) + 0.5;

@@ -1,7 +1,7 @@
 #version 450 core
 // Blurs a view through a part of a lens: light that two pixels trade, each the other's disc.
 //
-// Input:  points (colour and signed CoC RADIUS, px of image width, negative in front of the focus),
+// Input:  colour_and_coc (colour and signed CoC RADIUS, px of image width, negative in front of the focus),
 //         reach (least and greatest radius near this tile), discs (of every radius on the pixel
 //         grid: grid_discs).
 // Output: the blurred image, linear HDR, full resolution.
@@ -10,11 +10,11 @@
 // of its sides: so that is the disc over which these two trade light. What one pixel gives is what
 // the other gets: light is kept, and a pixel of an edge, whose colour is of both surfaces and whose
 // depth is of one, does not count for either. Only where views are many: what one of them hides,
-// the others see. Twin: vrcomfort/optics/small_discs.py.
+// the others see. Twin: tests/oracles/small_discs.py.
 #include "coc.glsl"
 
-uniform sampler2D points;
-uniform sampler2D reach;
+uniform sampler2D colour_and_coc;
+uniform sampler2D dilated;
 uniform vec2 discs[DISCS];   // grid radius (px), weight of a whole pixel; PER_PX for each px of radius
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
@@ -30,16 +30,16 @@ float share(float away, float radius) {
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    ivec2 last = textureSize(points, 0) - 1;
-    vec4 p = texelFetch(points, pixel, 0);
-    vec4 tile = texelFetch(reach, pixel / TILE, 0);
+    ivec2 last = textureSize(colour_and_coc, 0) - 1;
+    vec4 p = texelFetch(colour_and_coc, pixel, 0);
+    vec4 tile = texelFetch(dilated, pixel / TILE, 0);
     float reach_px = max(-tile.r, tile.g);
     int cells = int(reach_px + 1.0);
     int rows = reach_px > 0.0 ? int(reach_px * pixel_aspect + 1.0) : 0;
     vec4 traded = vec4(0.0);  // rgb to get, share of p to give
     for (int y = -rows; y <= rows; ++y)
         for (int x = -cells; x <= cells; ++x) {
-            vec4 q = texelFetch(points, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
+            vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
             float away = length(vec2(float(x), float(y) / pixel_aspect));
             bool other = x != 0 || y != 0;
             float part = other ? share(away, abs(min(p.a, q.a))) / pixel_aspect : 0.0;

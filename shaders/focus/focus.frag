@@ -3,7 +3,7 @@
 //
 // Input:  depth: 9x1 reverse-Z depths, near_m / distance, 0 = sky; texel 0 is the central ray.
 // Output: include/refocus.glsl.
-// Twin:   vrcomfort/optics/focus.py. MEAN_DIOPTRES and GAZE select variants at compile time.
+// Twin:   tests/oracles/focus.py. MEAN_DIOPTRES and GAZE select variants at compile time.
 // Source: Carnegie & Rhee 2015, p. 36, where the outlier rule (median absolute deviation) is ours;
 //         GAZE: Mantiuk et al. 2011, section 4, where the median is ours.
 #include "refocus.glsl"
@@ -17,7 +17,6 @@ uniform float outlier_floor;  // share of the median, or dioptres with MEAN_DIOP
 uniform int estimate;  // 0: the mean, as without GAZE; 1: the median; 2: the target of before
 #endif
 
-const int RAYS = 9;
 const float MAD_TO_SIGMA = 1.4826;
 
 // The value that four of nine are below; equal values rank in order of their index.

@@ -2,7 +2,7 @@
 //
 // Every amount is a RADIUS in pixels of image width; negative in front of the focus distance,
 // positive behind it. NumPy twins: vrcomfort/optics/circle_of_confusion.py, where the formulas are
-// derived; of margin_px, nearer and is_alike, vrcomfort/optics/fronts.py. Sources: Carnegie & Rhee
+// derived; of margin_px, nearer and is_alike, tests/oracles/gather.py. Sources: Carnegie & Rhee
 // 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al. 2008.
 
 const float PI = 3.14159265358979;
@@ -43,11 +43,12 @@ float signed_radius_px(float depth, float near, float focus_m, float offset_m, f
 
 // Distance at which a lens of this focal length is focused: never at or inside that length, where
 // f_d - f is 0. Potmesil & Chakravarty 1982.
-const float CLOSEST_FOCUS = 1.001;  // in focal lengths
+#ifdef LAW_THIN_LENS
 float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
     float focus = focus_m > 0.0 ? min(focus_m, infinity_m) : infinity_m;
-    return max(focus, CLOSEST_FOCUS * focal_length_m);
+    return max(focus, CLOSEST_FOCUS * focal_length_m);  // in focal lengths
 }
+#endif
 
 // Peripheral blur on top of a signed radius (Hillaire et al. 2008, Eq. 5 and 6): it makes discs
 // wider and changes neither their sign nor their order in depth. cos_angle: between the pixel and
@@ -87,7 +88,7 @@ float nearer(float p, float q) {
 }
 
 // Whether all that may reach a point (r, g: least and greatest radius) is about as blurred as it: at
-// most so many margins apart. Within one there is no front; within 1.5 the rims do not show where
+// most so many margins apart. Within one there is no foreground; within 1.5 the rims do not show where
 // discs are wide.
 bool is_alike(float radius, vec4 tile, float margins) {
     return tile.g - tile.r <= margins * margin_px(radius);

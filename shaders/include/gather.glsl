@@ -2,7 +2,7 @@
 //
 // Radii in pixels of image width, negative in front of the focus; where one surface ends and the
 // next begins is told by radii, which order depth. Include after coc.glsl. Twins:
-// vrcomfort/optics/fronts.py; of rings, vrcomfort/optics/circle_of_confusion.py.
+// tests/oracles/gather.py; of rings, tests/oracles/circle_of_confusion.py.
 
 uniform vec2 directions[4 * RINGS * (RINGS + 1)];  // ring_directions
 uniform float pixel_aspect;                        // image pixels per unit, vertical / horizontal
@@ -42,6 +42,6 @@ float ring_radius(int ring, float spacing) {
 }
 
 // Opacity that a nearer point adds where its disc covers p: the share of its light that lands here.
-float front_opacity(float away, float radius, float softness, float area) {
+float foreground_opacity(float away, float radius, float softness, float area) {
     return disc_weight(away, radius, softness) * area / disc_area_px(radius, softness);
 }

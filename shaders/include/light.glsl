@@ -2,8 +2,6 @@
 //
 // Filled by render/lighting.py by these names. Directions and positions are "relative" (view.glsl).
 
-const int MAX_LAMPS = 16;
-
 layout(std140, binding = 1) uniform Light {
     vec4 sun_direction;         // xyz: unit vector to the sun
     vec4 sun_irradiance;        // rgb: on a surface that faces the sun

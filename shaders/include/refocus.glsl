@@ -1,7 +1,7 @@
 // How focus follows its target: one step of the refocus law, and this frame's result.
 //
-// Twin: vrcomfort/optics/refocus.py, where the laws and their sources are. LAW_DIOPTRE, LAW_SHARE,
-// LAW_DURATION select a law at compile time; without them focus moves in metres.
+// Twin: tests/oracles/refocus.py; vrcomfort/optics/refocus.py has the laws and their sources.
+// LAW_DIOPTRE, LAW_SHARE, LAW_DURATION select a law at compile time; without them focus moves in metres.
 uniform sampler2D before;  // `focus` one frame ago
 uniform float step_size;   // how far focus may move now: metres; LAW_DIOPTRE dioptres, LAW_SHARE a
                            // share of the way, LAW_DURATION seconds since the frame before

@@ -1,17 +1,16 @@
-// Tone curve and display encoding. Twin: vrcomfort/optics/tone.py.
+// Tone curve and display encoding. Twin: vrcomfort/optics/tone.py, whose COMPRESSION_START and
+// DESATURATION are defines here.
 
 // Keeps hue and colour up to 0.8 - F90 offset, then presses highlights into [0.8, 1) and fades
 // them to white. Source: Khronos PBR Neutral, KhronosGroup/ToneMapping (2024).
 vec3 pbr_neutral(vec3 color) {
-    const float START = 0.8 - 0.04;
-    const float DESATURATION = 0.15;
     float least = min(color.r, min(color.g, color.b));
     float offset = least < 0.08 ? least - 6.25 * least * least : 0.04;
     color -= offset;
     float peak = max(color.r, max(color.g, color.b));
-    if (peak < START) return color;
-    const float D = 1.0 - START;
-    float pressed = 1.0 - D * D / (peak + D - START);
+    if (peak < COMPRESSION_START) return color;
+    const float D = 1.0 - COMPRESSION_START;
+    float pressed = 1.0 - D * D / (peak + D - COMPRESSION_START);
     color *= pressed / peak;
     float gray = 1.0 - 1.0 / (DESATURATION * (peak - pressed) + 1.0);
     return mix(color, vec3(pressed), gray);

@@ -1,6 +1,6 @@
 // Motion on the image: pixels per frame, now minus before, +x right, +y up.
 //
-// NumPy twins: vrcomfort/optics/motion.py.
+// NumPy twins: tests/oracles/motion.py.
 
 const float SPEED_LIMIT_PX = 16384.0;  // half floats hold it; far above every streak limit
 const float BEHIND = 1e-3;  // what was behind the eye came from its rim: least ratio of w
@@ -19,7 +19,7 @@ vec2 velocity_px(vec4 clip_now, vec4 clip_before, vec2 size_px) {
 }
 
 // How far a point moves from the middle of the shutter's opening to its end.
-vec2 half_streak_px(vec2 velocity, float shutter_fraction, float radius_limit_px) {
+vec2 half_velocity_px(vec2 velocity, float shutter_fraction, float radius_limit_px) {
     return shorten(velocity * (0.5 * shutter_fraction), radius_limit_px);
 }
 

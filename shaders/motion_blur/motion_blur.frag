@@ -1,22 +1,22 @@
 #version 450 core
 // Motion blur where streaks change slowly from pixel to pixel: the average along the pixel's own.
 //
-// Input:  colour (linear HDR, filtered), velocity (streak.glsl).
+// Input:  colour (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
-// Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
+// Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
 // Where a camera moves, nearly all that a pixel sees moves along with it, and nothing is uncovered;
-// the rest is drawn over this by motion_blur_fronts.frag.
+// the rest is drawn over this by motion_blur_foreground.frag.
 //
 // The pixel itself counts for as long as the streak is over it. What is left on either side is
 // divided evenly among taps at the middle of their parts, counted in pixels along the longer axis
 // of the image. Up to 2 px apart the filter reads every pixel, so a short streak takes few taps: one
 // on either side up to 2.5 px. Beyond `few_taps` they move apart, and from 1 / `taps_per_px` on
 // their number grows with the streak. No noise, so the same scene point blurs alike in both eyes.
-// Source: ours; the midpoint rule. NumPy twin: optics.motion.streak_taps.
+// Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_taps.
 #include "velocity.glsl"
-#include "streak.glsl"
-#include "streak_kinds.glsl"
+#include "half_velocity.glsl"
+#include "motion_tile_classes.glsl"
 
 uniform sampler2D colour;
 uniform float taps_per_px;
@@ -56,17 +56,17 @@ vec3 read_across(vec2 at_px, vec2 across) {
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 half_streak = half_streak_at(pixel);
+    vec2 half_velocity = half_velocity_at(pixel);
     blurred = texelFetch(colour, pixel, 0);
-    bool moves = dot(half_streak, half_streak) >= LEAST_PX * LEAST_PX;
-    vec2 extent = abs(half_streak);
+    bool moves = dot(half_velocity, half_velocity) >= LEAST_PX * LEAST_PX;
+    vec2 extent = abs(half_velocity);
     float reach = max(max(extent.x, extent.y), 1e-6);
     float own = reach < 1.0 ? reach * (2.0 - reach) : 1.0;  // time_over(0, reach)
     float beyond = reach - 0.5 * own;
     float taps = max(min(ceil(0.5 * (reach - 0.5)), few_taps), ceil(taps_per_px * (reach - 0.5)));
     taps = max(taps, 1.0);
     float part = beyond / taps;
-    vec2 step = half_streak / reach;
+    vec2 step = half_velocity / reach;
     vec2 across = extent.x < extent.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
     vec2 offset = (reach < 1.0 ? 0.75 : 0.5 + 0.5 * part) * step;
     vec3 sum = vec3(0.0);

@@ -1,9 +1,9 @@
 #version 450 core
 // Motion blur as most post-processing has it: the mean of samples along the pixel's OWN velocity.
 //
-// Input:  colour (linear HDR, filtered), velocity (streak.glsl).
+// Input:  colour (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: the mean of SAMPLES colours between the two ends of the pixel's streak; full resolution.
-// Half streaks are RADII, px: a point spreads from -u to +u around where it is drawn.
+// Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
 // It does not know who hides whom: a still pixel beside a moving thing stays as it is (hard
 // silhouettes), and a moving background takes colour from the still thing before it (halos). Here
@@ -12,7 +12,7 @@
 // Rosado 2007, "Motion blur as a post-processing effect", GPU Gems 3, ch. 27; Chapman 2020,
 // "Comfort and motion blur in VR", which builds on it.
 #include "velocity.glsl"
-#include "streak.glsl"
+#include "half_velocity.glsl"
 
 uniform sampler2D colour;
 
@@ -20,15 +20,15 @@ out vec4 blurred;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 half_streak = half_streak_at(pixel);
+    vec2 half_velocity = half_velocity_at(pixel);
     blurred = texelFetch(colour, pixel, 0);
-    if (half_streak == vec2(0.0))
+    if (half_velocity == vec2(0.0))
         return;
     vec2 texel = 1.0 / vec2(textureSize(colour, 0));
     vec3 sum = vec3(0.0);
     for (int i = 0; i < SAMPLES; ++i) {
         float along = (2.0 * float(i) + 1.0) / float(SAMPLES) - 1.0;
-        sum += textureLod(colour, (gl_FragCoord.xy + along * half_streak) * texel, 0.0).rgb;
+        sum += textureLod(colour, (gl_FragCoord.xy + along * half_velocity) * texel, 0.0).rgb;
     }
     blurred.rgb = min(sum / float(SAMPLES), 65504.0);
 }

@@ -3,7 +3,7 @@
 //
 // Input:  image (linear HDR). sigma_px is the standard deviation along this axis, in px, above 0.
 // Output: the image blurred along AXIS (0: x, 1: y); beyond the image its rim goes on.
-// NumPy twin: vrcomfort/optics/gaussian.py.
+// NumPy twin: tests/oracles/gaussian.py.
 uniform sampler2D image;
 uniform float sigma_px;
 

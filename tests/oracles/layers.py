@@ -1,7 +1,7 @@
 """Depth of field by gathering a back and a front layer, every pixel of every disc.
 
-NumPy twin, in float64, of what ``shaders/depth_of_field/depth_of_field.frag`` does with discs of
-up to :func:`fronts.small_px` pixels.
+NumPy twin, in float64, of what ``shaders/depth_of_field/gather_composite.frag`` does with discs of
+up to `gather_resolution.small_px` pixels.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tests.oracles.gather import disc_share, grid_radius_px, nearer, slack_px
 from vrcomfort.geometry import Array
-from vrcomfort.optics.fronts import disc_share, grid_radius_px, nearer, slack_px
 
 SHARP_PX = 0.5
 """Discs up to this radius are the pixel itself."""

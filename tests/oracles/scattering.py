@@ -1,6 +1,6 @@
 """Depth of field by scattering: every pixel over its disc (Carnegie & Rhee 2015, Algorithm 1).
 
-NumPy twin, in float64, of ``shaders/scatter.*`` and ``scatter_mean.frag``.
+NumPy twin, in float64, of ``shaders/depth_of_field/scatter.*`` and ``scatter_mean.frag``.
 """
 
 from __future__ import annotations
@@ -8,8 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tests.oracles.circle_of_confusion import disc_area_px
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_area_px, disc_weight
+from vrcomfort.optics.circle_of_confusion import disc_weight
 
 SHARP_PX = 0.5
 """A disc of this radius covers its own pixel only."""

@@ -5,7 +5,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 
@@ -25,12 +25,12 @@ def textures(ctx, rgb, distance_m, near_m=NEAR_M):
     return colour, depth
 
 
-def defocus_of(ctx, settings, distance_m, focus_m, size_px):
+def coc_passes_of(ctx, settings, distance_m, focus_m, size_px):
     """Return what finds the radii of (h, w) distances, before its first frame."""
     width, height = size_px
     colour, depth = textures(ctx, np.zeros((height, width, 3)), distance_m)
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-    return Defocus(
+    return CocPasses(
         ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=size_px,
         infinity_m=3e4,
     )  # fmt: skip

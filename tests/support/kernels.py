@@ -7,7 +7,7 @@ import numpy as np
 from tests.support.effects import NEAR_M, rgb_of, square_pixels, textures
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 
 FOCUS_M = 1.0
@@ -24,13 +24,13 @@ class Blurred(NamedTuple):
 def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, **settings):
     """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
-    colour, defocus = defocused(ctx, rgb, radius_px, limit_px=limit_px)
+    colour, coc = defocused(ctx, rgb, radius_px, limit_px=limit_px)
     lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
     wide = lens.model_copy(update={"max_radius_percent": 100 * limit_px / width})
-    made = make_kernel(ctx, colour, defocus, wide)
+    made = make_kernel(ctx, colour, coc, wide)
     made.render(pixel_aspect)
-    points = np.frombuffer(defocus.points.read(), "f2").reshape(height, width, 4)
-    return Blurred(points.astype(float), rgb_of(made.target), defocus.limit_px)
+    points = np.frombuffer(coc.colour_and_coc.read(), "f2").reshape(height, width, 4)
+    return Blurred(points.astype(float), rgb_of(made.target), coc.limit_px)
 
 
 def defocused(ctx, rgb, radius_px, *, limit_px):
@@ -43,8 +43,8 @@ def defocused(ctx, rgb, radius_px, *, limit_px):
     settings = DepthOfField(law="dioptre", full_blur_dioptre=1.0)
     wide = settings.model_copy(update={"max_radius_percent": 100 * limit_px / width})
     size_px = (width, height)
-    defocus = Defocus(
+    coc = CocPasses(
         ctx, colour=colour, depth=depth, focus=focus, settings=wide, size_px=size_px, infinity_m=3e4
     )
-    defocus.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
-    return colour, defocus
+    coc.render(fov=square_pixels(size_px), near_m=NEAR_M, head_from_eye=Pose())
+    return colour, coc

@@ -41,9 +41,9 @@ class Participant:
 
 
 @contextmanager
-def fresh_monado(folder: Path) -> Iterator[Monado]:
+def fresh_monado(folder: Path, *, sways: bool = False) -> Iterator[Monado]:
     """Yield a runtime of one's own, to be killed."""
-    with Monado(log=folder / "monado.txt") as monado:
+    with Monado(log=folder / "monado.txt", sways=sways) as monado:
         yield monado
 
 
@@ -60,3 +60,16 @@ def validation(report: Path) -> Iterator[tuple[str, ...]]:
     }
     with active_environment(variables):
         yield VALIDATION, BEST_PRACTICES
+
+
+def services_of(pid: int) -> list[int]:
+    """Return the Monado services that a process has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            name, _, rest = stat.read_text().rpartition(") ")
+        except OSError:
+            continue
+        if "monado" in name and int(rest.split()[1]) == pid:
+            found.append(int(stat.parent.name))
+    return found

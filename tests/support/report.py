@@ -22,7 +22,7 @@ def answers(total: int) -> dict[str, int]:
 def write_csv(path: Path, columns: tuple[str, ...], rows: list[dict[str, object]]) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, columns, restval="", lineterminator="\n")
+        writer = csv.DictWriter(stream, columns, restval="", lineterminator="\r\n")
         writer.writeheader()
         writer.writerows(rows)
 
@@ -64,10 +64,12 @@ class Study:
         baseline: int | None,
         exposures: list[tuple[str, str, int | None]],
         status: str = "completed",
+        place: str | None = None,
     ) -> Path:
         """Write a session: exposures are (condition, scene, total or None for no answer).
 
-        `status` is that of the last exposure.
+        `status` is that of the last exposure, `place` the participant's folder if it has not
+        their name.
         """
         trials, asked = [], []
         if baseline is not None:
@@ -83,7 +85,7 @@ class Study:
             if total is not None:
                 where = {"period": trial, "block": 1, "trial": trial, "condition": condition}
                 asked += _sheet(name, number, total, timepoint="post", **where)
-        folder = self.folder / f"sub-{name}" / f"ses-{number}"
+        folder = self.folder / (place or f"sub-{name}") / f"ses-{number}"
         write_csv(folder / "trials.csv", TrialRow.columns(), trials)
         write_csv(folder / "questionnaires.csv", QuestionnaireRow.columns(), asked)
         return folder

@@ -25,6 +25,7 @@ def run(
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
     resume: bool = False,
+    group_readable: bool = False,
     **parts: Any,
 ) -> Outcome:
     """Enrol a participant and run their sessions."""
@@ -37,6 +38,7 @@ def run(
         sessions=sessions,
         exposure_s=exposure_s,
         resume=resume,
+        group_readable=group_readable,
     ) as enrolment:
         return vrcomfort.session.run(enrolment, respondent=respondent, **parts)
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.cli.doctor_finding import Finding
 from vrcomfort.cli.openxr_bindings import require_bindings
+from vrcomfort.cli.terminal import warn
 from vrcomfort.errors import InputError
+from vrcomfort.headset.watchdog import Watchdog
 
 if TYPE_CHECKING:
     import moderngl
@@ -30,6 +32,11 @@ def examine(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
     timing
         Also show images, and count frames.
     """
+    with Watchdog(warn):
+        yield from _stages(ctx, timing=timing)
+
+
+def _stages(ctx: moderngl.Context | None, *, timing: bool) -> Iterator[Finding]:
     part = "OpenXR bindings"
     try:
         yield _there(part, f"pyopenxr {require_bindings()}, with its loader")

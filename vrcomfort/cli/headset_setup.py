@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.geometry import Pose
     from vrcomfort.headset.base import Headset
+    from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.headset.window import Window
     from vrcomfort.records import Machine
     from vrcomfort.render.pipeline import StereoRenderer
@@ -36,6 +37,8 @@ class HeadsetSetup:
     ----------
     panel, screen
         A respondent who answers in the headset, and where the questions stand.
+    watchdog
+        Of the headset's runtime, where it has one.
     """
 
     headset: LiveHeadset
@@ -43,6 +46,7 @@ class HeadsetSetup:
     panel: Respondent
     screen: PanelScreen
     machine: Machine
+    watchdog: Watchdog | None = None
 
     def headset_for(self, scene_name: str, scene: Any) -> LiveHeadset:
         """Lead the participant to the scene's starting point."""

@@ -48,6 +48,12 @@ def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls
 StudyFolder = Annotated[
     Path, output_option("--out", help="The study folder; made if it is not there.")
 ]
+GroupReadable = Annotated[
+    bool,
+    typer.Option(
+        "--group-readable", help="A new study's files are for your group, too, not for you alone."
+    ),
+]
 TraceOption = Annotated[
     Path | None, typer.Option(help="Head trace (CSV); without it, the walk shipped with the scene.")
 ]

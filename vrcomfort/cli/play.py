@@ -65,7 +65,7 @@ def play(
     spare([trace, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
-        study.scene_source(scene) if study else scene,
+        scene,
         shown,
         size_px=parse_size(size),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,

@@ -99,8 +99,7 @@ class _RowFile:
         self._stream = stream
 
     def write(self, *rows: Row) -> None:
-        from vrcomfort.records.recorder import csv_line
-        from vrcomfort.records.rows import cell_text
+        from vrcomfort.records.rows import cell_text, csv_line
 
         for row in rows:
             self._stream.write(csv_line(map(cell_text, row.cells())))
@@ -109,7 +108,7 @@ class _RowFile:
 @contextmanager
 def _rows(file: Path) -> Iterator[_RowFile]:
     from vrcomfort.records import FrameRow
-    from vrcomfort.records.recorder import csv_line
+    from vrcomfort.records.rows import csv_line
 
     with file.open("w", encoding="utf-8", newline="") as stream:
         stream.write(csv_line(FrameRow.columns()))

@@ -71,7 +71,7 @@ def render(
     study, shown = pick_condition(protocol, condition)
     poses = PoseText("--pose", pose), PoseText("--previous-pose", previous_pose)
     picture = still(
-        study.scene_source(scene) if study else scene,
+        scene,
         shown,
         poses=poses,
         size_px=parse_size(size),

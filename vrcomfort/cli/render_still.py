@@ -14,6 +14,7 @@ import numpy as np
 from vrcomfort.cli.renderer import make_renderer
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
+from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.geometry import FARTHEST_M, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.protocol import Condition
@@ -23,9 +24,6 @@ if TYPE_CHECKING:
     from vrcomfort.render.frames import EyeImages
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.scene.data import Scene
-
-EYE_HEIGHT_M = 1.6
-"""Where a picture is taken from if nothing else is said."""
 
 PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""

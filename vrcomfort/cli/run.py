@@ -11,6 +11,7 @@ import typer
 from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
 from vrcomfort.cli.options import (
     ExposureOption,
+    GroupReadable,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -29,14 +30,13 @@ from vrcomfort.cli.run_rehearsal import rehearse
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import RuntimeLostError
+from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.session import Outcome
     from vrcomfort.session.rehearsal import Rehearsal
-
-EXIT_RUNTIME_LOST = 3
 
 
 def register(app: typer.Typer) -> None:
@@ -81,6 +81,7 @@ def run(
     one_eye: Annotated[
         bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
     ] = False,
+    group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
     """Take one participant through one session.
@@ -112,17 +113,18 @@ def run(
         refresh_hz,
         real_time=respondent is not RespondentKind.SIMULATED,
     )
-    study_setup = StudySetup(study, out, playback, seed, exposure_s)
+    study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
     kind = respondent or usual_respondent(headset)
     with ExitStack() as owned:
-        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers))
+        watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
+        rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
         _require_gaze(headset, study, playback)
         numbers = [session or next_session(out, participant)]
         enrolment = owned.enter_context(
             study_setup.open_enrolment(participant, numbers, kind, resume=resume)
         )
         _tell_of_the_other_kind(out, kind)
-        headset_setup = _connect(owned, headset, study, size_px, options, rehearsal)
+        headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
         bars = owned.enter_context(SessionBars(quiet))
         try:
             outcome = study_setup.run(enrolment, kind, bars.tell, headset_setup)
@@ -159,6 +161,7 @@ def _connect(
     size_px: tuple[int, int] | None,
     options: dict[str, Any],
     rehearsal: Rehearsal | None,
+    watchdog: Watchdog | None,
 ) -> HeadsetSetup | None:
     if headset is HeadsetKind.OPENXR:
         setup = openxr_setup(
@@ -167,6 +170,7 @@ def _connect(
             refresh_hz=options["--refresh-hz"],
             rehearsal=rehearsal,
             mirror=options["--mirror"],
+            watchdog=watchdog,
         )
         return owned.enter_context(setup)
     if headset is HeadsetKind.DESKTOP:

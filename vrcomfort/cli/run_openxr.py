@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import moderngl
 
     from vrcomfort.headset.mirror import Mirror
+    from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
@@ -43,6 +44,7 @@ def openxr_setup(
     refresh_hz: float | None = None,
     rehearsal: Rehearsal | None = None,
     mirror: bool = False,
+    watchdog: Watchdog | None = None,
 ) -> Iterator[HeadsetSetup]:
     """Connect to the active OpenXR runtime; everything is released at the end.
 
@@ -52,6 +54,8 @@ def openxr_setup(
         Who moves the head and answers, where no person does.
     mirror
         Show the operator what the participant sees.
+    watchdog
+        Of the runtime.
 
     Raises
     ------
@@ -62,6 +66,7 @@ def openxr_setup(
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
     from vrcomfort.render.pipeline import StereoRenderer
+    from vrcomfort.respondent.panel_layout import SIZE_PX
     from vrcomfort.session.panel_screen import PanelScreen
 
     with ExitStack() as owned:
@@ -79,6 +84,7 @@ def openxr_setup(
         headset = owned.enter_context(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
+        headset.prepare_panel(SIZE_PX)
         screen = PanelScreen(headset)
         renderer = StereoRenderer(
             ctx,
@@ -92,7 +98,7 @@ def openxr_setup(
             timing_trust=headset.timing.trust,
         )
         person = _person(screen, rehearsal, keyboard=mirror)
-        yield HeadsetSetup(headset, renderer, person, screen, machine)
+        yield HeadsetSetup(headset, renderer, person, screen, machine, watchdog)
 
 
 def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:

@@ -13,11 +13,14 @@ from vrcomfort.errors import InputError
 from vrcomfort.protocol.settings_file import read_text
 
 if TYPE_CHECKING:
+    from vrcomfort.headset.watchdog import Watchdog
     from vrcomfort.session.rehearsal import Rehearsal
 
 
 @contextmanager
-def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | None]:
+def rehearse(
+    trace: Path | None, answers: Path | None, watchdog: Watchdog | None = None
+) -> Iterator[Rehearsal | None]:
     """Start a Monado runtime of our own where there is a trace; it is the active one meanwhile.
 
     Parameters
@@ -26,6 +29,8 @@ def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | N
         What its head follows: one sample per frame.
     answers
         What its controllers answer: whole numbers, in the order of the questions.
+    watchdog
+        Ends the runtime, too, where it must end the program.
 
     Raises
     ------
@@ -43,6 +48,8 @@ def rehearse(trace: Path | None, answers: Path | None) -> Iterator[Rehearsal | N
     head_trace = open_trace(trace)
     script = _read_answers(answers) if answers else []
     with Monado() as monado, monado.feed() as feed:
+        if watchdog is not None:
+            watchdog.last_acts += [monado.kill, monado.stop]
         heads = map(head_trace.head.pose, cycle(range(len(head_trace))))
         yield Rehearsal(feed, heads, iter(script))
 

@@ -10,6 +10,7 @@ import typer
 from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.options import (
     ExposureOption,
+    GroupReadable,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -44,6 +45,7 @@ def simulate(
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
@@ -61,6 +63,7 @@ def simulate(
         seed=seed,
         playback_options=(parse_size(size), open_trace(trace) if trace else None, refresh_hz),
         exposure_s=exposure_s,
+        group_readable=group_readable,
         quiet=quiet,
     )
     for outcome in outcomes:
@@ -78,6 +81,7 @@ def simulate_study(
     seed: int | None,
     playback_options: tuple[tuple[int, int], Any, float | None],
     exposure_s: float | None,
+    group_readable: bool = False,
     quiet: bool,
 ) -> list[Outcome]:
     """Run all sessions of simulated participants P01, P02, … that are left.
@@ -96,9 +100,10 @@ def simulate_study(
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
     playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
-    setup = StudySetup(protocol, out, playback, seed, exposure_s)
+    setup = StudySetup(protocol, out, playback, seed, exposure_s, durability="session_end")
     resume_check = ResumeCheck(protocol, playback, exposure_s)
-    sessions = build_design(protocol, seed=open_study(out, protocol, seed=seed)).sessions
+    kept_seed = open_study(out, protocol, seed=seed, group_readable=group_readable)
+    sessions = build_design(protocol, seed=kept_seed).sessions
     outcomes: list[Outcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     if told := told_of_the_other_kind(out, simulated=True):

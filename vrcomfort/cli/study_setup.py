@@ -16,7 +16,7 @@ from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
-    from vrcomfort.records import Machine
+    from vrcomfort.records import Durability, Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
@@ -38,6 +38,8 @@ class StudySetup:
     ----------
     playback
         Where there is no live headset.
+    group_readable, durability
+        See `session.open_enrolment` and `session.run`.
 
     Raises
     ------
@@ -52,6 +54,9 @@ class StudySetup:
         playback: PlaybackSetup,
         seed: int | None,
         exposure_s: float | None,
+        *,
+        group_readable: bool = False,
+        durability: Durability = "each_row",
     ) -> None:
         self._protocol = protocol
         self._study = study
@@ -59,6 +64,8 @@ class StudySetup:
         self._seed = seed
         protocol.shown_s(exposure_s)  # refuses a longer one before anything is made
         self._exposure_s = exposure_s
+        self._group_readable = group_readable
+        self._durability = durability
         self._rendering: tuple[StereoRenderer, Machine] | None = None
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
@@ -82,6 +89,7 @@ class StudySetup:
             sessions=sessions,
             exposure_s=self._exposure_s,
             resume=resume,
+            group_readable=self._group_readable,
         )
 
     def run(
@@ -106,6 +114,8 @@ class StudySetup:
             clock=session.VirtualClock() if simulated else session.WallClock(),
             machine=machine,
             screen=headset.screen if headset else None,
+            watchdog=headset.watchdog if headset else None,
+            durability=self._durability,
             progress=progress,
         )
 

@@ -148,7 +148,9 @@ def image_texture(
     """Return an 8-bit RGBA picture with mipmaps; `srgb` is decoded to linear when sampled."""
     texture = ctx.texture(size_px, 4, rgba, internal_format=_SRGB8_ALPHA8 if srgb else None)
     texture.build_mipmaps()
-    gpu_memory.ledger(ctx).add(texture, gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True))
+    gpu_memory.account(ctx).add(
+        texture, gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True)
+    )
     return texture
 
 
@@ -164,7 +166,7 @@ def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
 
 def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:
     entry = gpu_memory.Allocation("buffer", f"{made.size} bytes", made.size)
-    gpu_memory.ledger(ctx).add(made, entry)
+    gpu_memory.account(ctx).add(made, entry)
     return made
 
 
@@ -173,7 +175,7 @@ def _entered(
 ) -> moderngl.Texture:
     samples = _samples(ctx, target) if target.samples else 0
     entry = gpu_memory.texture("target", target.size, components, dtype, samples=samples)
-    gpu_memory.ledger(ctx).add(target, entry)
+    gpu_memory.account(ctx).add(target, entry)
     return target
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from vrcomfort.gpu import gl, shaders
 
 
-class PeakPass:
+class MaxReductionPass:
     """Keeps the greatest length of some components in one pixel, `target`."""
 
     def __init__(
@@ -20,7 +20,7 @@ class PeakPass:
         self._framebuffer = ctx.framebuffer([self.target])
         self._framebuffer.clear()
         program = shaders.program(
-            ctx, "common/peak.frag", "common/peak.vert", {"VALUE": components}
+            ctx, "common/max_reduction.frag", "common/max_reduction.vert", {"VALUE": components}
         )
         self._points = ctx.vertex_array(program, [])
         self._points.program["texels"] = 0

@@ -30,7 +30,7 @@ class Allocation:
     bytes: int
 
 
-class Ledger:
+class Account:
     """Everything that was made in one context and still lives; entries go with their objects."""
 
     def __init__(self) -> None:
@@ -52,11 +52,11 @@ class Ledger:
         return tuple(entry for number, entry in living if first <= number < last)
 
 
-def ledger(ctx: moderngl.Context) -> Ledger:
-    """Return the ledger of a context."""
-    if not isinstance(ctx.extra, Ledger):
-        ctx.extra = Ledger()
-    found: Ledger = ctx.extra
+def account(ctx: moderngl.Context) -> Account:
+    """Return the account of a context."""
+    if not isinstance(ctx.extra, Account):
+        ctx.extra = Account()
+    found: Account = ctx.extra
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from vrcomfort.frame import Frame, HeadsetEvent
 
@@ -27,7 +27,7 @@ class Headset(Protocol):
         """Return (width, height) of one eye's image."""
 
     @property
-    def details(self) -> dict[str, str]:
+    def details(self) -> dict[str, Any]:
         """Return what else the manifest should know: runtime, tracked space, image format ..."""
 
     def frames(self) -> Iterator[Frame]:

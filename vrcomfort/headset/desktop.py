@@ -12,6 +12,7 @@ import numpy as np
 
 from vrcomfort.frame import MEAN_IPD_M, Frame, HeadsetEvent
 from vrcomfort.geometry import Fov, Pose, Quad, View, yaw_pitch_roll
+from vrcomfort.headset import pointer
 from vrcomfort.headset.eye_painter import Box, EyePainter, WindowPanel, fitted
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.headset.locomotion import WALKING_SPEED_M_S, Locomotion, wish_of
@@ -97,6 +98,8 @@ class DesktopHeadset:
         self._pace = _Pace(self.refresh_hz)
         self._locomotion = Locomotion(self._settings.walking_speed_m_s)
         self._panels: list[WindowPanel] = []
+        self._pointer: WindowPanel | None = None
+        self._points = False
         self._events: list[HeadsetEvent] = []
         self._yaw_rad = self._pitch_rad = 0.0
         self._inputs = Inputs()
@@ -156,9 +159,10 @@ class DesktopHeadset:
         screen = self._ctx.screen
         screen.viewport = (0, 0, *self._window.size_px)
         screen.clear()
+        panels = [*self._panels, self._pointer] if self._pointer and self._points else self._panels
         for eye in range(self._settings.columns):
             image = None if eyes is None else eyes[eye]
-            self._painter.paint(screen, self._box(eye), image, frame.views[eye], self._panels)
+            self._painter.paint(screen, self._box(eye), image, frame.views[eye], panels)
         self._window.show()
 
     def take_events(self) -> list[HeadsetEvent]:
@@ -188,6 +192,16 @@ class DesktopHeadset:
         panel = WindowPanel(self._ctx, size_px, larger, self._panels.remove)
         self._panels.append(panel)
         return panel
+
+    def show_pointer(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+        self._points = quad is not None
+        if quad is None:
+            return
+        if self._pointer is None:
+            self._pointer = WindowPanel(self._ctx, pointer.SIZE_PX, quad)
+            self._pointer.draw(pointer.pointer_picture())
+        self._pointer.quad = quad
 
     def _next_frame(self) -> Frame:
         now_ns, passed_s = self._pace.wait()

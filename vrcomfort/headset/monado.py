@@ -36,6 +36,8 @@ class Monado:
     ----------
     log
         Where the service's output goes; default: its own folder, which goes with it.
+    sways
+        Monado's own simulated head, which sways, in the place of one that follows a feed.
 
     Raises
     ------
@@ -43,7 +45,8 @@ class Monado:
         If Monado is not installed, or does not start.
     """
 
-    def __init__(self, log: Path | None = None) -> None:
+    def __init__(self, log: Path | None = None, *, sways: bool = False) -> None:
+        self._sways = sways
         self._service = find_service()
         self._folder = Path(tempfile.mkdtemp(prefix="monado-"))
         self._log = log or self._folder / "log.txt"
@@ -70,7 +73,9 @@ class Monado:
             **os.environ,
             **self._environment,
             "XDG_CONFIG_HOME": str(self._folder),
-            "P_OVERRIDE_ACTIVE_CONFIG": "remote",
+            **(
+                {"SIMULATED_ENABLE": "1"} if self._sways else {"P_OVERRIDE_ACTIVE_CONFIG": "remote"}
+            ),
             "XRT_COMPOSITOR_NULL": "1",
             "XRT_NO_STDIN": "1",
         }
@@ -112,6 +117,8 @@ class Monado:
         self.stop()
 
     def _write_settings(self) -> None:
+        if self._sways:
+            return
         settings = self._folder / "monado" / "config_v0.json"
         settings.parent.mkdir(exist_ok=True)
         remote = {"version": 0, "port": self._port, "view_count": 2}

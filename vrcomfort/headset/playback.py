@@ -165,15 +165,15 @@ class PlaybackHeadset:
             yield sample, start_ns + round(count * SECOND_NS / self._rate)
 
     def _own_times(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
-        times = self._trace.time_ns.tolist()
-        cuts = self._trace.cuts.tolist()
+        times, cuts = self._trace.time_ns, self._trace.cuts
+        first_ns, last_ns = int(times[0]), int(times[-1])
         while True:
-            for index, (time_ns, cut) in enumerate(zip(times, cuts, strict=True)):
-                sample = _Sample(index, 0.0, time_ns, cut)
-                yield sample, start_ns + time_ns - times[0]
+            for index in range(len(times)):
+                sample = _Sample(index, 0.0, int(times[index]), bool(cuts[index]))
+                yield sample, start_ns + sample.time_ns - first_ns
             if not self._loop:
                 return
-            start_ns += times[-1] - times[0] + self._period_ns(sample)
+            start_ns += last_ns - first_ns + self._period_ns(sample)
 
     def _resampled(self) -> Iterator[_Sample]:
         bounds = [*np.flatnonzero(self._trace.cuts).tolist(), len(self._trace)]

@@ -1,4 +1,5 @@
-"""NumPy twins of every formula in the shaders: focus, circle of confusion, shutter, tone.
+"""What is computed before shaders run: focus, circle of confusion, patterns of taps, tone.
 
-Float64 and plain: a shader is right when it agrees with its twin.
+Float64, no OpenGL. Formulas that only shaders have are written once more in ``tests/oracles``: a
+shader is right when it agrees with its twin.
 """

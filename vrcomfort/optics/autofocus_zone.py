@@ -1,7 +1,7 @@
 """Focus by a zone in the middle of the image, where people look: a weighted mean of its distances.
 
-NumPy twins of ``focus_weights.frag`` and ``focus_halve.frag`` in ``shaders/focus``; also what
-`zone_mean_on = "cpu"` computes. Source: Hillaire et al. 2008, Eq. 2 and 3.
+What `zone_mean_on = "cpu"` computes: the twin of ``shaders/focus/focus_weights.frag``. Source:
+Hillaire et al. 2008, Eq. 2 and 3.
 """
 
 from __future__ import annotations
@@ -79,22 +79,3 @@ def weighted(
     height, width = z.shape
     weight = semantic * gauss_weights((width, height), settings)
     return np.stack([weight * value, weight], axis=-1)
-
-
-def halved(image: Array) -> Array:
-    """Return an (h, w, n) image down-sampled by two: means of 2 × 2, zeros beyond an odd edge."""
-    height, width, _ = image.shape
-    even = np.pad(image, ((0, height % 2), (0, width % 2), (0, 0)))
-    quarters: Array = (even[::2, ::2] + even[1::2, ::2] + even[::2, 1::2] + even[1::2, 1::2]) / 4
-    return quarters
-
-
-def zone_focus_m(sums: ArrayLike, settings: ZoneSettings) -> float:
-    """Return the focus distance from (2,) means (or sums) of `weighted`.
-
-    Means over a zone that zeros have made larger have one factor too many, and it cancels: any
-    size of zone is exact.
-    """
-    values, weights = np.asarray(sums, dtype=np.float64)
-    mean = float(values / weights)
-    return 1 / mean if settings.mean == "dioptres" else settings.infinity_m * mean

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics import sampling
@@ -68,25 +67,6 @@ def spread(taps: int, texel_px: int, shown_px: int) -> Spread:
     meet = 2 * mean - math.sqrt(max(4 * mean**2 - 2 / 3, 0.0))
     near = 4 * _own_variance_px2(texel_px, shown_px)
     return Spread(far, near, 1 / (4 * mean * texel_px), meet * texel_px)
-
-
-def extent_px(radius_px: ArrayLike, law: Spread, /) -> Array:
-    """Return the (...,) radius of the pattern for discs of these radii (``taps_alike.frag``)."""
-    squared = np.square(np.asarray(radius_px, dtype=np.float64))
-    far = np.sqrt(np.maximum(squared - law.far_px2, 0.0))
-    near = np.minimum(np.maximum(squared - law.near_px2, 0.0) * law.per_px, law.near_px)
-    extent: Array = np.maximum(far, near)
-    return extent
-
-
-def fade(radius_px: ArrayLike, /) -> Array:
-    """Return the (...,) opacity of half an image, blown up, over the image (``taps_fade.frag``).
-
-    From 0.5 px, which change nothing, linear in the variance up to a disc of 2 px: that is how
-    blurred half an image is (`optics.pyramid`).
-    """
-    squared = np.square(np.asarray(radius_px, dtype=np.float64))
-    return np.clip((squared - 0.25) / (4.0 - 0.25), 0.0, 1.0)
 
 
 def _own_variance_px2(texel_px: int, shown_px: int) -> float:

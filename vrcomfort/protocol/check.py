@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.protocol.locate import Path
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import Problem, repeated
+from vrcomfort.protocol.settings_file import Problem, repeated, reserved
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
 
@@ -16,7 +16,10 @@ _MOST_TREATMENTS = {"williams": 26, "full": 6, "random": 1000}
 
 def problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield every fault of a protocol whose types are right."""
+    yield from reserved(("name",), protocol.name)
     yield from repeated(("conditions",), [condition.name for condition in protocol.conditions])
+    for index, condition in enumerate(protocol.conditions):
+        yield from reserved(("conditions", index, "name"), condition.name)
     yield from repeated(("scenes",), protocol.scenes)
     yield from without_effect(protocol)
     yield from _missing_scenes(protocol)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +13,7 @@ from pydantic import BaseModel, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
+from vrcomfort.file_names import is_reserved
 from vrcomfort.protocol.hints import did_you_mean, fields_at, wrong_unit
 from vrcomfort.protocol.locate import Path as KeyPath
 from vrcomfort.protocol.locate import locate
@@ -150,9 +150,20 @@ def in_words(detail: ErrorDetails) -> str:
 
 
 def repeated(path: KeyPath, names: Iterable[str]) -> Iterator[Problem]:
-    """Yield a problem for each name that is there a second time."""
-    seen: Counter[str] = Counter()
+    """Yield a problem for each name that is there a second time, also in another case."""
+    seen: dict[str, list[str]] = {}
     for index, name in enumerate(names):
-        seen[name] += 1
-        if seen[name] == 2:
+        alike = seen.setdefault(name.casefold(), [])
+        alike.append(name)
+        if alike.count(name) == 2:
             yield Problem((*path, index), f"`{name}` is there twice; give each a name of its own")
+        elif alike[0] != name and alike.count(name) == 1:
+            message = f"`{alike[0]}` and `{name}` are one name to some file systems"
+            yield Problem((*path, index), f"{message}; let more than the case differ")
+
+
+def reserved(path: KeyPath, name: str) -> Iterator[Problem]:
+    """Yield a problem if no file or folder on Windows can have a name."""
+    if is_reserved(name):
+        message = f"Windows takes `{name}` for a device; choose another name"
+        yield Problem(path, message)

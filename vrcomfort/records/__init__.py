@@ -5,6 +5,7 @@ from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
+from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     EventRow,
     ParticipantRow,
@@ -15,6 +16,7 @@ from vrcomfort.records.rows import (
     TrialRow,
 )
 from vrcomfort.records.study import (
+    access_of,
     completed_sessions,
     enrol,
     enrolled,
@@ -28,6 +30,7 @@ from vrcomfort.records.study import (
 from vrcomfort.records.withdrawal import undo_withdrawal
 
 __all__ = [
+    "Durability",
     "EventRow",
     "FrameRow",
     "GazeRow",
@@ -41,6 +44,7 @@ __all__ = [
     "Row",
     "TimingRow",
     "TrialRow",
+    "access_of",
     "completed_sessions",
     "enrol",
     "enrolled",

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Sequence
 from threading import Condition, Thread
+from typing import Protocol
 
 from vrcomfort.records.rows import Row
 
@@ -12,20 +13,30 @@ CAPACITY = 4096
 """Rows that may wait: 45 s of frames at 90 Hz, about 15 MB."""
 
 
+class RowSink(Protocol):
+    """Where rows go."""
+
+    def write(self, rows: Sequence[Row]) -> None:
+        """Take rows that came together, or none: see `due_in_s`."""
+
+    def due_in_s(self) -> float | None:
+        """Return in how many seconds `write` is to be called even without rows; None: need not."""
+
+
 class BackgroundWriter:
-    """Calls `write` with one row after the other, in the order in which they came.
+    """Hands rows to a sink in the order in which they came, those that wait together.
 
     Parameters
     ----------
-    write
+    sink
         Runs in the thread. What it raises is raised again by the next `check`, `finish` or
         `close`; the rows after it are still written.
     capacity
         Rows that may wait before `offer` refuses.
     """
 
-    def __init__(self, write: Callable[[Row], None], *, capacity: int = CAPACITY) -> None:
-        self._write = write
+    def __init__(self, sink: RowSink, *, capacity: int = CAPACITY) -> None:
+        self._sink = sink
         self._capacity = capacity
         self._rows: deque[Row] = deque()
         self._changed = Condition()
@@ -61,7 +72,7 @@ class BackgroundWriter:
         self.check()
 
     def close(self) -> None:
-        """Write what waits, and end the thread; only what `write` raised is left to tell."""
+        """Write what waits, and end the thread; only what the sink raised is left to tell."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -73,21 +84,24 @@ class BackgroundWriter:
         self._changed.notify_all()
 
     def _run(self) -> None:
-        while (row := self._next()) is not None:
-            fault = self._try(row)
+        while (rows := self._next()) is not None:
+            fault = self._try(rows)
             with self._changed:
                 self._fault = self._fault or fault
-                self._rows.popleft()  # only now: what waits for an empty queue waits for the file
+                for _ in rows:
+                    self._rows.popleft()  # only now: an empty queue says that all is in the files
                 self._changed.notify_all()
 
-    def _try(self, row: Row) -> Exception | None:
+    def _try(self, rows: Sequence[Row]) -> Exception | None:
         try:
-            self._write(row)
+            self._sink.write(rows)
         except Exception as error:  # it belongs to whoever wrote the row
             return error
         return None
 
-    def _next(self) -> Row | None:
+    def _next(self) -> Sequence[Row] | None:
+        """Wait for rows, or until the sink is due (then there are none); None at the end."""
+        due_in_s = self._sink.due_in_s()
         with self._changed:
-            self._changed.wait_for(lambda: self._rows or self._closing)
-            return self._rows[0] if self._rows else None
+            self._changed.wait_for(lambda: self._rows or self._closing, due_in_s)
+            return tuple(self._rows) if self._rows or not self._closing else None

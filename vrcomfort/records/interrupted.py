@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-import csv
 import time
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import plain_digits
-from vrcomfort.errors import InputError
+from vrcomfort.protocol import Trial
+from vrcomfort.records.appended_file import AppendedFile
+from vrcomfort.records.disk import OWNER, Access, refused
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
-from vrcomfort.records.recorder import OPTIONAL_ROWS, SESSION_ROWS, csv_line, refused
+from vrcomfort.records.recorded_rows import RecordedRow, read_rows
+from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
     EventRow,
     QuestionnaireRow,
@@ -24,10 +25,11 @@ from vrcomfort.records.rows import (
     Row,
     TrialRow,
     cell_text,
+    csv_line,
 )
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
-Cells = Mapping[str, str]
+_TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted")
 
 
 @dataclass(frozen=True)
@@ -68,37 +70,50 @@ class Interrupted:
     exposure_ended_s_ago: float | None = None
 
 
-def take_up(folder: Path) -> Interrupted:
+def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
     """Mend the files of an interrupted session and return how far it came.
 
     A half-written last row goes to a file beside (``frames.csv.cut``). An exposure that was under
     way when the program was killed gets its row in ``trials.csv`` (abort code "killed").
 
+    Parameters
+    ----------
+    planned
+        The session's trials, in the participant's order.
+
     Raises
     ------
     InputError
-        If a file is damaged, or from a version with other columns.
+        If a file is damaged, from a version with other columns, or tells of a trial that is not
+        planned.
     """
     manifest = read_manifest(folder)
     trials_written_s = _modified_s(folder / TrialRow.FILE)
-    cuts = [mend(folder / row_type.FILE, row_type.columns()) for row_type in SESSION_ROWS]
-    files = [(folder / row_type.FILE, row_type.columns()) for row_type in OPTIONAL_ROWS]
-    cuts += [mend(file, columns) for file, columns in files if file.exists()]
     begun = manifest.get("under_way")
+    if begun:
+        _check_begun(folder, begun, planned)
+    there = [each for each in OPTIONAL_ROWS if (folder / each.FILE).exists()]
+    cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
+    whose = {"participant": manifest["participant"], "session": manifest["session"]}
+    trials = list(_checked_trials(folder, planned, whose))
     frames = _Frames.read(folder, begun)
-    end_s = max(_latest(folder), default=0.0)
-    trials = list(_rows(folder, TrialRow))
-    if begun and not any(_is_attempt(row, begun) for row in trials):
-        trials.append(_killed(folder, begun, frames, end_s))
-    last_trial, ended_by = _last_trial(trials, undone_trials(manifest))
+    end_s = max(_ends(folder, trials, whose), default=0.0)
+    end_s = max(end_s, frames.last_s)
+    attempts: dict[int, int] = {}
+    for row in trials:
+        attempts[row["trial"]] = max(row["attempt"], attempts.get(row["trial"], 0))
+    if begun and attempts.get(begun["trial"], 0) < begun["attempt"]:
+        _write_killed(folder, begun, frames, end_s, access)
+        attempts[begun["trial"]] = begun["attempt"]
+    last_trial, ended_by = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
-        done=max((int(row["trial"]) for row in trials if row["status"] == "completed"), default=0),
-        attempts=Counter(int(row["trial"]) for row in trials),
+        done=max((row["trial"] for row in trials if row["status"] == "completed"), default=0),
+        attempts=attempts,
         session_s=end_s,
         xr_time_ns=frames.last_ns,
         manifest=manifest,
         warnings=tuple(cut for cut in cuts if cut),
-        answered=_answered(folder),
+        answered=_answered(folder, whose),
         last_trial=last_trial,
         ended_by=ended_by,
         exposure_ended_s_ago=_seconds_since(manifest, last_trial, trials_written_s),
@@ -106,25 +121,30 @@ def take_up(folder: Path) -> Interrupted:
 
 
 def _last_trial(
-    trials: Sequence[Cells], undone: set[tuple[int, int]]
+    trials: Sequence[RecordedRow],
+    begun: Mapping[str, Any] | None,
+    undone: set[tuple[int, int]],
 ) -> tuple[int | None, str | None]:
     """Return the trial that ended last, and what ended the study in it.
 
     None for one that was aborted, or whose withdrawal was undone: it is shown again.
     """
-    if trials and (int(trials[-1]["trial"]), int(trials[-1]["attempt"])) in undone:
+    last = trials[-1] if trials else None
+    if last is None or last["status"] == "aborted" or (last["trial"], last["attempt"]) in undone:
         return None, None
-    if not trials or trials[-1]["status"] not in {"completed", *ENDED_THE_STUDY}:
-        return None, None
-    status = trials[-1]["status"]
-    return int(trials[-1]["trial"]), status if status in ENDED_THE_STUDY else None
+    if begun and (begun["trial"], begun["attempt"]) != (last["trial"], last["attempt"]):
+        return None, None  # the next exposure had begun: nothing was owed to this one
+    status = last["status"]
+    return last["trial"], status if status in ENDED_THE_STUDY else None
 
 
-def _answered(folder: Path) -> dict[tuple[int | None, str, str], frozenset[str]]:
+def _answered(
+    folder: Path, whose: Mapping[str, Any]
+) -> dict[tuple[int | None, str, str], frozenset[str]]:
     found: dict[tuple[int | None, str, str], set[str]] = {}
-    for row in _rows(folder, QuestionnaireRow):
-        trial = int(row["trial"]) if row["trial"] else None
-        found.setdefault((trial, row["timepoint"], row["instrument"]), set()).add(row["item"])
+    for row in _of(whose, read_rows(folder, QuestionnaireRow)):
+        key = (row["trial"], row["timepoint"], row["instrument"])
+        found.setdefault(key, set()).add(row["item"])
     return {key: frozenset(items) for key, items in found.items()}
 
 
@@ -142,34 +162,55 @@ def _seconds_since(
     return None if written_s is None else max(time.time() - written_s, 0.0)
 
 
-_NUMBERS: Mapping[type[Row], Mapping[str, type[int | float]]] = {
-    FrameRow: {"session_s": float, "xr_time_ns": int, "trial": int, "dropped": int},
-    TrialRow: {"trial": int, "attempt": int, "end_s": float},
-    QuestionnaireRow: {"answered_s": float},
-    RatingRow: {"onset_s": float, "latency_s": float},
-    EventRow: {"onset_s": float, "duration_s": float},
-}
+def _check_begun(folder: Path, begun: Mapping[str, Any], planned: Sequence[Trial]) -> None:
+    file = folder / "manifest.json"
+    for column, fault in _unplanned(begun, planned):
+        text, path = file.read_text(encoding="utf-8"), ("under_way", column)
+        raise damaged(file, "manifest", f"`under_way.{column}`: {fault}", text=text, path=path)
 
 
-def _rows(folder: Path, row_type: type[Row]) -> Iterator[dict[str, str]]:
-    """Yield the rows of a file whose numbers are numbers; a latency may be blank."""
-    file = folder / row_type.FILE
-    with file.open(encoding="utf-8-sig", newline="") as stream:
-        reader = csv.DictReader(stream)
-        for row in reader:
-            for column, kind in _NUMBERS[row_type].items():
-                if not _reads_as(kind, row[column] or ("0" if column == "latency_s" else "")):
-                    message = f"{row[column]!r} is not a number; mend it first"
-                    raise InputError(message, file=file, line=reader.line_num, column=column)
-            yield row
+def _unplanned(
+    row: RecordedRow | Mapping[str, Any], planned: Sequence[Trial]
+) -> Iterator[tuple[str, str]]:
+    """Yield what a trial's row has that the participant's order does not."""
+    number = row["trial"]
+    if not 1 <= number <= len(planned):
+        yield "trial", f"this participant's order has {len(planned)} trials, and no {number}"
+        return
+    trial = planned[number - 1]
+    for column, there in (("condition", trial.condition), ("scene", trial.scene)):
+        if row[column] != there:
+            yield column, f"trial {number} is planned with {there!r}, not {row[column]!r}"
 
 
-def _reads_as(kind: type[int | float], cell: str) -> bool:
-    try:
-        kind(plain_digits(cell))
-    except ValueError:
-        return False
-    return True
+def _checked_trials(
+    folder: Path, planned: Sequence[Trial], whose: Mapping[str, Any]
+) -> Iterator[RecordedRow]:
+    """Yield the rows of trials that were planned, each attempt once and none skipped."""
+    seen: set[tuple[int, int]] = set()
+    done = 0
+    for row in _of(whose, read_rows(folder, TrialRow)):
+        for column, fault in _unplanned(row, planned):
+            raise row.fault(fault, column)
+        attempt = row["trial"], row["attempt"]
+        if attempt in seen or row["attempt"] < 1:
+            raise row.fault(f"trial {attempt[0]}, attempt {attempt[1]} cannot be here", "attempt")
+        if row["status"] not in _TRIAL_STATUS:
+            raise row.fault(f"{row['status'][:40]!r} is no status of a trial", "status")
+        if row["trial"] > done + 1:
+            raise row.fault(f"trial {done + 1} was not completed before", "trial")
+        seen.add(attempt)
+        done = max(done, row["trial"] if row["status"] == "completed" else 0)
+        yield row
+
+
+def _of(whose: Mapping[str, Any], rows: Iterator[RecordedRow]) -> Iterator[RecordedRow]:
+    """Yield rows that are of this participant and session."""
+    for row in rows:
+        for column, this in whose.items():
+            if row.values.get(column, this) != this:
+                raise row.fault(f"this folder is of {column} {this}", column)
+        yield row
 
 
 @dataclass
@@ -177,46 +218,39 @@ class _Frames:
     """The end of ``frames.csv``, and the frames of the exposure that was under way."""
 
     last_ns: int | None = None
+    last_s: float = 0.0
     shown: int = 0
     dropped: int = 0
 
     @classmethod
     def read(cls, folder: Path, begun: Mapping[str, Any] | None) -> _Frames:
-        found, row = cls(), None
-        for row in _rows(folder, FrameRow):
-            if begun and _is_of(row, begun):
+        found = cls()
+        for row in read_rows(folder, FrameRow):
+            if begun and row["trial"] == begun["trial"] and row["session_s"] >= begun["start_s"]:
                 found.shown += 1
-                found.dropped += int(row["dropped"])
-        found.last_ns = int(row["xr_time_ns"]) if row else None
+                found.dropped += row["dropped"]
+            found.last_ns = row["xr_time_ns"]
+            found.last_s = max(found.last_s, row["session_s"])
         return found
 
 
-def _is_of(frame: Cells, begun: Mapping[str, Any]) -> bool:
-    return bool(
-        int(frame["trial"]) == begun["trial"] and float(frame["session_s"]) >= begun["start_s"]
-    )
-
-
-def _is_attempt(row: Cells, begun: Mapping[str, Any]) -> bool:
-    return bool(int(row["trial"]) == begun["trial"] and int(row["attempt"]) == begun["attempt"])
-
-
-def _latest(folder: Path) -> Iterable[float]:
-    """Yield the last time of each file."""
-    ends: dict[type[Row], Callable[[Cells], float]] = {
-        FrameRow: lambda row: float(row["session_s"]),
-        TrialRow: lambda row: float(row["end_s"]),
-        QuestionnaireRow: lambda row: float(row["answered_s"]),
-        RatingRow: lambda row: float(row["onset_s"]) + float(row["latency_s"] or 0),
-        EventRow: lambda row: float(row["onset_s"]) + float(row["duration_s"]),
+def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any]) -> Iterator[float]:
+    """Yield when each thing on record ended."""
+    for row in trials:
+        yield row["end_s"]
+    columns: Mapping[type[Row], tuple[str, ...]] = {
+        QuestionnaireRow: ("answered_s",),
+        RatingRow: ("onset_s", "latency_s"),
+        EventRow: ("onset_s", "duration_s"),
     }
-    for row_type, end_s in ends.items():
-        yield max(map(end_s, _rows(folder, row_type)), default=0.0)
+    for row_type, parts in columns.items():
+        for row in _of(whose, read_rows(folder, row_type)):
+            yield sum(row[part] or 0.0 for part in parts)
 
 
-def _killed(
-    folder: Path, begun: Mapping[str, Any], frames: _Frames, end_s: float
-) -> dict[str, str]:
+def _write_killed(
+    folder: Path, begun: Mapping[str, Any], frames: _Frames, end_s: float, access: Access
+) -> None:
     """Write the row of an exposure that a killed program could not write."""
     row = TrialRow(
         **begun,
@@ -226,10 +260,13 @@ def _killed(
         frames=frames.shown,
         dropped=frames.dropped,
     )
-    cells = [cell_text(cell) for cell in row.cells()]
+    file = folder / TrialRow.FILE
     try:
-        with (folder / TrialRow.FILE).open("a", encoding="utf-8", newline="") as stream:
-            stream.write(csv_line(cells))
+        trials = AppendedFile(file, access, fresh=False)
     except OSError as error:
-        raise refused(folder / TrialRow.FILE, error) from error
-    return dict(zip(TrialRow.columns(), cells, strict=True))
+        raise refused(file, error) from error
+    try:
+        trials.append(csv_line(map(cell_text, row.cells())))
+        trials.sync()
+    finally:
+        trials.close()

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import IO
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.disk import Access, open_new
 
 if sys.platform == "win32":
     import msvcrt
@@ -34,7 +35,7 @@ else:
 
 
 @contextmanager
-def only_program(file: Path, *, doing: str) -> Iterator[None]:
+def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
     """Hold the lock of a file, or refuse where another program holds it.
 
     Parameters
@@ -47,7 +48,7 @@ def only_program(file: Path, *, doing: str) -> Iterator[None]:
     InputError
         If another program holds the lock; names its process.
     """
-    with _open(file) as stream:
+    with _open(file, access) as stream:
         try:
             _lock(stream, wait=False)
         except OSError as error:
@@ -60,17 +61,16 @@ def only_program(file: Path, *, doing: str) -> Iterator[None]:
 
 
 @contextmanager
-def in_turn(file: Path) -> Iterator[None]:
+def in_turn(file: Path, access: Access) -> Iterator[None]:
     """Hold the lock of a file, after waiting for whoever holds it."""
-    with _open(file) as stream:
+    with _open(file, access) as stream:
         _lock(stream, wait=True)
         yield
 
 
-def _open(file: Path) -> IO[str]:
+def _open(file: Path, access: Access) -> IO[str]:
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        return file.open("a+", encoding="utf-8")
+        return os.fdopen(open_new(file, access, os.O_RDWR), "r+", encoding="utf-8")
     except OSError as error:
         raise InputError(f"cannot make this file: {error.strerror}", file=file) from error
 

@@ -12,8 +12,10 @@ from typing import Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
-from vrcomfort.records.recorder import replace_text
-from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
+from vrcomfort.records.disk import OWNER, Access, replace_text
+from vrcomfort.records.json_file import read_json
+from vrcomfort.records.manifest_shape import ManifestShape
+from vrcomfort.records.schema import SCHEMA_VERSION
 
 _PACKAGES = ("vrcomfort", "numpy", "moderngl", "pydantic", "pillow")
 
@@ -66,6 +68,8 @@ class Manifest:
         each.
     withdrawals_undone
         Withdrawals that an operator took back: when, why, and in which attempt at which trial.
+    clock_set_back
+        Where the machine's clock stood earlier than before, one sentence each.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
     """
@@ -86,14 +90,15 @@ class Manifest:
     earlier_runs: list[dict[str, Any]] = field(default_factory=list)
     timing_flags: list[str] = field(default_factory=list)
     frames_not_recorded: int = 0
+    clock_set_back: list[str] = field(default_factory=list)
     under_way: dict[str, Any] | None = None
     exposure_ended: dict[str, Any] | None = None
     missed_questions: list[str] = field(default_factory=list)
     withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
 
-    def write(self, folder: Path) -> None:
-        """Write ``manifest.json`` as a whole.
+    def write(self, folder: Path, access: Access = OWNER) -> None:
+        """Write ``manifest.json`` as a whole; it is on the disk at return.
 
         Raises
         ------
@@ -101,7 +106,7 @@ class Manifest:
             If the disk refuses.
         """
         text = json.dumps(self._content(), indent=2, ensure_ascii=False)
-        replace_text(folder / "manifest.json", text + "\n")
+        replace_text(folder / "manifest.json", text + "\n", access)
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol
@@ -122,6 +127,7 @@ class Manifest:
             "clamps": self.clamps,
             "timing_flags": self.timing_flags,
             "frames_not_recorded": self.frames_not_recorded,
+            "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),
             "protocol": {
@@ -163,18 +169,13 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is not there, or damaged.
+        If it is not there, damaged, or that of another session.
     """
     file = folder / "manifest.json"
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"cannot read: {error.strerror}", file=file) from error
-    except ValueError as error:
-        raise InputError("this manifest is damaged; restore it", file=file) from error
-    if not isinstance(content, dict):
-        raise InputError("this manifest is damaged; restore it", file=file)
-    check_schema_version(content, file)
+    content = read_json(file, ManifestShape, "manifest")
+    whose = f"sub-{content['participant']}", f"ses-{content['session']}"
+    if whose != (folder.parent.name, folder.name):
+        raise InputError(f"this manifest is that of {'/'.join(whose)}; restore it", file=file)
     return content
 
 

@@ -7,16 +7,26 @@ import os
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.recorder import csv_line, refused, replace_text
+from vrcomfort.records.appended_file import AppendedFile
+from vrcomfort.records.disk import (
+    Access,
+    open_new,
+    refuse_links,
+    refused,
+    replace_text,
+    sync_folder,
+)
+from vrcomfort.records.recorded_rows import split_line
+from vrcomfort.records.rows import Row, csv_line
 from vrcomfort.records.schema import ADDED_COLUMNS
 
 
-def mend(file: Path, columns: tuple[str, ...]) -> str | None:
+def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
     """Leave the whole rows in a file, or a header where there is not even that.
 
-    The half-written last row of a file is moved to the end of a file beside it, whose name has
-    ``.cut`` appended. A file of an older schema gets the columns that it lacks, blank; it stays as
-    it was beside, with ``.schema1`` appended.
+    The half-written last row of a file (NUL bytes, after a power cut) is moved to the end of a
+    file beside it, whose name has ``.cut`` appended. A file of an older schema gets the columns
+    that it lacks, blank; it stays as it was beside, with ``.schema1`` appended.
 
     Returns
     -------
@@ -26,23 +36,36 @@ def mend(file: Path, columns: tuple[str, ...]) -> str | None:
     Raises
     ------
     InputError
-        If the header is another, a row before the last is broken, or the disk refuses.
+        If the header is another, a row before the last is broken, the file is a symbolic link, or
+        the disk refuses.
     """
+    file, columns = folder / row_type.FILE, row_type.columns()
     try:
+        refuse_links(folder, file)
         if not file.exists() or not file.stat().st_size:
-            file.write_text(csv_line(columns), encoding="utf-8", newline="")
+            _begin(file, columns, access)
             return None
-        return _mended(file, columns)
+        return _mended(file, columns, access)
     except OSError as error:
         raise refused(file, error) from error
 
 
-def _mended(file: Path, columns: tuple[str, ...]) -> str | None:
+def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
+    again = AppendedFile(file, access, fresh=True)
+    try:
+        again.append(csv_line(columns))
+        again.sync()
+        sync_folder(file.parent)
+    finally:
+        again.close()
+
+
+def _mended(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
     there = _columns_there(file, columns)
     whole, lines = _whole_rows(file, there)
-    cut = _cut(file, whole, lines, there) if whole < file.stat().st_size else None
+    cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
     if there != columns:
-        _add_columns(file, there, columns)
+        _add_columns(file, there, columns, access)
     return cut
 
 
@@ -54,7 +77,9 @@ def _columns_there(file: Path, columns: tuple[str, ...]) -> tuple[str, ...]:
         return older if stream.readline() == csv_line(older).encode() else columns
 
 
-def _add_columns(file: Path, there: tuple[str, ...], columns: tuple[str, ...]) -> None:
+def _add_columns(
+    file: Path, there: tuple[str, ...], columns: tuple[str, ...], access: Access
+) -> None:
     """Put blank cells where `there` has no column."""
     with file.open(encoding="utf-8", newline="") as stream:
         rows = csv.reader(stream)
@@ -64,7 +89,7 @@ def _add_columns(file: Path, there: tuple[str, ...], columns: tuple[str, ...]) -
     kept = file.with_name(f"{file.name}.schema1")
     kept.unlink(missing_ok=True)
     kept.hardlink_to(file)
-    replace_text(file, csv_line(columns) + "".join(lines))
+    replace_text(file, csv_line(columns) + "".join(lines), access)
 
 
 def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
@@ -75,8 +100,9 @@ def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
         for line in stream:
             if broken:
                 raise InputError("this row is broken; mend it first", file=file, line=lines + 1)
-            broken = not line.endswith(b"\n") or not _is_row(line, columns)
-            if not broken and not lines and _cells(line) != list(columns):
+            cells = _cells(line)
+            broken = cells is None or (lines > 0 and len(cells) != len(columns))
+            if not broken and not lines and cells != list(columns):
                 message = "this file has other columns: it is from another version of vrcomfort"
                 raise InputError(f"{message}; resume the session with that one", file=file, line=1)
             whole += 0 if broken else len(line)
@@ -84,25 +110,30 @@ def _whole_rows(file: Path, columns: tuple[str, ...]) -> tuple[int, int]:
     return whole, lines
 
 
-def _is_row(line: bytes, columns: tuple[str, ...]) -> bool:
+def _cells(line: bytes) -> list[str] | None:
+    """Return the cells of a whole line."""
+    if not line.endswith(b"\n"):
+        return None
     try:
-        return len(_cells(line)) == len(columns)
-    except UnicodeDecodeError:
-        return False
+        return split_line(line)
+    except ValueError:
+        return None
 
 
-def _cells(line: bytes) -> list[str]:
-    return next(csv.reader([line.decode("utf-8-sig")]), [])
-
-
-def _cut(file: Path, whole: int, lines: int, columns: tuple[str, ...]) -> str:
+def _cut(file: Path, whole: int, lines: int, columns: tuple[str, ...], access: Access) -> str:
     beside = file.with_name(f"{file.name}.cut")
-    with file.open("r+b") as stream, beside.open("ab") as rest:
+    with (
+        file.open("r+b") as stream,
+        os.fdopen(open_new(beside, access, os.O_WRONLY | os.O_APPEND), "ab") as rest,
+    ):
         stream.seek(whole)
         rest.write(stream.read().rstrip(b"\n") + b"\n")
         rest.flush()
         os.fsync(rest.fileno())  # first: it must be somewhere
+        sync_folder(file.parent)
         stream.seek(whole)
         stream.truncate()
         stream.write(b"" if lines else csv_line(columns).encode())
+        stream.flush()
+        os.fsync(stream.fileno())
     return f"{file}, line {lines + 1}: a half-written row was moved to {beside.name}"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
 
@@ -211,3 +213,10 @@ def cell_text(value: Cell) -> str:
     if isinstance(value, str):
         return " ".join(value.splitlines())
     return repr(float(value)) if isinstance(value, float) else str(int(value))
+
+
+def csv_line(cells: Iterable[str]) -> str:
+    """Return one CSV line with its line end."""
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(cells)
+    return line.getvalue()

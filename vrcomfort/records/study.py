@@ -14,11 +14,23 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
+from vrcomfort.records.disk import (
+    GROUP,
+    OWNER,
+    Access,
+    make_folders,
+    refuse_links,
+    refused,
+    replace_text,
+)
+from vrcomfort.records.json_file import read_json
 from vrcomfort.records.lock import in_turn, only_program
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import csv_line, is_begun, replace_text, session_folder
-from vrcomfort.records.rows import ParticipantRow, cell_text
-from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
+from vrcomfort.records.manifest_shape import DescriptionShape
+from vrcomfort.records.names import check_case, check_participant, check_study
+from vrcomfort.records.recorder import is_begun, session_folder
+from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
+from vrcomfort.records.schema import SCHEMA_VERSION
 
 DESCRIPTION = "dataset_description.json"
 
@@ -28,7 +40,9 @@ def now() -> str:
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 
-def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> int:
+def open_study(
+    study: Path, protocol: Protocol, *, seed: int | None = None, group_readable: bool = False
+) -> int:
     """Make the study folder and its description, or check that it belongs to this protocol.
 
     Parameters
@@ -36,6 +50,9 @@ def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> i
     seed
         Of a new study (`None` is 0). A random order is drawn again from it whenever its
         participant comes back, so a study keeps its first seed.
+    group_readable
+        A new study's files are for the owner's group as well, and not for the owner alone. A
+        study keeps this, too.
 
     Returns
     -------
@@ -45,22 +62,41 @@ def open_study(study: Path, protocol: Protocol, *, seed: int | None = None) -> i
     Raises
     ------
     InputError
-        If the folder holds another study, or one with another seed, or cannot be written.
+        If the folder holds another study, one with another seed or for other readers, cannot be
+        written, or has a name that Windows does not take.
     """
     file = study / DESCRIPTION
+    refuse_links(study, file)
     if file.exists():
-        return _same_study(file, protocol, seed)
+        return _same_study(file, protocol, seed, group_readable)
+    check_study(study.resolve().name)
+    access = GROUP if group_readable else OWNER
     try:
-        study.mkdir(parents=True, exist_ok=True)
+        make_folders(study, study, access)
     except OSError as error:
         message = f"cannot make this study folder: {error.strerror}; choose another --out"
         raise InputError(message, file=study) from error
-    text = json.dumps(_description(protocol, seed or 0), indent=2, ensure_ascii=False)
-    replace_text(file, text + "\n")
+    text = json.dumps(_description(protocol, seed or 0, access), indent=2, ensure_ascii=False)
+    replace_text(file, text + "\n", access)
     return seed or 0
 
 
-def _description(protocol: Protocol, seed: int) -> dict[str, object]:
+def access_of(study: Path) -> Access:
+    """Return who may read what is written into a study.
+
+    Raises
+    ------
+    InputError
+        If the study's description is damaged.
+    """
+    file = study / DESCRIPTION
+    if not file.exists():
+        return OWNER
+    readers = read_json(file, DescriptionShape, "study description").get("readable_by")
+    return GROUP if readers == "group" else OWNER
+
+
+def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, object]:
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",
@@ -70,6 +106,7 @@ def _description(protocol: Protocol, seed: int) -> dict[str, object]:
         "citation": protocol.citation,
         "protocol": protocol.name,
         "seed": seed,
+        "readable_by": "group" if access == GROUP else "owner",
         "conditions": {each.name: each.label or each.name for each in protocol.conditions},
         "scenes": list(protocol.scenes),
         "variableMeasured": [
@@ -79,19 +116,20 @@ def _description(protocol: Protocol, seed: int) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _same_study(file: Path, protocol: Protocol, seed: int | None) -> int:
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-        name, kept = content["protocol"], int(content["seed"])
-    except (OSError, ValueError, TypeError, KeyError) as error:
-        raise InputError("this study description is damaged; restore it", file=file) from error
-    check_schema_version(content, file)
+def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable: bool) -> int:
+    content = read_json(file, DescriptionShape, "study description")
+    name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
         raise InputError(f"{message}; choose another --out", file=file)
     if seed not in {None, kept}:
         message = f"this study was begun with seed {kept}, not {seed}"
         raise InputError(f"{message}; leave --seed out, or choose another --out", file=file)
+    if group_readable and access_of(file.parent) != GROUP:
+        message = "this study was begun for its owner's eyes alone"
+        raise InputError(
+            f"{message}; leave --group-readable out, or choose another --out", file=file
+        )
     return kept
 
 
@@ -114,7 +152,28 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     if found.rows and set(found.header) != set(ParticipantRow.columns()):
         columns = ", ".join(ParticipantRow.columns())
         raise InputError(f"the columns must be {columns}", file=file, line=1)
+    _check_participants(found)
     return [ParticipantRow(**row) for row in found.dicts()]
+
+
+def _check_participants(found: CsvTable) -> None:
+    seen: set[str] = set()
+    for line, row in zip(found.lines, found.dicts(), strict=True):
+        if row["participant"] in seen:
+            message = f"{row['participant']} is here twice; mend it first"
+            raise found.fault(message, line, "participant")
+        seen.add(row["participant"])
+        for column, shape in _PARTICIPANT_CELLS.items():
+            if not shape.fullmatch(row[column]):
+                shown = row[column][:40]
+                raise found.fault(f"{shown!r} cannot be here; mend it first", line, column)
+
+
+_PARTICIPANT_CELLS = {
+    "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
+    "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
+    "status": re.compile("enrolled|completed|withdrawn|excluded"),
+}
 
 
 def enrolled(study: Path, participant: str) -> ParticipantRow | None:
@@ -139,10 +198,12 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     Raises
     ------
     InputError
-        If the name cannot be part of a file name, or they have withdrawn or been excluded.
+        If the name cannot be part of a file name, differs from another in case alone, or they
+        have withdrawn or been excluded.
     """
-    check_name(participant)
+    check_participant(participant)
     with _changing_participants(study):
+        check_case(participant, (row.participant for row in read_participants(study)))
         there = enrolled(study, participant)
         if there is not None:
             return there
@@ -153,15 +214,11 @@ def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
     return row
 
 
-def check_name(participant: str) -> None:
-    """Raise `InputError` if a name cannot be part of a file name."""
-    if not re.fullmatch(r"[A-Za-z0-9]{1,64}", participant):
-        raise InputError(f"participant `{participant}`: use 1 to 64 letters and digits only")
-
-
 def _changing_participants(study: Path) -> AbstractContextManager[None]:
     """Two participants may be run at once; their rows are written one after the other."""
-    return in_turn(study / ".participants.lock")
+    file = study / ".participants.lock"
+    refuse_links(study, file)
+    return in_turn(file, access_of(study))
 
 
 def set_status(study: Path, participant: str, status: str, note: str = "") -> None:
@@ -181,7 +238,7 @@ def recorded_sessions(study: Path, participant: str) -> list[int]:
     """Return the numbers of a participant's sessions that are on disk."""
     folders = session_folder(study, participant, 1).parent.glob("ses-*")
     numbers = [folder.name.removeprefix("ses-") for folder in folders if is_begun(folder)]
-    return sorted(int(number) for number in numbers if number.isdigit())
+    return sorted(int(number) for number in numbers if re.fullmatch("[1-9][0-9]{0,8}", number))
 
 
 def completed_sessions(study: Path, participant: str) -> list[int]:
@@ -218,14 +275,20 @@ def only_run(study: Path, participant: str) -> AbstractContextManager[None]:
     Raises
     ------
     InputError
-        On entering, if another program runs this participant; or for a name that no folder has.
+        On entering, if another program runs this participant; at once for a name that no folder
+        has, or that differs from another in case alone.
     """
-    check_name(participant)
-    file = session_folder(study, participant, 1).with_name("lock")
-    return only_program(file, doing=f"participant {participant} is being run")
+    check_participant(participant)
+    check_case(participant, (row.participant for row in read_participants(study)))
+    file, access = session_folder(study, participant, 1).with_name("lock"), access_of(study)
+    try:
+        make_folders(study, file.parent, access)
+    except OSError as error:
+        raise refused(file.parent, error) from error
+    return only_program(file, access, doing=f"participant {participant} is being run")
 
 
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
     lines = [csv_line(ParticipantRow.columns())]
     lines += [csv_line(map(cell_text, row.cells())) for row in rows]
-    replace_text(study / ParticipantRow.FILE, "".join(lines))
+    replace_text(study / ParticipantRow.FILE, "".join(lines), access_of(study))

@@ -7,12 +7,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
+from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.recorder import replace_text, session_folder
+from vrcomfort.records.recorded_rows import read_rows
+from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import TrialRow
 from vrcomfort.records.study import (
+    access_of,
     now,
     only_run,
     read_participants,
@@ -51,7 +53,7 @@ def undo_withdrawal(study: Path, participant: str, reason: str) -> int | None:
             manifest = read_manifest(folder)
             if manifest.get("status") == "withdrawn":
                 ended = number
-                _reopen(folder, manifest, {"at": at, "reason": reason})
+                _reopen(folder, manifest, {"at": at, "reason": reason}, access_of(study))
         set_status(study, participant, "enrolled", f"withdrawal undone {at}: {reason}")
     return ended
 
@@ -71,13 +73,13 @@ def _require_withdrawn(study: Path, participant: str) -> None:
         raise InputError(message, file=study)
 
 
-def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any]) -> None:
-    trials = list(CsvTable.read(folder / TrialRow.FILE, appended=True).dicts())
-    last: Mapping[str, str] = trials[-1] if trials else {}
+def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access: Access) -> None:
+    trials = list(read_rows(folder, TrialRow))
     place: dict[str, int | None] = {"trial": None, "attempt": None}
-    if last.get("status") in ENDED_THE_STUDY:
-        place = {"trial": int(last["trial"]), "attempt": int(last["attempt"])}
+    if trials and trials[-1]["status"] in ENDED_THE_STUDY:
+        last = trials[-1]
+        place = {"trial": last["trial"], "attempt": last["attempt"]}
     manifest["status"] = "aborted"
     manifest["withdrawals_undone"] = [*manifest.get("withdrawals_undone", []), why | place]
     text = json.dumps(manifest, indent=2, ensure_ascii=False)
-    replace_text(folder / "manifest.json", text + "\n")
+    replace_text(folder / "manifest.json", text + "\n", access)

@@ -12,7 +12,6 @@ from vrcomfort.gpu import gl, shaders
 from vrcomfort.scene.data import Environment, Scene
 
 LIGHT_BINDING = 1
-MAX_LAMPS = 16
 
 
 def has_sun(environment: Environment) -> bool:
@@ -42,11 +41,12 @@ class Light:
 
     def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
         lamps = scene.environment.point_lights
-        if len(lamps) > MAX_LAMPS:
-            raise InputError(
-                f"scene {scene.name!r} has {len(lamps)} point lights; at most {MAX_LAMPS} are drawn"
-            )
         self._block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
+        most = len(self._block["lamp_position"])
+        if len(lamps) > most:
+            raise InputError(
+                f"scene {scene.name!r} has {len(lamps)} point lights; at most {most} are drawn"
+            )
         _write_environment(self._block, scene.environment)
         self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
         self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)

@@ -111,18 +111,18 @@ class StereoRenderer:
         self.release()
         self._scene = scene
         self._condition = condition
-        ledger = gpu_memory.ledger(self.ctx)
-        first = ledger.mark()
+        account = gpu_memory.account(self.ctx)
+        first = account.mark()
         self._passes = ConditionPasses(
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
             eyes=self._eyes,
         )  # fmt: skip
-        self._allocated = first, ledger.mark()
+        self._allocated = first, account.mark()
 
     def memory(self) -> tuple[gpu_memory.Allocation, ...]:
         """Return the textures and buffers of the present condition and scene."""
         self._built()
-        return gpu_memory.ledger(self.ctx).between(*self._allocated)
+        return gpu_memory.account(self.ctx).between(*self._allocated)
 
     def plan(self) -> list[PlannedPass]:
         """Return the passes of the present condition and scene, with reasons."""

@@ -7,6 +7,10 @@ from typing import NamedTuple
 import moderngl
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics import tone
+
+TONE_CURVE = {"COMPRESSION_START": tone.COMPRESSION_START, "DESATURATION": tone.DESATURATION}
+"""Defines of ``include/tone.glsl``."""
 
 
 class _Exposure(NamedTuple):
@@ -30,6 +34,7 @@ class ToneMapPass:
             size_px=size_px,
             inputs={"radiance": radiance},
             constants=_Exposure(exposure),
+            defines=TONE_CURVE,
             dtype="f1",
         )
         self.target = self._pass.target

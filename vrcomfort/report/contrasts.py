@@ -30,11 +30,22 @@ AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
 WORST_RANK = "withdrawal ranked as the worst outcome of its condition"
 WORST_CASE = "worst case: every withdrawal counted against the observed direction"
 
+TAKEN = "item"
+
 
 def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
-    """Return the conditions in the data, in the protocol's order, then alphabetical."""
+    """Return the conditions in the data, in the protocol's order, then alphabetical.
+
+    Raises
+    ------
+    InputError
+        If one has the name of a column that stands beside those of the conditions.
+    """
     order = {name: place for place, name in enumerate(labels)}
     found = {str(name) for name in table["condition"].unique()}
+    if TAKEN in found:
+        message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
+        raise InputError(f"{message}; give it another name")
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 

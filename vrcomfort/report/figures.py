@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from textwrap import fill
@@ -20,6 +21,7 @@ from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up, planned_exposures
 from vrcomfort.report.study_data import trial_s
+from vrcomfort.web_page import visible
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -41,14 +43,32 @@ _STYLE: dict[Any, Any] = {
     "xtick.color": "#555555",
     "ytick.color": "#555555",
     "svg.fonttype": "path",
+    "text.parse_math": False,  # a name with two dollars is a name, not a formula
 }
+LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
+"""Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
+
+
+def short(name: str) -> str:
+    """Return a name as a figure writes it: every character visible, cut where it is long."""
+    name = visible(name)
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1]}…"
+
+
+def lines(name: str, width: int) -> str:
+    """Return a name in lines of about `width` letters."""
+    name = short(name)
+    broken = any(len(word) > LONGEST_WORD for word in name.split())
+    return fill(name, width, break_long_words=broken)
 
 
 @contextmanager
 def canvas(name: str, width: float, height: float) -> Iterator[tuple[Figure, list[str]]]:
     """Give a figure to draw on; its SVG text is appended to the list afterwards."""
     text: list[str] = []
-    with mpl.rc_context({**_STYLE, "svg.hashsalt": name}):
+    with mpl.rc_context({**_STYLE, "svg.hashsalt": name}), warnings.catch_warnings():
+        # A box stands for a letter that the font does not have; the page's tables have the letter.
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasSVG(figure)
         yield figure, text
@@ -91,7 +111,7 @@ def _boxes(axes: Axes, scores: np.ndarray[Any, Any], names: tuple[str, ...]) -> 
         capprops={"color": "#777777"},
     )  # fmt: skip
     axes.plot([0.72, 2.28], scores.mean(axis=0), "D", color=INK, ms=4, zorder=5)
-    axes.set_xticks([1, 2], [fill(name, 20, break_long_words=False) for name in names])
+    axes.set_xticks([1, 2], [lines(name, 20) for name in names])
     axes.set_xlim(0.45, 2.55)
 
 
@@ -140,7 +160,7 @@ def _of_condition(
 
 def _name_conditions(axes: Axes, conditions: list[dict[str, str]]) -> None:
     room = 28 // len(conditions)
-    names = [fill(c["label"], max(room, 8), break_long_words=False) for c in conditions]
+    names = [lines(c["label"], max(room, 8)) for c in conditions]
     axes.set_xticks(range(len(conditions)), names, fontsize=8)
     axes.set_xlim(-0.6, len(conditions) - 0.4)
 
@@ -176,7 +196,8 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                 rows = np.arange(len(ranked)) + 0.7 / len(names) * ((len(names) - 1) / 2 - place)
                 axes.plot([i[condition["name"]] for i in ranked], rows,
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
-                          mec="white", mew=0.6, label=condition["label"], zorder=3)  # fmt: skip
+                          mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
+                          zorder=3)  # fmt: skip
         wording = {item.name: item.text for item in SSQ.items}
         axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
         axes.tick_params(axis="y", length=0)
@@ -204,9 +225,9 @@ def exposure_figure(trials: list[dict[str, str]], results: dict[str, Any]) -> st
             _exposures_of(axes, row, mine, place, withdrew=person in gone)
         for condition in results["conditions"]:
             colour = COLOURS[place[condition["name"]] % len(COLOURS)]
-            axes.barh(0, 0, color=colour, alpha=0.8, label=condition["label"])
+            axes.barh(0, 0, color=colour, alpha=0.8, label=lines(condition["label"], LEGEND))
         axes.plot([], [], "X", color=INK, ms=7, ls="", label="withdrew here")
-        axes.set_yticks(range(len(people)), list(reversed(people)), fontsize=7.5)
+        axes.set_yticks(range(len(people)), [*map(short, reversed(people))], fontsize=7.5)
         axes.tick_params(axis="y", length=0)
         axes.set_xlabel(f"time in exposure, all sessions ({_unit(trials)[1]})")
         axes.xaxis.set_major_locator(MaxNLocator(nbins=8))

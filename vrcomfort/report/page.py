@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
-
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from vrcomfort.report import words
 from vrcomfort.report.descriptives import PRIMARY
 from vrcomfort.report.figures import NAMES
-from vrcomfort.resources import data_folder
 from vrcomfort.stats.ranks import fewest_for_interval
+from vrcomfort.web_page import inline_svg, page_templates
 
 TEMPLATE = "report.html.j2"
 
@@ -24,13 +21,7 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
     figures
         Name → SVG text, inlined into the page.
     """
-    environment = Environment(
-        loader=FileSystemLoader(data_folder("analysis")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = page_templates()
     environment.filters |= {
         "number": words.number,
         "fraction": words.fraction,
@@ -43,7 +34,10 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         r=results,
         labels=labels,
         names=NAMES,
-        figures={name: inline_svg(svg, name) for name, svg in figures.items()},
+        figures={
+            name: inline_svg(svg, name, 'role="img" aria-hidden="true"')
+            for name, svg in figures.items()
+        },
         methods=words.methods(results),
         basis=words.basis_sentence(results["score_basis"]),
         described=_described(results),
@@ -74,10 +68,3 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
             if not test["not_tested"]
         ]
     return sorted(rows, key=lambda row: results["plan"]["outcomes"].index(row["outcome"]))
-
-
-def inline_svg(svg: str, name: str) -> str:
-    """Return an SVG for use inside HTML: no XML prologue, its own ids, a width that shrinks."""
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
-    return svg.replace("<svg ", '<svg role="img" aria-hidden="true" ', 1)

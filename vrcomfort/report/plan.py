@@ -82,8 +82,8 @@ def load_plan(path: Path | None, *, protocol: str | None = None) -> Plan:
     """
     if path is None:
         shipped = data_folder("analysis")
-        own = shipped / f"{protocol}.toml"
-        path = own if protocol and own.is_file() else shipped / "default.toml"
+        own = (file for file in shipped.glob("*.toml") if file.stem == protocol)
+        path = next(own, shipped / "default.toml")
     text = read_text(path, "analysis plan")
     plan = parse_settings(Plan, text, path)
     if found := list(_problems(plan)):

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import csv
 import io
+import re
+from collections.abc import Iterable
 from typing import Any
 
 from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
 
 Row = dict[str, Any]
+
+_FORMULA = re.compile(r"[=+\-@\t\r\n]")
+"""How a text begins that a spreadsheet would compute, or might once it has cut the blank off."""
+_NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
 def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
@@ -42,13 +48,26 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
 
 
 def to_csv(rows: list[Row]) -> str:
-    """Write rows with the columns of all of them, in the order of appearance; None is blank."""
+    """Write rows with the columns of all of them, in the order of appearance; None is blank.
+
+    Texts that a spreadsheet would take for a formula begin with an apostrophe.
+    """
     columns = list(dict.fromkeys(key for row in rows for key in row))
+    table: list[list[Any]] = [columns, *([row.get(column) for column in columns] for row in rows)]
+    return "".join(_line(map(inert, cells)) for cells in table)
+
+
+def _line(cells: Iterable[Any]) -> str:
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, columns, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
-    return stream.getvalue()
+    csv.writer(stream, lineterminator="\r\n").writerow(cells)  # so that \r in a cell is quoted
+    return stream.getvalue().removesuffix("\r\n") + "\n"
+
+
+def inert(cell: Any) -> Any:
+    """Return a cell of which no spreadsheet computes anything; numbers stay what they are."""
+    if not isinstance(cell, str) or not _FORMULA.match(cell) or _NUMBER.fullmatch(cell):
+        return cell
+    return f"'{cell}"
 
 
 def _flat_test(test: Row) -> Row:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 from pathlib import Path
@@ -12,12 +13,24 @@ from vrcomfort.errors import InputError
 
 RESULTS = "results.json"
 _REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.svg")
-_NOT_IN_FILE_NAMES = str.maketrans({sign: f"%{ord(sign):02X}" for sign in '/\\%:*?"<>|'})
+_NOT_IN_FILE_NAMES = str.maketrans(
+    {sign: f"%{ord(sign):02X}" for sign in (*'/\\%:*?"<>|', *map(chr, range(32)), "\x7f")}
+)
+LONGEST_BYTES = 160
+"""Of a file's name, in UTF-8; file systems end at 255, some archives earlier."""
 
 
 def file_name(name: str) -> str:
-    """Return a name as a file can have it: the conditions of a study may be called anything."""
-    return name.translate(_NOT_IN_FILE_NAMES)
+    """Return a name as a file can have it: the conditions of a study may be called anything.
+
+    One that is too long is cut, and told apart from others by the hash of the whole.
+    """
+    name = name.translate(_NOT_IN_FILE_NAMES)
+    encoded = name.encode()
+    if len(encoded) <= LONGEST_BYTES:
+        return name
+    digest = hashlib.sha256(encoded).hexdigest()[:12]
+    return f"{encoded[: LONGEST_BYTES - 13].decode(errors='ignore')}-{digest}"
 
 
 def write_report(out: Path, files: dict[str, str]) -> None:

@@ -270,12 +270,12 @@ class PanelRespondent:
         return self._now_s() - since >= DWELL_S
 
     def _draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> None:
-        """Show a new picture only where it looks different."""
-        rounded = None if point is None else (round(point[0], 2), round(point[1], 2))
-        drawn = (page, rounded, pointed)
+        """Show a new picture only where it looks different; the pointer moves without."""
+        drawn = (page, pointed)
         if drawn != self._drawn:
-            self._screen.show(self._painter.draw(page, rounded, pointed))
+            self._screen.show(self._painter.draw(page, pointed))
             self._drawn = drawn
+        self._screen.point_at(point)
 
     def _hide(self) -> None:
         self._scale = self._stopping = self._drawn = None

@@ -23,8 +23,6 @@ BACKGROUND = 28, 32, 38, 255
 CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
 STOP = 112, 44, 44, 255
 TEXT, QUIET = (240, 240, 240, 255), (176, 184, 194, 255)
-POINTER = 255, 210, 80, 255
-POINTER_RADIUS_PX = 9
 
 LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
 
@@ -68,9 +66,9 @@ def stop_page() -> Page:
 
 
 class Painter:
-    """Draws pages; keeps the last one, because text takes long and pointers move every frame.
+    """Draws pages; keeps the last one, because text takes long.
 
-    A pointed cell and the pointer are small pictures on a copy of the page.
+    A pointed cell is a small picture on a copy of the page.
     """
 
     def __init__(self) -> None:
@@ -78,8 +76,8 @@ class Painter:
         self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
         self._cells: dict[Cell, Picture] = {}
 
-    def draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> Picture:
-        """Return the page as (height, width, 4) pixels, with the pointer at `point`."""
+    def draw(self, page: Page, pointed: Cell | None) -> Picture:
+        """Return the page as (height, width, 4) pixels, with a pointed cell in its colour."""
         if page is not self._page:
             self._page, self._pixels = page, np.asarray(_draw_page(page))
             self._cells.clear()
@@ -87,8 +85,6 @@ class Painter:
         if pointed is not None:
             left, top, right, bottom = _around(pointed)
             picture[top:bottom, left:right] = self._pointed_cell(pointed)
-        if point is not None:
-            _paste_pointer(picture, point)
         return picture
 
     def _pointed_cell(self, cell: Cell) -> Picture:
@@ -105,28 +101,6 @@ def _around(cell: Cell) -> tuple[int, int, int, int]:
     """Return the pixels that a cell covers, from left and top, up to right and bottom."""
     left, top, right, bottom = cell.box
     return left, top, right + 1, bottom + 1
-
-
-def _paste_pointer(picture: Picture, point: tuple[float, float]) -> None:
-    """Draw the pointer, as far as it is on the picture."""
-    reach = POINTER_RADIUS_PX + 1
-    x, y = (round(part * size) for part, size in zip(point, SIZE_PX, strict=True))
-    left, top = max(x - reach, 0), max(y - reach, 0)
-    here = picture[top : max(y + reach, 0), left : max(x + reach, 0)]
-    dot, mask = _pointer()
-    part = slice(top - y + reach, None), slice(left - x + reach, None)
-    height, width = here.shape[:2]
-    here[:] = np.where(mask[part][:height, :width], dot[part][:height, :width], here)
-
-
-@lru_cache(maxsize=1)
-def _pointer() -> tuple[Picture, NDArray[np.bool_]]:
-    """Return the pointer's pixels, and which of them it covers."""
-    reach = POINTER_RADIUS_PX + 1
-    image = Image.new("RGBA", (2 * reach, 2 * reach))
-    _draw_pointer(ImageDraw.Draw(image), (reach, reach))
-    pixels = np.asarray(image)
-    return pixels, pixels[..., 3:] > 0
 
 
 def _draw_page(page: Page) -> Image.Image:
@@ -177,11 +151,6 @@ def _draw_ends(canvas: ImageDraw.ImageDraw, page: Page) -> None:
     font = _font(SMALL_PX)
     canvas.text((MARGIN_PX, y), low, fill=QUIET, font=font, anchor="lm")
     canvas.text((SIZE_PX[0] - MARGIN_PX, y), high, fill=QUIET, font=font, anchor="rm")
-
-
-def _draw_pointer(canvas: ImageDraw.ImageDraw, middle: tuple[float, float]) -> None:
-    x, y, r = *middle, POINTER_RADIUS_PX
-    canvas.ellipse((x - r, y - r, x + r, y + r), fill=POINTER, outline=(0, 0, 0, 255), width=3)
 
 
 def _colour(cell: Cell, page: Page) -> tuple[int, ...]:

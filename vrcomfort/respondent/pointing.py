@@ -50,6 +50,9 @@ class Screen(Protocol):
     def show(self, picture: Picture | None) -> None:
         """Show a picture from the next frame on, or nothing."""
 
+    def point_at(self, point: tuple[float, float] | None) -> None:
+        """Put the pointer at fractions (right, down) of the picture, or take it away."""
+
     def pointing(self) -> Pointing:
         """Return what the participant does in the current frame."""
 

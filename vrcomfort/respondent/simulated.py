@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import SSQ, Instrument
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
@@ -44,6 +45,7 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _RATING_PER_SICKNESS = {"fms": 5.0, "misc": 2.5}
 _SECONDS_PER_ANSWER = 3.0
 _STEPS = 1000
+_UNHEARD_OF = 1e6
 
 
 class SimulatedRespondent:
@@ -82,9 +84,19 @@ class SimulatedRespondent:
         return {"sickness": self.sickness, "random": self._rng.bit_generator.state}
 
     def recall(self, memory: Mapping[str, Any]) -> None:
-        """Be as one was when `memory` was taken, in the session that was started."""
-        self.sickness = memory["sickness"]
-        self._rng.bit_generator.state = memory["random"]
+        """Be as one was when `memory` was taken, in the session that was started.
+
+        Raises
+        ------
+        InputError
+            If it is no such state.
+        """
+        try:
+            self.sickness = _sickness(memory["sickness"])
+            self._rng.bit_generator.state = memory["random"]
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
+            message = "`memory` is not the state of a simulated participant: this is damaged"
+            raise InputError(f"{message}; restore it") from error
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
@@ -160,3 +172,9 @@ class SimulatedRespondent:
 
     def _noise(self) -> float:
         return self._settings.noise_sd * float(self._rng.standard_normal())
+
+
+def _sickness(value: object) -> float:
+    if not isinstance(value, int | float) or not 0 <= value < _UNHEARD_OF:
+        raise ValueError(value)
+    return float(value)

@@ -2,45 +2,147 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
+from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.scene.data import Scene, WalkableArea
+from vrcomfort.scene.data import Float32, Primitive, Scene, WalkableArea
+
+Mask: TypeAlias = NDArray[np.bool_]
+Corners: TypeAlias = Array
+"""(draws, 3, 8) corners of the world-space box around everything that is drawn."""
 
 #: A scene at least this wide both ways is a place to stand in; a smaller one is looked at.
 ROOM_M = 6.0
+HELD_M = 1.0
+"""A smaller thing is looked at as if it were held up, not as if it lay on the floor."""
+VIEW = math.tan(math.radians(30.0))
+"""What is looked at lies within this tangent of straight ahead, which every headset shows."""
+NEAREST_M = 0.5
+HEADROOM_M = 2.0
+_ENDS = np.indices((2, 2, 2)).reshape(3, 8)
+_AXES = np.arange(3)[:, None]
 
 
 def with_defaults(scene: Scene) -> Scene:
-    """Return the scene with a spawn point and a walkable rectangle made from its bounds.
+    """Return the scene with a spawn point and a walkable rectangle made from what is drawn.
 
-    A wide scene is entered at its middle, a small object is looked at from its +Z side;
-    the floor is the bottom of the box around everything at time zero.
+    A place is entered at its middle, on the lowest floor there that one can stand on; anything
+    else is looked at from its +Z side, from so far away that all of it is in view. That is as it
+    is at time zero.
     """
-    lower, upper = world_bounds(scene)
-    centre, size = (lower + upper) / 2, upper - lower
-    away_m = 0.0 if min(size[0], size[2]) >= ROOM_M else size[2] / 2 + 0.5 + max(size[0], size[1])
-    stand = np.array([centre[0], lower[1], centre[2] + away_m])
-    near = np.minimum(lower, stand)[[0, 2]] - away_m / 2
-    far = np.maximum(upper, stand)[[0, 2]] + away_m / 2
-    corners = np.array([near, [far[0], near[1]], far, [near[0], far[1]]])
-    return replace(scene, spawn=Pose(stand), walkable=(WalkableArea(corners, float(lower[1])),))
+    corners = _corners_of_draws(scene)
+    lower, upper = _bounds(corners)
+    size = upper - lower
+    if min(size[0], size[2]) >= ROOM_M:
+        middle = (lower + upper) / 2
+        stand, margin_m = np.array([middle[0], _floor(scene, corners, middle), middle[2]]), 0.0
+    else:
+        stand = _in_front(lower, upper)
+        margin_m = (stand[2] - upper[2]) / 2
+    near = np.minimum(lower, stand)[[0, 2]] - margin_m
+    far = np.maximum(upper, stand)[[0, 2]] + margin_m
+    rectangle = np.array([near, [far[0], near[1]], far, [near[0], far[1]]])
+    walkable = (WalkableArea(rectangle, float(stand[1])),)
+    return replace(scene, spawn=Pose(stand), walkable=walkable)
 
 
 def world_bounds(scene: Scene) -> tuple[Array, Array]:
     """Return the (3,) corners of the box around everything drawn at time zero."""
+    return _bounds(_corners_of_draws(scene))
+
+
+def _bounds(corners: Corners) -> tuple[Array, Array]:
+    return corners.min(axis=(0, 2)), corners.max(axis=(0, 2))
+
+
+def _in_front(lower: Array, upper: Array) -> Array:
+    """Return the (3,) floor point from which eyes that look ahead have a box in view."""
+    centre, size = (lower + upper) / 2, upper - lower
+    floor_m = lower[1] if size.max() >= HELD_M else centre[1] - EYE_HEIGHT_M
+    eyes_m = floor_m + EYE_HEIGHT_M
+    aside_m = max(size[0] / 2, upper[1] - eyes_m, eyes_m - lower[1])
+    return np.array([centre[0], floor_m, upper[2] + max(aside_m / VIEW, NEAREST_M)])
+
+
+def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
+    """Return the height of the lowest floor under or over a point that has room for a head.
+
+    Without one, that is where the scene begins: nothing is drawn where one stands.
+    """
+    heights: list[float] = []
+    levels: list[float] = []
+    over = (corners.min(axis=2) <= middle)[:, [0, 2]] & (corners.max(axis=2) >= middle)[:, [0, 2]]
     world = scene.world_from_node(0.0)
-    corners = [
-        transform[:3, :3] @ _corners(*scene.primitives[index].bounds) + transform[:3, 3:]
-        for node, transform in zip(scene.nodes, world, strict=True)
-        for index in node.mesh
+    for draw, (node, index) in enumerate(_draws(scene)):
+        if over[draw].all():
+            found, faces_up = _heights(scene.primitives[index], world[node], middle)
+            heights += found.tolist()
+            both = scene.materials[scene.primitives[index].material].double_sided
+            levels += found[faces_up | both].tolist()
+    above = np.array([*heights, np.inf])
+    for level in sorted(levels):
+        overhead = above[above > level + 1e-3 * HEADROOM_M]
+        if overhead.min() - level >= HEADROOM_M:
+            return level
+    return float(corners[:, 1].min())
+
+
+def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
+    """Return the heights at which triangles meet the vertical line through a point.
+
+    Returns
+    -------
+    heights, faces_up
+        (k,) metres, and (k,) bool.
+    """
+    found = [
+        _heights_of(primitive.positions[triangles], world_from_node, middle)
+        for triangles in np.array_split(primitive.indices, len(primitive.indices) // 2**16 + 1)
     ]
-    every = np.concatenate(corners, axis=1) if corners else np.zeros((3, 1))
-    return every.min(axis=1), every.max(axis=1)
+    heights, faces_up = zip(*found, strict=True)
+    return np.concatenate(heights), np.concatenate(faces_up)
+
+
+def _heights_of(triangles: Float32, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
+    """Return the same of (m, 3, 3) corners in the node's frame."""
+    world = triangles @ world_from_node[:3, :3].T + world_from_node[:3, 3]
+    a, b, c = np.moveaxis(world - middle * [1.0, 0.0, 1.0], 1, 0)
+    # Barycentric coordinates by the areas that the point spans with each edge, seen from above.
+    areas = np.stack([_cross(b, c), _cross(c, a), _cross(a, b)])
+    total = areas.sum(axis=0)
+    hit = (total != 0) & ((areas >= 0).all(axis=0) | (areas <= 0).all(axis=0))
+    weights = areas[:, hit] / total[hit]
+    heights = (weights * np.stack([a, b, c])[:, hit, 1]).sum(axis=0)
+    # Counter-clockwise from above is clockwise in x and z, unless the node mirrors.
+    mirrored = np.linalg.det(world_from_node[:3, :3]) < 0
+    return heights, (total[hit] < 0) != mirrored
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Return x₁z₂ − z₁x₂ of (n, 3) points."""
+    return np.asarray(a[:, 0] * b[:, 2] - a[:, 2] * b[:, 0])
+
+
+def _draws(scene: Scene) -> list[tuple[int, int]]:
+    """Return (node, primitive) of everything that is drawn."""
+    return [(place, index) for place, node in enumerate(scene.nodes) for index in node.mesh]
+
+
+def _corners_of_draws(scene: Scene) -> Corners:
+    world = scene.world_from_node(0.0)
+    boxes = [_corners(*primitive.bounds) for primitive in scene.primitives]
+    corners = [
+        world[node, :3, :3] @ boxes[index] + world[node, :3, 3:] for node, index in _draws(scene)
+    ]
+    return np.array(corners) if corners else np.zeros((1, 3, 8))
 
 
 def _corners(lower: Array, upper: Array) -> Array:
     """Return the (3, 8) corners of a box."""
-    return np.array(np.meshgrid(*np.stack([lower, upper], axis=1))).reshape(3, 8)
+    return np.asarray(np.stack([lower, upper])[_ENDS, _AXES])

@@ -11,8 +11,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.defaults import with_defaults
+from vrcomfort.scene.gltf.budget import SceneBudget
 from vrcomfort.scene.gltf.file import STRUCTURE_ERRORS, read_gltf_file
-from vrcomfort.scene.gltf.graph import read_graph, refuse_compressed
+from vrcomfort.scene.gltf.graph import read_graph, refuse_unknown
 from vrcomfort.scene.gltf.mesh import read_materials, read_meshes
 from vrcomfort.scene.gltf.parts import FARTHEST
 from vrcomfort.scene.side_car import apply_side_car
@@ -20,7 +21,7 @@ from vrcomfort.scene.side_car import apply_side_car
 SUFFIXES = (".glb", ".gltf")
 
 
-def load_scene(name_or_path: str | Path) -> Scene:
+def load_scene(name_or_path: str | Path, *, budget: SceneBudget | None = None) -> Scene:
     """Load a shipped scene by its name, or any .glb or .gltf file by its path.
 
     What the file has and this loader does not support is named in one string in
@@ -29,11 +30,12 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises
     ------
     InputError
-        If there is no such scene or file, or it (or its side-car) is broken.
+        If there is no such scene or file, or it (or its side-car) is broken, or costs more than
+        the budget, or needs an extension or a file that it cannot have.
     """
     path = find_scene(name_or_path)
     try:
-        scene, stand_ins = _read(path)
+        scene, stand_ins = _read(path, budget)
     except InputError:
         raise
     except STRUCTURE_ERRORS as error:
@@ -66,10 +68,10 @@ def find_scene(name_or_path: str | Path) -> Path:
     )
 
 
-def _read(path: Path) -> tuple[Scene, dict[str, tuple[int, ...]]]:
+def _read(path: Path, budget: SceneBudget | None) -> tuple[Scene, dict[str, tuple[int, ...]]]:
     """Return the scene as the glTF file has it, and the meshes of nodes outside its graph."""
-    file = read_gltf_file(path)
-    refuse_compressed(file)
+    file = read_gltf_file(path, budget)
+    refuse_unknown(file)
     unsupported: set[str] = set()
     materials, images = read_materials(file, unsupported)
     primitives, meshes = read_meshes(file, unsupported)

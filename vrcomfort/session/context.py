@@ -6,10 +6,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from vrcomfort.protocol import Protocol, Sequence
-from vrcomfort.records import Machine
+from vrcomfort.records import Durability, Machine
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import (
+    HeadsetFor,
+    LoadScene,
+    ProgressCallback,
+    Renderer,
+    Watchdog,
+)
 from vrcomfort.session.panel_screen import PanelScreen
 
 
@@ -29,6 +35,10 @@ class SessionContext:
         How long an exposure is shown: the protocol's time, or less.
     screen
         Where questions are asked in the headset, None where they are asked elsewhere.
+    durability
+        When rows are safe from a power cut.
+    watchdog
+        Closes the records where the headset's runtime hangs.
     """
 
     protocol: Protocol
@@ -44,7 +54,9 @@ class SessionContext:
     clock: Clock
     machine: Machine
     screen: PanelScreen | None
+    durability: Durability
     progress: ProgressCallback
+    watchdog: Watchdog
 
     @property
     def stretch(self) -> float:

@@ -47,6 +47,7 @@ def open_enrolment(
     sessions: Iterable[int] | None = None,
     exposure_s: float | None = None,
     resume: bool = False,
+    group_readable: bool = False,
 ) -> Iterator[Enrolment]:
     """Make sure that a participant can be run, and keep every other program from it.
 
@@ -67,6 +68,8 @@ def open_enrolment(
     resume
         Continue a session that was interrupted: at the first exposure after the last completed
         one, after a new baseline, with the settings and the random state of before.
+    group_readable
+        A new study's files are for the owner's group as well; see `open_study`.
 
     Raises
     ------
@@ -76,7 +79,7 @@ def open_enrolment(
         than the protocol's.
     """
     protocol.shown_s(exposure_s)  # refused before anything is made
-    kept_seed = open_study(study, protocol, seed=seed)
+    kept_seed = open_study(study, protocol, seed=seed, group_readable=group_readable)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)
         row = enrolled(study, participant)

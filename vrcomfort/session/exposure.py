@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Literal
 
@@ -13,6 +15,22 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.ratings import Rated, RatingSchedule
+
+
+@contextmanager
+def collector_at_rest() -> Iterator[None]:
+    """Let Python's collector of cycles look at nothing that is there now.
+
+    Looking at everything takes as long as some frames; what frames make is little.
+    """
+    rests = gc.get_freeze_count() > 0
+    gc.freeze()
+    try:
+        yield
+    finally:
+        if not rests:  # else it is for others to say when it is over
+            gc.unfreeze()
+
 
 Ending = Literal["completed", "headset_ended"]
 
@@ -52,6 +70,7 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
+        self._rating: tuple[Stimulus, RatingSchedule] | None = None
 
     def show(
         self,
@@ -69,14 +88,25 @@ class FrameLoop:
         """
         self.elapsed_s = 0.0
         self.log.start_trial()
+        self._rating = (stimulus, schedule) if schedule else None
         try:
-            return self._run(stimulus, schedule, progress)
+            with collector_at_rest():
+                return self._run(stimulus, schedule, progress)
         finally:
             try:
                 self.log.finish(self.context.renderer.drain(), self._late_times())
             finally:  # a disk that refuses a frame may yet take a rating
-                if schedule and (rated := schedule.close()):
-                    self._record(stimulus, schedule, rated)
+                self._close_rating()
+
+    def abandon(self) -> None:
+        """Write all rows that wait, from another thread, while the loop's own hangs."""
+        self.log.finish()
+        self._close_rating()
+
+    def _close_rating(self) -> None:
+        open_rating, self._rating = self._rating, None
+        if open_rating is not None and (rated := open_rating[1].close()):
+            self._record(*open_rating, rated)
 
     def _run(
         self,

@@ -64,6 +64,7 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -81,6 +82,19 @@ class SessionFlow:
             return "withdrawn", str(reason)
         self._events.event("session_end")
         return "completed", ""
+
+    def give_up(self, abort_code: str) -> None:
+        """Write what is known of the exposure under way, while its own thread hangs.
+
+        What the GPU still has (focus and times of the last frames) is lost.
+        """
+        if self._open_trial is not None:
+            place, ending, loop = self._open_trial
+            if loop is not None:
+                loop.abandon()
+            ending.abort_code = abort_code
+            self._write_trial(place, ending)
+        self._events.event(abort_code)
 
     def _begin(self) -> None:
         before = self._interrupted
@@ -162,6 +176,7 @@ class SessionFlow:
         """Expose, write the trial's row whatever happens, and ask how it was."""
         ending = _Ending(self._context.clock.now_s())
         self._log.start_trial()
+        self._open_trial = place, ending, None
         try:
             reason = self._expose(place, ending)
         except KeyboardInterrupt:
@@ -171,6 +186,7 @@ class SessionFlow:
             ending.abort_code = "runtime_lost"
             raise
         finally:
+            self._open_trial = None
             self._write_trial(place, ending)
         self._manifest.end_exposure(place.trial or 0)
         if ending.abort_code == "headset_ended":
@@ -188,6 +204,7 @@ class SessionFlow:
     def _expose(self, place: TrialPlace, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
+        self._open_trial = place, ending, loop
         try:
             if place.trial == 1:
                 self._train(loop, place, ending)
@@ -210,6 +227,8 @@ class SessionFlow:
 
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
+        if context.screen is not None:
+            context.screen.show_loading()
         scene = context.load_scene(protocol.scene_source(place.scene))
         headset = context.headset_for(place.scene, scene)
         self._manifest.note_headset(headset, protocol.headset.ipd_m)

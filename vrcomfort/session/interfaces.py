@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias
 
@@ -62,6 +63,26 @@ HeadsetFor: TypeAlias = Callable[[str, Any], Headset]
 
 Called once per exposure: a playback headset is made anew, a real one is led to the spawn point.
 """
+
+
+class Watchdog(Protocol):
+    """Sees when the headset's runtime hangs, and can end the program then."""
+
+    def guard(self, close: Callable[[], None]) -> AbstractContextManager[None]:
+        """Have records closed by `close` if that happens inside of the context.
+
+        It is called in another thread, while the session's own hangs.
+        """
+
+
+class NoWatchdog:
+    """Where nothing can hang."""
+
+    def guard(self, close: Callable[[], None]) -> AbstractContextManager[None]:
+        """Do nothing."""
+        del close
+        return nullcontext()
+
 
 Step = Literal["session", "training", "exposure", "questionnaire", "rest", "end"]
 

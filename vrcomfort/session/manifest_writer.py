@@ -8,6 +8,7 @@ from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
 from vrcomfort.records import Manifest, Recorder
 from vrcomfort.records.study import now
+from vrcomfort.records.wall_clock import WallClockWatch
 from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
 from vrcomfort.respondent import Respondent
 
@@ -30,6 +31,8 @@ class ManifestWriter:
         self._manifest = manifest
         self._recorder = recorder
         self._respondent = respondent
+        self._headset: tuple[Headset, float] | None = None
+        self._clock = WallClockWatch()
 
     def open(self) -> None:
         """Write the manifest, with the memory that a continued session begins with."""
@@ -44,6 +47,8 @@ class ManifestWriter:
             self._manifest.memory = self._respondent.memory()
         self._manifest.under_way = None
         self._write()
+        if self._headset is not None:
+            self.note_headset(*self._headset)
 
     def begin_exposure(self, **row: Any) -> None:
         """Note what a killed program could not write into ``trials.csv``."""
@@ -82,13 +87,17 @@ class ManifestWriter:
         self._write()
 
     def note_headset(self, headset: Headset, ipd_m: float) -> None:
-        """Enter the headset when it is first used."""
-        if not self._manifest.headset:
-            self._manifest.headset = {**headset_facts(headset), "ipd_m": ipd_m}
+        """Enter the headset; what it only tells when it has shown something is entered then."""
+        self._headset = headset, ipd_m
+        before = self._manifest.headset
+        facts = {**headset_facts(headset), "ipd_m": ipd_m, **before}  # what was noted first stays
+        if facts != before:
+            self._manifest.headset = facts
             self._write()
 
     def _write(self) -> None:
-        self._manifest.write(self._recorder.folder)
+        self._manifest.clock_set_back += self._clock.set_back()
+        self._manifest.write(self._recorder.folder, self._recorder.access)
 
 
 def headset_facts(headset: Headset) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -12,8 +13,9 @@ from vrcomfort.errors import headset_ended
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.pointer import pointer_quad
 from vrcomfort.respondent.panel_layout import SIZE_PX
-from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.respondent.panel_picture import Page, Painter, Picture
 from vrcomfort.respondent.pointing import Pointing
 
 DISTANCE_M = 1.25
@@ -21,6 +23,8 @@ WIDTH_M = 1.04
 """45 degrees wide at its distance."""
 DROP_M = 0.1
 """A little below the eyes, where reading tires less."""
+LOADING_FRAMES = 10
+"""So many at most, where nobody sees them."""
 
 
 class Panel(Protocol):
@@ -63,6 +67,9 @@ class PanelHeadset(Protocol):
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> Panel:
         """Put a panel into the room."""
 
+    def show_pointer(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+
 
 class PanelScreen:
     """A panel that appears before the participant, and then stays where it is.
@@ -99,8 +106,16 @@ class PanelScreen:
                 self._panel = self._headset.show_panel(SIZE_PX, before(self._headset.head_pose))
             self._panel.draw(picture)
         elif self._panel is not None:
+            self._headset.show_pointer(None)
             self._panel.hide()
             self._panel = self._frames = None
+
+    def point_at(self, point: tuple[float, float] | None) -> None:
+        """Put the pointer at fractions (right, down) of the panel, or take it away."""
+        if point is None or self._panel is None:
+            self._headset.show_pointer(None)
+        else:
+            self._headset.show_pointer(pointer_quad(self._panel.quad, point))
 
     def pointing(self) -> Pointing:
         """Return where a controller points, else where the eyes look; and what keys do.
@@ -132,6 +147,15 @@ class PanelScreen:
         seen = any(hand.aim for hand in hands) or (gaze is not None and gaze.valid)
         return Pointing(point, dwelling=point is not None, unable=not seen)
 
+    def show_loading(self) -> None:
+        """Show that something is being loaded: runtimes show the last frame until another comes."""
+        self.show(loading_picture())
+        for _ in range(LOADING_FRAMES):
+            panel, frame = self._panel, self._pass_frame()
+            if frame.should_render and panel is self._panel:
+                break
+        self.show(None)
+
     def next_frame(self) -> None:
         """Let a frame pass that shows the panel alone.
 
@@ -140,6 +164,9 @@ class PanelScreen:
         RuntimeLostError
             If the headset ends the session while a question is open.
         """
+        self._pass_frame()
+
+    def _pass_frame(self) -> Frame:
         if self._frames is None:
             self._frames = self._headset.frames()
         frame = next(self._frames, None)
@@ -148,6 +175,7 @@ class PanelScreen:
         self._headset.submit(frame, None)
         if self.notice is not None:
             self._tell(self.notice)
+        return frame
 
     def allow_absence(self, duration_s: float) -> None:
         """Let the participant take the headset off for so long."""
@@ -160,7 +188,7 @@ class PanelScreen:
     def _tell(self, notice: Callable[[HeadsetEvent], None]) -> None:
         for event in self._headset.take_events():
             notice(event)
-            if event.name == "recentered":
+            if event.name in {"recentered", "head_found"}:  # where it stands means nothing now
                 self._place_again()
 
     def _place_again(self) -> None:
@@ -179,3 +207,9 @@ def before(head: Pose) -> Quad:
     level = Pose(head.position, heading(head))
     place = level @ Pose(np.array([0.0, -DROP_M, -DISTANCE_M]))
     return Quad(place, (WIDTH_M, WIDTH_M * SIZE_PX[1] / SIZE_PX[0]))
+
+
+@lru_cache(maxsize=1)
+def loading_picture() -> Picture:
+    """Return what stands there while a scene is loaded and its shaders are compiled."""
+    return Painter().draw(Page("", "Loading …", ()), None)

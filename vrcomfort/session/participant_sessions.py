@@ -11,16 +11,20 @@ from vrcomfort.records import (
     Interrupted,
     Manifest,
     Recorder,
+    access_of,
     completed_sessions,
     facts_of_run,
     set_status,
 )
 from vrcomfort.records.study import now
+from vrcomfort.records.wall_clock import set_back_before
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.flow import SessionFlow, SessionStatus
 from vrcomfort.session.interfaces import Progress
 from vrcomfort.session.manifest_writer import ManifestWriter, limits
+
+RUNTIME_HUNG = "runtime_hung"
 
 
 @dataclass(frozen=True)
@@ -36,7 +40,8 @@ class Outcome:
     note
         Why it ended early.
     warnings
-        What somebody should look at: rows that a crash cut, trials with too many dropped frames.
+        What somebody should look at: rows that a crash cut, trials with too many dropped
+        frames, a clock that was set back.
     """
 
     participant: str
@@ -91,20 +96,38 @@ class ParticipantSessions:
         context.progress(Progress("session", context.participant, number))
         before = self.interrupted.get(number)
         study, participant, resumed = context.study, context.participant, before is not None
-        with Recorder(study, participant, number, resumed=resumed) as recorder:
-            manifest = self._manifest(number, before)
+        access, durability = access_of(study), context.durability
+        manifest = self._manifest(number, before)
+        with Recorder(
+            study, participant, number, resumed=resumed, access=access, durability=durability
+        ) as recorder:
             writer = ManifestWriter(manifest, recorder, context.respondent)
             events = EventLog(context, number, recorder)
             if context.screen is not None:
                 context.screen.notice = events.note
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
-            manifest.write(recorder.folder)
+            manifest.write(recorder.folder, access)
             try:
-                status, note = _kept(flow, writer, recorder)
+                with context.watchdog.guard(lambda: self._give_up(number, flow, writer, recorder)):
+                    status, note = _kept(flow, writer, recorder)
             finally:
                 self._look_at(number, manifest, before)
         context.progress(Progress("end", context.participant, number, text=status))
         return status, note
+
+    def _give_up(
+        self, number: int, flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
+    ) -> None:
+        """Close the records from another thread: the session's own hangs, and never comes back."""
+        try:
+            flow.give_up(RUNTIME_HUNG)
+        finally:
+            try:
+                recorder.close()
+            finally:
+                writer.close("aborted")
+                note = f"session {number} aborted: the headset's runtime hung"
+                set_status(self.context.study, self.context.participant, "enrolled", note)
 
     def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
         context = self.context
@@ -122,6 +145,7 @@ class ParticipantSessions:
             started_at=now(),
             clamps=limits(context.protocol),
             earlier_runs=[*then.get("earlier_runs", []), *([facts_of_run(then)] if then else [])],
+            clock_set_back=set_back_before(context.study, context.participant),
             timing_flags=list(then.get("timing_flags", [])),
             exposure_ended=then.get("exposure_ended"),
             missed_questions=list(then.get("missed_questions", [])),
@@ -132,8 +156,8 @@ class ParticipantSessions:
     def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
         """Tell what was cut off, and write into the participant's note what was flagged."""
         flags = manifest.timing_flags[len(before.manifest["timing_flags"]) if before else 0 :]
-        self.notices.extend([*(before.warnings if before else ()), *flags])
-        self.notices.extend(manifest.missed_questions)
+        cut = before.warnings if before else ()
+        self.notices.extend([*cut, *flags, *manifest.clock_set_back, *manifest.missed_questions])
         if flags:
             note = "; ".join(f"session {number}, {flag}" for flag in flags)
             with suppress(InputError):  # it stands in the manifest and in the events, too
@@ -148,7 +172,7 @@ def _kept(
     note = ""
     try:
         status, note = flow.run()
-        recorder.flush()
+        recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt:
         status, note = "aborted", "stopped by the operator"
     except BaseException:

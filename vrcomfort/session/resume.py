@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Protocol
+from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import (
     Interrupted,
+    access_of,
     overwriting,
     read_manifest,
     recorded_sessions,
@@ -17,6 +18,8 @@ from vrcomfort.records import (
     take_up,
     unfinished_sessions,
 )
+from vrcomfort.respondent import Respondent
+from vrcomfort.session.manifest_writer import Remembering
 
 
 class Chosen(NamedTuple):
@@ -68,22 +71,17 @@ def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:
     return numbers
 
 
-_NEEDED = {"protocol", "seed", "sequence", "respondent", "exposure_s", "timing_flags"}
-
-
 class InterruptedSessions:
     """What was recorded of the interrupted sessions of a participant."""
 
     def __init__(self, study: Path, participant: str, numbers: Iterable[int]) -> None:
+        self._study = study
         self._folders = {n: session_folder(study, participant, n) for n in numbers}
         self._manifests = {n: read_manifest(folder) for n, folder in self._folders.items()}
 
     def check(self, protocol: Protocol, *, seed: int, sequence: str, respondent: str) -> None:
         """Raise `InputError` where a continuation would not be of the same session."""
         for number, manifest in self._manifests.items():
-            if not manifest.keys() >= _NEEDED:
-                file = self._folders[number] / "manifest.json"
-                raise InputError("this manifest is damaged; restore it", file=file)
             if manifest["protocol"]["sha256"] != protocol.sha256:
                 what = "with another text of this protocol; resume it with the same"
             elif manifest["seed"] != seed:
@@ -112,6 +110,22 @@ class InterruptedSessions:
             wanted_s = shown_s
         return wanted_s
 
-    def take_up(self) -> dict[int, Interrupted]:
+    def check_memory(self, respondent: Respondent) -> None:
+        """Raise `InputError` where a respondent cannot be put into the state on record."""
+        if not isinstance(respondent, Remembering):
+            return
+        for number, manifest in self._manifests.items():
+            try:
+                if (memory := manifest.get("memory")) is not None:
+                    respondent.recall(memory)
+            except InputError as error:
+                file = self._folders[number] / "manifest.json"
+                raise InputError(error.message, file=file) from error
+
+    def take_up(self, sequence: Sequence) -> dict[int, Interrupted]:
         """Mend the files; return session → how far it came."""
-        return {number: take_up(folder) for number, folder in self._folders.items()}
+        access = access_of(self._study)
+        return {
+            number: take_up(folder, sequence.sessions[number - 1], access)
+            for number, folder in self._folders.items()
+        }

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from vrcomfort.records import Machine, enrol
+from vrcomfort.records import Durability, Machine, enrol
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.enrolment import Enrolment
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import (
+    HeadsetFor,
+    LoadScene,
+    NoWatchdog,
+    ProgressCallback,
+    Renderer,
+    Watchdog,
+)
 from vrcomfort.session.interfaces import silent as no_progress
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
@@ -23,6 +30,8 @@ def run(
     clock: Clock | None = None,
     machine: Machine | None = None,
     screen: PanelScreen | None = None,
+    durability: Durability = "each_row",
+    watchdog: Watchdog | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
     """Run the sessions that an enrolment has chosen.
@@ -35,6 +44,10 @@ def run(
         `VirtualClock` (the default) for simulated participants, `WallClock` for people.
     screen
         Where questions are asked in the headset: what happens to it meanwhile is recorded.
+    durability
+        When rows are safe from a power cut; "session_end" is for what can be simulated again.
+    watchdog
+        Closes the records where the headset's runtime hangs.
 
     Returns
     -------
@@ -61,7 +74,10 @@ def run(
         clock=clock or VirtualClock(),
         machine=machine or Machine(),
         screen=screen,
+        durability=durability,
         progress=progress,
+        watchdog=watchdog or NoWatchdog(),
     )
-    interrupted = enrolment.interrupted.take_up()
+    enrolment.interrupted.check_memory(respondent)  # before anything is written
+    interrupted = enrolment.interrupted.take_up(context.sequence)
     return ParticipantSessions(context, interrupted).run(enrolment.numbers)

@@ -60,14 +60,24 @@ def track_of(table: Table, columns: tuple[str, ...]) -> PoseTrack:
     return PoseTrack(table.positions(columns[:3]), table.quaternions(columns[3:]))
 
 
-def cuts_of(table: Table, trial: tuple[str, ...] | None) -> NDArray[np.bool_]:
-    """Return (n,) bool: the start, changes of trial, and what the file calls a discontinuity."""
+def cuts_of(
+    table: Table, trial: tuple[str, ...] | None, *, before: str | None, start: bool
+) -> NDArray[np.bool_]:
+    """Return (n,) bool: the start, changes of trial, and what the file calls a discontinuity.
+
+    Parameters
+    ----------
+    before
+        The trial of the row before this table's first.
+    start
+        No row is before this table's first.
+    """
     cuts = np.zeros(len(table.rows), dtype=bool)
     if table.has([DISCONTINUITY]):
         cuts |= table.integers(DISCONTINUITY) != 0
-    if trial is not None:
-        cuts[1:] |= np.array(trial[1:]) != np.array(trial[:-1])
-    cuts[0] = True
+    if trial:
+        cuts |= [now != earlier for now, earlier in zip(trial, (before, *trial), strict=False)]
+    cuts[:1] |= start
     return cuts
 
 

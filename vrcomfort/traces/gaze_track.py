@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Gaze, Pose, normalize
 from vrcomfort.traces.pose_track import Times
-from vrcomfort.traces.table import Table, read_table
+from vrcomfort.traces.table import Table, read_parts
 
 TIME, VALID = "xr_time_ns", "valid"
 ORIGIN = ("origin_x_m", "origin_y_m", "origin_z_m")
@@ -77,13 +77,21 @@ def read_gaze(path: str | Path) -> GazeTrack:
         With file, line and column: a missing column, time that does not rise, a valid row without
         numbers, or a direction that is no unit vector.
     """
-    table = read_table(path, _require)
-    time_ns = table.rising(TIME, table.integers(TIME))
-    valid = table.integers(VALID) != 0
-    rays = np.full((len(time_ns), 6), np.nan)
-    if valid.any():
-        rays[valid] = _rays(table, valid)
-    return GazeTrack(time_ns, valid, rays[:, :3], rays[:, 3:])
+    parts: list[GazeTrack] = []
+    for table in read_parts(path, _require):
+        last = int(parts[-1].time_ns[-1]) if parts else None
+        time_ns = table.rising(TIME, table.integers(TIME), after=last)
+        valid = table.integers(VALID) != 0
+        rays = np.full((len(time_ns), 6), np.nan)
+        if valid.any():
+            rays[valid] = _rays(table, valid)
+        parts.append(GazeTrack(time_ns, valid, rays[:, :3], rays[:, 3:]))
+    return GazeTrack(
+        np.concatenate([part.time_ns for part in parts]),
+        np.concatenate([part.valid for part in parts]),
+        np.concatenate([part.origins for part in parts]),
+        np.concatenate([part.directions for part in parts]),
+    )
 
 
 def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -74,11 +74,21 @@ class Table(CsvTable):
             )
         return table
 
-    def rising(self, column: str, values: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return `values` of `column`; raise InputError where they do not rise."""
-        for row, (before, after) in enumerate(pairwise(values.tolist()), start=1):
-            if after <= before:
-                how = "stands still" if after == before else f"goes back by {before - after} ns"
+    def rising(
+        self, column: str, values: NDArray[np.int64], *, after: int | None = None
+    ) -> NDArray[np.int64]:
+        """Return `values` of `column`; raise InputError where they do not rise.
+
+        Parameters
+        ----------
+        after
+            The value in the row before this table's first.
+        """
+        start = [] if after is None else [after]
+        numbers = [*start, *values.tolist()]
+        for row, (before, now) in enumerate(pairwise(numbers), start=1 - len(start)):
+            if now <= before:
+                how = "stands still" if now == before else f"goes back by {before - now} ns"
                 raise self.error(row, column, f"time {how}; samples must be in order, each later")
         return values
 
@@ -124,19 +134,27 @@ def _converts(cell: str, convert: Callable[[str], Number]) -> bool:
     return True
 
 
-def read_table(path: str | Path, check_header: Callable[[Table], None]) -> Table:
-    """Read a table of which `check_header` may refuse the header; it has at least one row.
+ROWS_AT_ONCE = 4096
+"""Text takes many times the memory of the numbers in it."""
+
+
+def read_parts(path: str | Path, check_header: Callable[[Table], None]) -> Iterator[Table]:
+    """Yield a table some rows at a time; `check_header` may refuse its header.
+
+    No part is empty but the last, which tells what was left out.
 
     Raises
     ------
     InputError
         As `CsvTable.read`, or if there is no row.
     """
-    table = Table.read(path, appended=True)
-    if not table.header:
-        message = "the file is empty; a trace starts with a header row"
-        raise InputError(message, file=table.file, line=1)
-    check_header(table)
-    if not table.rows:
-        raise table.fault("there is a header but no complete row", 1)
-    return table
+    parts = Table.parts(path, appended=True, most_rows=ROWS_AT_ONCE)
+    for number, table in enumerate(parts):
+        if number == 0:
+            if not table.header:
+                message = "the file is empty; a trace starts with a header row"
+                raise InputError(message, file=table.file, line=1)
+            check_header(table)
+            if not table.rows:
+                raise table.fault("there is a header but no complete row", 1)
+        yield table

@@ -8,11 +8,14 @@ from __future__ import annotations
 
 import csv
 import hashlib
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
+from functools import cached_property
+from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +44,7 @@ from vrcomfort.traces.columns import (
 )
 from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
 from vrcomfort.traces.pose_track import PoseTrack, Times
-from vrcomfort.traces.table import Table, int64, read_table
+from vrcomfort.traces.table import ROWS_AT_ONCE, Table, int64, read_parts
 from vrcomfort.traces.unity_euler import orientations_from_unity, positions_from_unity
 
 Format = Literal["unity-euler"]
@@ -97,7 +100,7 @@ class Trace:
         """Return the time from the first to the last sample."""
         return float(self.time_ns[-1] - self.time_ns[0]) * 1e-9
 
-    @property
+    @cached_property
     def median_period_ns(self) -> int:
         """Return the median time between samples (cuts aside), 1/72 s for a single sample."""
         steps = np.diff(self.time_ns)[~self.cuts[1:]]
@@ -146,21 +149,57 @@ def read_trace(path: str | Path) -> Trace:
         With file, line and column: a missing column, an empty cell, NaN, a quaternion that is
         not unit, time that does not rise, or a file of another kind.
     """
-    table = read_table(path, require_trace)
-    trial = tuple(table.text(TRIAL)) if table.has([TRIAL]) else None
+    file = Path(path)
+    parts: list[Trace] = []
+    for table in read_parts(file, require_trace):
+        parts.append(_part_of(table, parts[-1] if parts else None))
+    with file.open("rb") as stream:
+        sha256 = hashlib.file_digest(stream, "sha256").hexdigest()
+    return replace(joined(parts), gaze=_gaze_beside(file), sha256=sha256)
+
+
+def _part_of(table: Table, before: Trace | None) -> Trace:
+    """Return the trace in a part of a table, given that of the part before."""
+    # The same few names in every row: kept once.
+    trial = tuple(map(sys.intern, table.text(TRIAL))) if table.has([TRIAL]) else None
+    last = None if before is None else int(before.time_ns[-1])
+    last_trial = before.trial[-1] if before is not None and before.trial else None
     return Trace(
-        time_ns=table.rising(TIME, table.integers(TIME)),
+        time_ns=table.rising(TIME, table.integers(TIME), after=last),
         head=track_of(table, HEAD),
-        cuts=cuts_of(table, trial),
+        cuts=cuts_of(table, trial, before=last_trial, start=before is None),
         period_ns=periods_of(table),
         eyes=eyes_of(table),
         fovs=fovs_of(table),
         avatar=track_of(table, AVATAR) if has_group(table, AVATAR) else None,
         trial=trial,
-        gaze=_gaze_beside(table.file),
         warnings=table.warnings,
-        sha256=hashlib.sha256(table.file.read_bytes()).hexdigest(),
     )
+
+
+def joined(parts: list[Trace]) -> Trace:
+    """Return one trace of parts that follow each other; empties the list, to save memory."""
+    fields = {name: [getattr(part, name) for part in parts] for name in _JOINED}
+    rest = replace(parts[0], warnings=tuple(w for part in parts for w in part.warnings))
+    parts.clear()
+    return replace(rest, **{name: _join(fields.pop(name)) for name in _JOINED})
+
+
+_JOINED = ("time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "trial")
+
+
+def _join(values: list[Any]) -> Any:
+    """Return one array, track, pair of tracks or tuple of names of several that follow."""
+    if values[0] is None:
+        return None
+    if isinstance(values[0], np.ndarray):
+        return np.concatenate(values)
+    if isinstance(values[0], PoseTrack):
+        positions = np.concatenate([each.positions for each in values])
+        return PoseTrack(positions, np.concatenate([each.orientations for each in values]))
+    if isinstance(values[0][0], PoseTrack):
+        return tuple(_join(list(eye)) for eye in zip(*values, strict=True))
+    return tuple(chain.from_iterable(values))
 
 
 def _gaze_beside(file: Path) -> GazeTrack | None:
@@ -170,11 +209,13 @@ def _gaze_beside(file: Path) -> GazeTrack | None:
 
 def write_trace(trace: Trace, path: str | Path) -> None:
     """Write a trace; floats as the shortest text that reads back the same."""
-    columns = _written_columns(trace)
     with Path(path).open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(columns)
-        writer.writerows(zip(*columns.values(), strict=True))
+        for start in range(0, len(trace), ROWS_AT_ONCE):
+            columns = _written_columns(trace, slice(start, start + ROWS_AT_ONCE))
+            if start == 0:
+                writer.writerow(columns)
+            writer.writerows(zip(*columns.values(), strict=True))
 
 
 def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # noqa: A002
@@ -195,19 +236,21 @@ def import_trace(path: str | Path, format: Format = "unity-euler") -> Trace:  # 
 
 
 def _import_unity(path: str | Path) -> Trace:
-    table = read_table(path, require_unity)
-    time_ns = np.array([_nanoseconds(table, row) for row in range(len(table.rows))], np.int64)
-    cuts = np.zeros(len(time_ns), dtype=bool)
-    cuts[0] = True
-    return Trace(
-        time_ns=table.rising("Time", time_ns),
-        head=PoseTrack(
-            positions_from_unity(table.positions(UNITY_HEADER[1:4])),
-            orientations_from_unity(table.floats(UNITY_HEADER[4:])),
-        ),
-        cuts=cuts,
-        warnings=table.warnings,
-    )
+    parts: list[Trace] = []
+    for table in read_parts(path, require_unity):
+        time_ns = np.array([_nanoseconds(table, row) for row in range(len(table.rows))], np.int64)
+        last = int(parts[-1].time_ns[-1]) if parts else None
+        part = Trace(
+            time_ns=table.rising("Time", time_ns, after=last),
+            head=PoseTrack(
+                positions_from_unity(table.positions(UNITY_HEADER[1:4])),
+                orientations_from_unity(table.floats(UNITY_HEADER[4:])),
+            ),
+            cuts=cuts_of(table, None, before=None, start=not parts),
+            warnings=table.warnings,
+        )
+        parts.append(part)
+    return joined(parts)
 
 
 _IMPORTERS: dict[str, Callable[[str | Path], Trace]] = {"unity-euler": _import_unity}
@@ -222,21 +265,21 @@ def _nanoseconds(table: Table, row: int) -> int:
         raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
 
 
-def _written_columns(trace: Trace) -> dict[str, list[str]]:
-    columns = {TIME: [str(value) for value in trace.time_ns.tolist()]}
+def _written_columns(trace: Trace, rows: slice) -> dict[str, list[str]]:
+    columns = {TIME: [str(value) for value in trace.time_ns[rows].tolist()]}
     if trace.period_ns is not None:
-        columns[PERIOD] = [str(value) for value in trace.period_ns.tolist()]
+        columns[PERIOD] = [str(value) for value in trace.period_ns[rows].tolist()]
     if trace.trial is not None:
-        columns[TRIAL] = list(trace.trial)
+        columns[TRIAL] = list(trace.trial[rows])
     if trace.cuts[1:].any():
-        columns[DISCONTINUITY] = [str(int(cut)) for cut in trace.cuts.tolist()]
-    groups: list[tuple[tuple[str, ...], Array]] = [(HEAD, trace.head.cells())]
+        columns[DISCONTINUITY] = [str(int(cut)) for cut in trace.cuts[rows].tolist()]
+    groups: list[tuple[tuple[str, ...], Array]] = [(HEAD, trace.head[rows].cells())]
     if trace.eyes is not None:
-        groups += [(name, eye.cells()) for name, eye in zip(EYES, trace.eyes, strict=True)]
+        groups += [(name, eye[rows].cells()) for name, eye in zip(EYES, trace.eyes, strict=True)]
     if trace.fovs is not None:
-        groups += [(name, trace.fovs[:, eye]) for eye, name in enumerate(FOVS)]
+        groups += [(name, trace.fovs[rows, eye]) for eye, name in enumerate(FOVS)]
     if trace.avatar is not None:
-        groups.append((AVATAR, trace.avatar.cells()))
+        groups.append((AVATAR, trace.avatar[rows].cells()))
     for group, table in groups:
         for name, values in zip(group, table.T.tolist(), strict=True):
             columns[name] = [repr(value) for value in values]

@@ -40,6 +40,7 @@ STYLE: dict[Any, Any] = {
     "axes.labelcolor": INK,
     "text.color": INK,
     "svg.fonttype": "path",
+    "text.parse_math": False,
 }
 LABEL: dict[str, Any] = {"fontsize": 7.5}
 MARKER_PT, RING_PT = 5.0, 10.0

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-from vrcomfort.resources import data_folder
 from vrcomfort.tradeoff import tables
 from vrcomfort.tradeoff.sheets import GAIN
+from vrcomfort.web_page import inline_svg, page_templates
 
 TEMPLATE = "tradeoff.html.j2"
 
@@ -24,13 +21,6 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
     sheets
         Paths of contact sheets, from the page, by case.
     """
-    environment = Environment(
-        loader=FileSystemLoader(data_folder("analysis")),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
     keys = list(dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]))
     sections = [
         {
@@ -44,27 +34,24 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
         }
         for key in keys
     ]
-    return environment.get_template(TEMPLATE).render(
-        r=found,
-        sections=sections,
-        columns=tables.COLUMNS,
-        notes=tables.notes(found),
-        verdicts=tables.VERDICT_COLUMNS,
-        headline=tables.headline(found),
-        both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
-        dials=tables.dials(found),
-        figures={name: _inline(svg, name) for name, svg in figures.items()},
-        gain=GAIN,
+    return (
+        page_templates()
+        .get_template(TEMPLATE)
+        .render(
+            r=found,
+            sections=sections,
+            columns=tables.COLUMNS,
+            notes=tables.notes(found),
+            verdicts=tables.VERDICT_COLUMNS,
+            headline=tables.headline(found),
+            both_eyes=[_emphasis(line) for line in tables.both_eyes(found)],
+            dials=tables.dials(found),
+            figures={name: inline_svg(svg, name) for name, svg in figures.items()},
+            gain=GAIN,
+        )
     )
 
 
 def _emphasis(line: str) -> list[str]:
     """Return the parts of a line; every second one stood between asterisks."""
     return line.split("*")
-
-
-def _inline(svg: str, name: str) -> str:
-    """Return an SVG for use inside HTML: no XML prologue, its own ids."""
-    svg = svg[svg.index("<svg") :]
-    svg = re.sub(r'(id="|href="#|url\(#)', rf"\g<1>{name}-", svg)
-    return svg.replace("<svg ", '<svg role="img" ', 1)

@@ -16,8 +16,8 @@ from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.optics.ideal_scatter import Pinhole
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
-from vrcomfort.render.effects.depth_of_field import circle_of_confusion as defocus
 from vrcomfort.render.effects.depth_of_field import lens_radius
+from vrcomfort.render.effects.depth_of_field.coc_passes import eye_uniforms
 from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import read_rgb
@@ -78,8 +78,8 @@ def shoot(
 def radius_px(shot: Shot, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
-    These are those that ``defocus.frag`` computes, in float64, for the law `dioptre`, which all
-    that is compared here has.
+    These are those that ``colour_and_coc.frag`` computes, in float64, for the law `dioptre`, which
+    all that is compared here has.
     """
     settings = condition.depth_of_field
     if settings is None:
@@ -87,7 +87,7 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     height, width = shot.depth.shape
     row, column = np.mgrid[:height, :width]
     uv = np.stack([(column + 0.5) / width, (row + 0.5) / height], axis=-1)
-    uniforms = defocus.defocus_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
+    uniforms = eye_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
     return coc.signed_radius_px(
         shot.depth,
         law="dioptre",

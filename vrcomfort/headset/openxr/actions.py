@@ -12,8 +12,8 @@ from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.headset.openxr.action_bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
-from vrcomfort.headset.openxr.instance import Runtime, check
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.instance import Runtime
+from vrcomfort.headset.openxr.native import check, native, watched
 from vrcomfort.headset.openxr.spaces import VALID, Stage
 
 TICK_NS = 30_000_000
@@ -41,15 +41,17 @@ class Actions:
 
     def __init__(self, runtime: Runtime, session: xr.Session) -> None:
         self._runtime, self._session = runtime, session
-        self._set = xr.create_action_set(
-            runtime.instance, xr.ActionSetCreateInfo("study", "Study", 0)
+        self._set = watched(
+            xr.create_action_set, runtime.instance, xr.ActionSetCreateInfo("study", "Study", 0)
         )
         self._hands = [self._path(f"/user/hand/{hand}") for hand in HANDS]
         self._actions = {name: self._make(name, kind) for name, kind in _KINDS.items()}
         self._gaze = self._make_gaze() if runtime.has_gaze else None
         self._suggest()
-        xr.attach_session_action_sets(
-            session, xr.SessionActionSetsAttachInfo(action_sets=[self._set])
+        watched(
+            xr.attach_session_action_sets,
+            session,
+            xr.SessionActionSetsAttachInfo(action_sets=[self._set]),
         )
         self._get = {  # made once: hot
             (name, hand): xr.ActionStateGetInfo(action=action, subaction_path=path)
@@ -82,17 +84,17 @@ class Actions:
             duration=TICK_NS, frequency=xr.FREQUENCY_UNSPECIFIED, amplitude=TICK_AMPLITUDE
         )
         with suppress(xr.exception.SessionNotFocused):  # the runtime's own menu has the controllers
-            xr.apply_haptic_feedback(self._session, info, pulse)
+            watched(xr.apply_haptic_feedback, self._session, info, pulse)
 
     def profile(self, hand: int) -> str:
         """Return which controller the runtime uses for `hand`, or an empty string."""
-        state = xr.get_current_interaction_profile(self._session, self._hands[hand])
+        state = watched(xr.get_current_interaction_profile, self._session, self._hands[hand])
         profile = state.interaction_profile
         return xr.path_to_string(self._runtime.instance, profile) if profile else ""
 
     def release(self) -> None:
         """Destroy the action set and what belongs to it."""
-        xr.destroy_action_set(self._set)
+        watched(xr.destroy_action_set, self._set)
 
     def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
         self._state_of_pose(self._session, self._get["aim", hand], self._pose)
@@ -129,7 +131,8 @@ class Actions:
         return SeenGaze(pose, flags & TRACKED == TRACKED, int(seen.time))
 
     def _make(self, name: str, kind: xr.ActionType) -> xr.Action:
-        return xr.create_action(
+        return watched(
+            xr.create_action,
             self._set,
             xr.ActionCreateInfo(
                 name,
@@ -141,7 +144,7 @@ class Actions:
 
     def _make_gaze(self) -> xr.Action:
         info = xr.ActionCreateInfo("gaze", xr.ActionType.POSE_INPUT, localized_action_name="Gaze")
-        return xr.create_action(self._set, info)
+        return watched(xr.create_action, self._set, info)
 
     def _suggest(self) -> None:
         for profile in PROFILES:
@@ -153,7 +156,8 @@ class Actions:
 
     def _suggest_profile(self, profile: str, pairs: list[tuple[Any, str]]) -> None:
         suggested = [xr.ActionSuggestedBinding(each, self._path(path)) for each, path in pairs]
-        xr.suggest_interaction_profile_bindings(
+        watched(
+            xr.suggest_interaction_profile_bindings,
             self._runtime.instance,
             xr.InteractionProfileSuggestedBinding(
                 interaction_profile=self._path(f"/interaction_profiles/{profile}"),
@@ -163,7 +167,7 @@ class Actions:
 
     def _space(self, action: xr.Action, hand: int = xr.NULL_PATH) -> xr.Space:
         info = xr.ActionSpaceCreateInfo(action=action, subaction_path=hand)
-        return xr.create_action_space(self._session, info)
+        return watched(xr.create_action_space, self._session, info)
 
     def _path(self, text: str) -> int:
         path: int = xr.string_to_path(self._runtime.instance, text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import xr
@@ -16,6 +17,7 @@ from vrcomfort.headset.openxr.instance import (
     offered_extensions,
     runtime_name,
 )
+from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.timing import Timing, TimingTest, time_frames
 
@@ -53,7 +55,7 @@ class SessionFacts:
         Of the area of each eye's image, what the lens never shows (left, right).
     """
 
-    details: dict[str, str]
+    details: dict[str, Any]
     refresh_hz: float
     refresh_rates_hz: tuple[float, ...]
     hidden_percent: tuple[float, float]
@@ -70,11 +72,11 @@ def find_runtime() -> RuntimeFacts:
     """
     with starting():
         extensions = offered_extensions()
-        instance = xr.create_instance(xr.InstanceCreateInfo())
+        instance = watched(xr.create_instance, xr.InstanceCreateInfo())
         try:
             return RuntimeFacts(runtime_name(instance), tuple(sorted(extensions)))
         finally:
-            xr.destroy_instance(instance)
+            watched(xr.destroy_instance, instance)
 
 
 def find_headset() -> HeadsetFacts:

@@ -16,12 +16,16 @@ from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, 
 from vrcomfort.headset.openxr.instance import connect
 from vrcomfort.headset.openxr.layers import EyeLayer, Mirror
 from vrcomfort.headset.openxr.lifecycle import Lifecycle
+from vrcomfort.headset.openxr.native import watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.openxr.spaces import Stage
 from vrcomfort.headset.openxr.swapchain import (
     DEPTH_FORMAT,
     DEPTH_FORMAT_NAME,
+    DEPTH_USAGE,
+    EYE_USAGE,
     FORMATS,
+    PANEL_USAGE,
     Canvas,
     Swapchain,
     choose_format,
@@ -73,16 +77,17 @@ class Connection:
         self._platform = binding.platform
         self.runtime = connect(self._settings, binding.extensions, notify)
         self._owned.callback(self.runtime.release)
-        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.structure.pointer)
-        self.session = xr.create_session(self.runtime.instance, create)
-        self._owned.callback(xr.destroy_session, self.session)
+        create = xr.SessionCreateInfo(system_id=self.runtime.system, next=binding.pointer)
+        self.session = watched(xr.create_session, self.runtime.instance, create)
+        self._owned.callback(watched, xr.destroy_session, self.session)
+        make_current(self._ctx)
         self.lifecycle = Lifecycle(self.runtime.instance, self.session, notify)
         self.stage = Stage(self.session, self._settings.eye_height_m)
-        formats = xr.enumerate_swapchain_formats(self.session)
+        formats = watched(xr.enumerate_swapchain_formats, self.session)
         self._format = choose_format(formats)
         self.size_px = self._settings.image_size_px or self.runtime.recommended_size_px
         self._no_depth = depth.why_not(self.runtime.extensions, formats)
-        self.eyes = EyeLayer(self._ctx, self.canvas, self.size_px, mirror, self._depth_images())
+        self.eyes = EyeLayer(self._ctx, self.eye_canvas, self.size_px, mirror, self._depth_images())
         self._owned.callback(self.eyes.release)
         self.actions = Actions(self.runtime, self.session)
         self._owned.callback(self.actions.release)
@@ -111,20 +116,31 @@ class Connection:
             "right_controller": self.actions.profile(1),
         }
 
-    def canvas(self, size_px: tuple[int, int]) -> Canvas:
-        """Make a ring of images in the session's format."""
-        return Canvas(self._ctx, self._swapchain(size_px, self._format))
+    def eye_canvas(self, size_px: tuple[int, int]) -> Canvas:
+        """Make a ring of images that eyes' images are copied to."""
+        return Canvas(self._ctx, self._swapchain(size_px, self._format, EYE_USAGE))
+
+    def panel_canvas(self, size_px: tuple[int, int]) -> Canvas:
+        """Make a ring of images that pictures are written to."""
+        return Canvas(self._ctx, self._swapchain(size_px, self._format, PANEL_USAGE))
+
+    def make_current(self) -> None:
+        """Take the context back after a call in which the runtime may have used it."""
+        make_current(self._ctx)
 
     def _depth_images(self) -> depth.DepthImages | None:
         if not self._settings.depth:
             self._no_depth = "switched off"
         if self._no_depth:
             return None
-        left, right = (self._swapchain(self.size_px, DEPTH_FORMAT) for _ in range(2))
+        left, right = (self._swapchain(self.size_px, DEPTH_FORMAT, DEPTH_USAGE) for _ in range(2))
         return depth.DepthImages(self._ctx, (left, right))
 
-    def _swapchain(self, size_px: tuple[int, int], image_format: int) -> Swapchain:
-        return Swapchain(self.session, size_px, image_format, self._settings.image_timeout_s)
+    def _swapchain(
+        self, size_px: tuple[int, int], image_format: int, usage: xr.SwapchainUsageFlags
+    ) -> Swapchain:
+        timeout_s = self._settings.image_timeout_s
+        return Swapchain(self._ctx, self.session, size_px, image_format, usage, timeout_s)
 
     def release(self) -> None:
         """Release everything, newest first; a runtime that is gone keeps nothing."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.headset.openxr.instance import STEREO, call_extension
+from vrcomfort.headset.openxr.native import watched
 
 REFRESH_RATE = xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME
 VISIBILITY_MASK = xr.KHR_VISIBILITY_MASK_EXTENSION_NAME
@@ -44,12 +45,12 @@ class HiddenArea:
 
 def refresh_rates_hz(session: xr.Session) -> list[float]:
     """Return the rates that the runtime can switch to."""
-    return [float(rate) for rate in xr.enumerate_display_refresh_rates_fb(session)]
+    return [float(rate) for rate in watched(xr.enumerate_display_refresh_rates_fb, session)]
 
 
 def current_refresh_hz(session: xr.Session) -> float:
     """Return the rate that the display runs at now."""
-    return float(xr.get_display_refresh_rate_fb(session).value)
+    return float(watched(xr.get_display_refresh_rate_fb, session).value)
 
 
 def request_refresh_rate(session: xr.Session, wanted_hz: float) -> None:
@@ -65,7 +66,7 @@ def request_refresh_rate(session: xr.Session, wanted_hz: float) -> None:
     if abs(nearest - wanted_hz) > 0.5:
         rates = ", ".join(f"{rate:g}" for rate in offered) or "none"
         raise InputError(f"the headset has no {wanted_hz:g} Hz; it offers {rates} Hz")
-    xr.request_display_refresh_rate_fb(session, nearest)
+    watched(xr.request_display_refresh_rate_fb, session, nearest)
 
 
 def hidden_areas(
@@ -79,7 +80,7 @@ def hidden_areas(
 
 def hidden_area(session: xr.Session, eye: int) -> HiddenArea | None:
     """Return what eye 0 (left) or 1 (right) never sees, or None where all of it is seen."""
-    mask = xr.get_visibility_mask_khr(session, STEREO, eye, HIDDEN)
+    mask = watched(xr.get_visibility_mask_khr, session, STEREO, eye, HIDDEN)
     if mask.vertex_count_output == 0 or mask.index_count_output == 0:
         return None
     vertices = (xr.Vector2f * mask.vertex_count_output)()

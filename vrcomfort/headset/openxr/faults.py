@@ -16,6 +16,13 @@ LOST = (
     exception.SessionNotRunningError,
 )
 
+REFUSED = {
+    exception.SessionLossPending: "it announced the loss of the session",
+    exception.PoseInvalidError: "it found the pose of a frame invalid",
+    exception.TimeInvalidError: "it found the display time of a frame invalid",
+}
+"""What else ends a session, each with what happened."""
+
 CANNOT_START = {
     exception.RuntimeUnavailableError: (
         "no OpenXR runtime is active; start your headset's software (SteamVR, Oculus, Windows "
@@ -61,11 +68,13 @@ def starting() -> Iterator[None]:
 
 @contextmanager
 def running() -> Iterator[None]:
-    """Tell a runtime that went away from every other fault."""
+    """Tell a runtime that went away, or refuses to go on, from every other fault."""
     try:
         yield
     except LOST as error:
         raise lost(str(error)) from error
+    except tuple(REFUSED) as error:
+        raise lost(REFUSED[type(error)]) from error
 
 
 def asleep(patience_s: float) -> RuntimeLostError:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from itertools import islice
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import moderngl
 import xr
@@ -16,11 +16,13 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
+from vrcomfort.headset.openxr.panels import Panels
 from vrcomfort.headset.openxr.participant_pose import ParticipantPose
 from vrcomfort.headset.openxr.presence import Presence
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 from vrcomfort.headset.timing import Timing, rate_runtime
+from vrcomfort.headset.watchdog import RUNTIME_CALLS
 from vrcomfort.scene.floors import Floors
 
 if TYPE_CHECKING:
@@ -66,13 +68,14 @@ class OpenXrHeadset:
         self._before_wait, self._window = before_wait, window
         settings = settings or OpenXrSettings()
         self._events: list[HeadsetEvent] = []
-        self._panels: list[layers.PanelLayer] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
+        self._panels = Panels(self._xr.panel_canvas)
         self._where = ParticipantPose(
-            self._xr, settings.walking_speed_m_s, self._events.append, self._relocate_panels
+            self._xr, settings.walking_speed_m_s, self._events.append, self._panels.relocate
         )
         self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
-        self._wait_frame, self._begin_frame = native("xrWaitFrame"), native("xrBeginFrame")
+        self._wait_frame = native("xrWaitFrame")
+        self._begin_frame = native("xrBeginFrame", usual=xr.Result.FRAME_DISCARDED)
         self._frame_state = xr.FrameState()
         self._end_frame = layers.FrameEnd(self._xr.session)
         self._open: Frame | None = None
@@ -87,9 +90,15 @@ class OpenXrHeadset:
         return f"openxr: {self._xr.runtime.headset_name} ({self._xr.runtime.name})"
 
     @property
-    def details(self) -> dict[str, str]:
-        """Return what a manifest should know about runtime and headset."""
-        return {**self._xr.details, "timing": self.timing.reason}
+    def details(self) -> dict[str, Any]:
+        """Return what a manifest should know about runtime and headset.
+
+        ``ipd_m_of_runtime`` is the distance between the eyes that is shown; there from the first
+        frame on in which the head is known.
+        """
+        ipd_m = self._where.tracking.ipd_m
+        shown = {} if ipd_m is None else {"ipd_m_of_runtime": ipd_m}
+        return {**self._xr.details, "timing": self.timing.reason, **shown}
 
     @property
     def timing(self) -> Timing:
@@ -146,7 +155,7 @@ class OpenXrHeadset:
             self._submit(frame, eyes)
         self._in_scene = eyes is not None
         if self._window is not None:
-            self._window.show(frame, eyes, self._panels)
+            self._window.show(frame, eyes, self._panels.shown)
 
     def take_depth(self, eye: int, depth: moderngl.Texture, near_m: float) -> None:
         """Keep the depth of eye 0 (left) or 1 (right) for the frame that is submitted next.
@@ -186,12 +195,17 @@ class OpenXrHeadset:
         with faults.running():
             self._xr.actions.tick(hand)
 
-    @faults.running()
     def show_panel(self, size_px: tuple[int, int], quad: Quad) -> layers.PanelLayer:
         """Put a panel into the room; draw on it, and hide it when it is done."""
-        panel = layers.PanelLayer(self._xr.canvas, size_px, quad, self._panels.remove)
-        self._panels.append(panel)
-        return panel
+        return self._panels.show(size_px, quad)
+
+    def prepare_panel(self, size_px: tuple[int, int]) -> None:
+        """Make the images of a panel now, so that `show_panel` need not in a scene."""
+        self._panels.prepare(size_px)
+
+    def show_pointer(self, quad: Quad | None) -> None:
+        """Put the pointer there, in front of all panels, or take it away."""
+        self._panels.point(quad)
 
     def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
         """Put the floor point and heading of the participant on `spawn`, next frame."""
@@ -205,6 +219,9 @@ class OpenXrHeadset:
 
     def take_events(self) -> list[HeadsetEvent]:
         """Return what happened since the last call."""
+        stalls = RUNTIME_CALLS.stalls
+        while stalls:  # another thread appends
+            self._events.append(HeadsetEvent("runtime_stalled", stalls.popleft()))
         events = list(self._events)
         self._events.clear()
         return events
@@ -220,14 +237,13 @@ class OpenXrHeadset:
         except (xr.exception.ResultException, RuntimeLostError):
             pass  # the runtime is gone already
         finally:
-            for panel in list(self._panels):
-                panel.hide()
+            self._panels.release()
             self._xr.release()
 
     def request_exit(self) -> None:
         """Ask the runtime to end the session: `frames` ends soon after."""
         with faults.running():
-            xr.request_exit_session(self._xr.session)
+            watched(xr.request_exit_session, self._xr.session)
 
     def __enter__(self) -> Self:
         return self
@@ -245,7 +261,9 @@ class OpenXrHeadset:
             self._before_wait()
         self._wait_frame(self._xr.session, None, self._frame_state)
         self._xr.actions.sync()  # before the frame begins, as best practices would have it
-        self._begin_frame(self._xr.session, None)
+        if self._begin_frame(self._xr.session, None) != 0:  # the frame before was not ended
+            self._events.append(HeadsetEvent("frame_discarded", "by the runtime: it was not seen"))
+        self._xr.make_current()
         self._inputs = None
         self._open = self._frame(self._frame_state)
         return self._open
@@ -257,36 +275,38 @@ class OpenXrHeadset:
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)
-        self._cut |= self._presence.update(inputs)
+        self._cut |= self._presence.update(inputs, located=self._where.tracking.found)
+        tracking = self._where.tracking
         frame = Frame(
             index=self._next_index,
             predicted_display_time_ns=time_ns,
             period_ns=self._period_ns,
-            head_pose=self._where.tracking.head,
-            views=self._where.tracking.views,
+            head_pose=tracking.head,
+            views=tracking.views,
             avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
             paused=self._presence.away,
             gaze=inputs.gaze,
+            head_valid=tracking.valid,
+            head_tracked=tracking.tracked,
+            session_state=self._xr.lifecycle.state_name,
         )
         self._next_index, self._cut = self._next_index + 1, False
         return frame
-
-    def _relocate_panels(self, new_from_old: Pose) -> None:
-        for panel in self._panels:
-            panel.move(Quad(new_from_old @ panel.quad.pose, panel.quad.size_m))
 
     def _submit(self, frame: Frame, eyes: layers.Eyes | None) -> None:
         composed: list[layers.Layer] = []
         space = self._xr.stage.space
         if frame.should_render:
-            if eyes is not None:
+            tracking = self._where.tracking
+            if eyes is not None and tracking.found:  # else they would be seen from nowhere
                 self._xr.eyes.draw(eyes)
-                composed.append(self._xr.eyes.structure(space, self._where.tracking.xr_views))
-            composed += [layer for each in self._panels if (layer := each.structure(space))]
+                composed.append(self._xr.eyes.structure(space, tracking.xr_views))
+            composed += [layer for each in self._panels.shown if (layer := each.structure(space))]
         self._open = None
         self._end_frame(frame.predicted_display_time_ns, composed)
+        self._xr.make_current()
 
     def _leave(self) -> None:
         """Give empty frames until the runtime has ended the session."""
@@ -294,7 +314,7 @@ class OpenXrHeadset:
             self._submit(self._open, None)
         if not self._xr.lifecycle.running:
             return
-        xr.request_exit_session(self._xr.session)
+        watched(xr.request_exit_session, self._xr.session)
         self._presence.until(EXIT_S)
         for frame in islice(iter(self._next_frame, None), EXIT_FRAMES):
             self._submit(frame, None)

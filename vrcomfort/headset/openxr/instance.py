@@ -12,6 +12,7 @@ import xr
 
 from vrcomfort.errors import InputError
 from vrcomfort.headset.openxr.messages import DEBUG_UTILS, Messenger, Notify
+from vrcomfort.headset.openxr.native import check, watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 
 WANTED_EXTENSIONS = (
@@ -81,7 +82,7 @@ class Runtime:
         InputError
             If the headset has not two views.
         """
-        views = xr.enumerate_view_configuration_views(self.instance, self.system, STEREO)
+        views = watched(xr.enumerate_view_configuration_views, self.instance, self.system, STEREO)
         if len(views) != EYES:
             raise InputError(f"the headset shows {len(views)} views; vrcomfort needs two")
         view = views[0]
@@ -95,32 +96,25 @@ class Runtime:
 
     def release(self) -> None:
         """Disconnect from the runtime."""
-        xr.destroy_instance(self.instance)
-
-
-def check(result: int) -> None:
-    """Raise what pyopenxr raises for a result code of a raw function."""
-    checked = xr.check_result(xr.Result(result))
-    if checked.is_exception():
-        raise checked
+        watched(xr.destroy_instance, self.instance)
 
 
 def call_extension(instance: xr.Instance, name: str, handle: Any, *arguments: Any) -> None:
     """Call an extension's function that pyopenxr has no usable wrapper for."""
-    address = xr.get_instance_proc_addr(instance, name)
+    address = watched(xr.get_instance_proc_addr, instance, name)
     call = ctypes.cast(address, getattr(xr, f"PFN_{name}"))
     check(call(handle, *arguments))
 
 
 def runtime_name(instance: xr.Instance) -> str:
     """Return the name and version of an instance's runtime."""
-    properties = xr.get_instance_properties(instance)
+    properties = watched(xr.get_instance_properties, instance)
     return f"{properties.runtime_name.decode()} {properties.runtime_version}"
 
 
 def offered_extensions() -> frozenset[str]:
     """Return the names of the extensions that the active runtime offers."""
-    properties = xr.enumerate_instance_extension_properties()
+    properties = watched(xr.enumerate_instance_extension_properties)
     return frozenset(each.extension_name.decode() for each in properties)
 
 
@@ -142,14 +136,15 @@ def connect(settings: OpenXrSettings, needed: tuple[str, ...], notify: Notify) -
     layered = settings.api_layers or os.environ.get(LAYERS_VARIABLE)
     wanted = (*WANTED_EXTENSIONS, DEBUG_UTILS) if layered else WANTED_EXTENSIONS
     taken = [*needed, *(name for name in wanted if name in offered)]
-    instance = xr.create_instance(
+    instance = watched(
+        xr.create_instance,
         xr.InstanceCreateInfo(
             application_info=xr.ApplicationInfo(
                 settings.application, 1, "vrcomfort", 1, xr.Version(1, 0, 0)
             ),
             enabled_api_layer_names=list(settings.api_layers),
             enabled_extension_names=taken,
-        )
+        ),
     )
     messenger = Messenger(instance, notify) if DEBUG_UTILS in taken else None
     system = _find_headset(instance)
@@ -159,11 +154,11 @@ def connect(settings: OpenXrSettings, needed: tuple[str, ...], notify: Notify) -
 def _find_headset(instance: xr.Instance) -> int:
     try:
         wanted = xr.SystemGetInfo(xr.FormFactor.HEAD_MOUNTED_DISPLAY)
-        system: int = xr.get_system(instance, wanted)
+        system: int = watched(xr.get_system, instance, wanted)
         requirements = xr.GraphicsRequirementsOpenGLKHR()  # the runtime insists on being asked
         name = "xrGetOpenGLGraphicsRequirementsKHR"
         call_extension(instance, name, instance, system, ctypes.byref(requirements))
     except xr.exception.ResultException:
-        xr.destroy_instance(instance)
+        watched(xr.destroy_instance, instance)
         raise
     return system

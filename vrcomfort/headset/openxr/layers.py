@@ -126,7 +126,7 @@ class PanelLayer:
     quad
         Where it stands in the stage, and how large.
     on_hide
-        Called with the panel when it is taken away.
+        Called with the panel when it is taken away; its images stay until `release`.
     """
 
     def __init__(
@@ -137,6 +137,7 @@ class PanelLayer:
         on_hide: Callable[[PanelLayer], None],
     ) -> None:
         self._on_hide = on_hide
+        self.size_px = size_px
         self.quad = quad
         self._canvas = make_canvas(size_px)
         self._shown: NDArray[np.uint8] | None = None
@@ -177,8 +178,12 @@ class PanelLayer:
         return self._layer
 
     def hide(self) -> None:
-        """Take the panel away, and release its images."""
+        """Take the panel away; shown again, it begins without a picture."""
+        self._shown = None
         self._on_hide(self)
+
+    def release(self) -> None:
+        """Release its images."""
         self._canvas.release()
 
 

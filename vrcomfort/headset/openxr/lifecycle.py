@@ -6,19 +6,42 @@ import ctypes
 import math
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import xr
 
 from vrcomfort.frame import HeadsetEvent
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.instance import STEREO
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 State = xr.SessionState
 POLL_S = 0.01
 _ANY_EVENT = xr.StructureType.EVENT_DATA_BUFFER.value
 SEEN = (State.VISIBLE, State.FOCUSED)
+OUT_OF_REACH = "the participant's controllers do not reach the program: no stop button, no answers"
+
+
+@dataclass(frozen=True)
+class SpaceChange:
+    """A space of the runtime whose origin moves.
+
+    Parameters
+    ----------
+    space
+        ``stage``, ``local_floor``, ``local`` ...
+    time_ns
+        From which time on poses are measured from the new origin.
+    old_from_new
+        The new origin seen from the old one; None where the runtime does not know.
+    """
+
+    space: str
+    time_ns: int
+    old_from_new: Pose | None
 
 
 class Lifecycle:
@@ -41,7 +64,7 @@ class Lifecycle:
         self.state = State.IDLE
         self.running = False
         self.ended = False
-        self._recentered_at_ns: int | None = None
+        self._space_changes: list[SpaceChange] = []
         self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
         self._event = xr.EventDataBuffer()
         kind = xr.StructureType
@@ -56,7 +79,11 @@ class Lifecycle:
             ),
             kind.EVENT_DATA_REFERENCE_SPACE_CHANGE_PENDING: (
                 xr.EventDataReferenceSpaceChangePending,
-                self._on_recenter,
+                self._on_space_change,
+            ),
+            kind.EVENT_DATA_DISPLAY_REFRESH_RATE_CHANGED_FB: (
+                xr.EventDataDisplayRefreshRateChangedFB,
+                self._on_refresh_rate,
             ),
             kind.EVENT_DATA_USER_PRESENCE_CHANGED_EXT: (
                 xr.EventDataUserPresenceChangedEXT,
@@ -71,6 +98,12 @@ class Lifecycle:
                 lambda event: notify(HeadsetEvent("events_lost", str(event.lost_event_count))),
             ),
         }
+
+    @property
+    def state_name(self) -> str:
+        """Return the session's state in OpenXR's word, in lower case."""
+        name: str = self.state.name
+        return name.lower()
 
     @property
     def seen(self) -> bool:
@@ -94,12 +127,13 @@ class Lifecycle:
             self.poll()
         return self.running and not self.ended
 
-    def recentered_by(self, time_ns: int) -> bool:
-        """Return, once, whether the runtime moved the origin of the stage by `time_ns`."""
-        if self._recentered_at_ns is None or time_ns < self._recentered_at_ns:
-            return False
-        self._recentered_at_ns = None
-        return True
+    def take_space_changes(self, time_ns: int) -> list[SpaceChange]:
+        """Return, once, the changes of spaces that are in force at `time_ns`, in their order."""
+        if not self._space_changes:
+            return []
+        due = [change for change in self._space_changes if change.time_ns <= time_ns]
+        self._space_changes = [each for each in self._space_changes if each.time_ns > time_ns]
+        return due
 
     def poll(self) -> None:
         """Handle the events that have arrived.
@@ -119,14 +153,17 @@ class Lifecycle:
                 handle(ctypes.cast(ctypes.byref(event), ctypes.POINTER(kind)).contents)
 
     def _on_state(self, event: Any) -> None:
-        self.state = State(event.state)
-        self._notify(HeadsetEvent("session_state", self.state.name.lower()))
+        was_focused, self.state = self.focused, State(event.state)
+        self._notify(HeadsetEvent("session_state", self.state_name))
+        if self.focused != was_focused:
+            name, detail = ("focused", "") if self.focused else ("unfocused", OUT_OF_REACH)
+            self._notify(HeadsetEvent(name, detail))
         if self.state == State.READY:
-            xr.begin_session(self._session, xr.SessionBeginInfo(STEREO))
+            watched(xr.begin_session, self._session, xr.SessionBeginInfo(STEREO))
             self.running = True
         elif self.state == State.STOPPING:
             self.running = False
-            xr.end_session(self._session)
+            watched(xr.end_session, self._session)
         elif self.state == State.EXITING:
             self.ended = True
         elif self.state == State.LOSS_PENDING:
@@ -135,10 +172,15 @@ class Lifecycle:
     def _on_instance_loss(self, _: Any) -> None:
         raise lost("it announced that it is going away")
 
-    def _on_recenter(self, event: Any) -> None:
-        self._recentered_at_ns = int(event.change_time)
+    def _on_space_change(self, event: Any) -> None:
         space = xr.ReferenceSpaceType(event.reference_space_type).name.lower()
-        self._notify(HeadsetEvent("recentered", f"{space} by the runtime"))
+        pose = pose_from_xr(event.pose_in_previous_space) if event.pose_valid else None
+        self._space_changes.append(SpaceChange(space, int(event.change_time), pose))
+
+    def _on_refresh_rate(self, event: Any) -> None:
+        rates = event.from_display_refresh_rate, event.to_display_refresh_rate
+        before, after = (f"{rate:g} Hz" for rate in rates)
+        self._notify(HeadsetEvent("refresh_rate_changed", f"from {before} to {after}"))
 
     def _on_presence(self, event: Any) -> None:
         self._notify(HeadsetEvent("headset_on" if event.is_user_present else "headset_off"))

@@ -1,16 +1,17 @@
-"""OpenXR's functions for every frame: no new structures, no exceptions for what is usual."""
+"""Calls into OpenXR: watched, and for every frame without new structures or exceptions."""
 
 from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
 import xr
 
-from vrcomfort.headset.openxr.instance import check
+from vrcomfort.headset.watchdog import RUNTIME_CALLS
 
 Call = Callable[..., int]
+Result = TypeVar("Result")
 
 
 def native(name: str, *, usual: xr.Result = xr.Result.SUCCESS) -> Call:
@@ -25,14 +26,36 @@ def native(name: str, *, usual: xr.Result = xr.Result.SUCCESS) -> Call:
         for any other.
     """
     function, expected = _raw(name), int(usual)
+    begin, end = RUNTIME_CALLS.begin, RUNTIME_CALLS.end
 
     def call(*arguments: Any) -> int:
-        result = function(*arguments)
+        begin(name)
+        try:
+            result = function(*arguments)
+        finally:
+            end()
         if result not in {0, expected}:
             check(result)
         return result
 
     return call
+
+
+def watched(function: Callable[..., Result], *arguments: Any) -> Result:
+    """Call one of pyopenxr's functions, in sight of the watchdog."""
+    words = function.__name__.split("_")
+    RUNTIME_CALLS.begin("xr" + "".join(word.capitalize() for word in words))
+    try:
+        return function(*arguments)
+    finally:
+        RUNTIME_CALLS.end()
+
+
+def check(result: int) -> None:
+    """Raise what pyopenxr raises for a result code of a raw function."""
+    checked = xr.check_result(xr.Result(result))
+    if checked.is_exception():
+        raise checked
 
 
 def _raw(name: str) -> Call:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Pose, heading
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion, floor_under, wish_of
 from vrcomfort.headset.openxr.connection import Connection
+from vrcomfort.headset.openxr.lifecycle import SpaceChange
 from vrcomfort.headset.openxr.tracking import Tracking
 from vrcomfort.scene.floors import Floors
 
@@ -23,7 +24,7 @@ class ParticipantPose:
     speed_m_s
         Of walking.
     notify
-        Called when tracking is lost and found.
+        Called when tracking is lost and found, and when the runtime moves a space.
     relocated
         Called with new-stage-from-old-stage when the stage's origin has moved.
 
@@ -40,7 +41,7 @@ class ParticipantPose:
         notify: Callable[[HeadsetEvent], None],
         relocated: Callable[[Pose], None],
     ) -> None:
-        self._xr, self._relocated = connection, relocated
+        self._xr, self._notify, self._relocated = connection, notify, relocated
         self._locomotion = Locomotion(speed_m_s)
         self.tracking = Tracking(connection.session, connection.stage, notify)
 
@@ -57,17 +58,34 @@ class ParticipantPose:
         """Locate the participant at `time_ns`; return True where poses jump."""
         before = self.tracking.head
         jumps = self.tracking.update(time_ns)
-        if self._xr.lifecycle.recentered_by(time_ns):
-            # Nobody is elsewhere within one frame: what has moved is the origin.
-            self._relocate(floor_under(self.tracking.head) @ floor_under(before).inverse())
-            return True
+        for change in self._xr.lifecycle.take_space_changes(time_ns):
+            jumps |= self._follow(change, before)
         return jumps
+
+    def _follow(self, change: SpaceChange, before: Pose) -> bool:
+        """Take a change of the runtime's spaces; return True where the stage is of that space."""
+        stage = self._xr.stage
+        if change.space != stage.kind:
+            words = f"{change.space} by the runtime: not in use, nothing moves"
+            self._notify(HeadsetEvent("space_changed", words))
+            return False
+        self._notify(HeadsetEvent("recentered", f"{change.space} by the runtime"))
+        if change.old_from_new is not None:
+            moved = stage.origin.inverse() @ _level(change.old_from_new).inverse() @ stage.origin
+        else:  # nobody is elsewhere within one frame: what has moved is the origin
+            moved = floor_under(self.tracking.head) @ floor_under(before).inverse()
+        if not self.tracking.valid:
+            self.tracking.relocate(moved)
+        self._relocate(moved)
+        return True
 
     def move(self, inputs: Inputs, passed_s: float, *, in_scene: bool) -> bool:
         """Go to a new place, or walk; return True where poses jump.
 
         Walk in a scene only, for nobody walks blindly.
         """
+        if not self.tracking.found:
+            return False  # nobody is anywhere yet
         if self._locomotion.arrive(self.tracking.head):
             return True
         if in_scene:
@@ -84,3 +102,8 @@ class ParticipantPose:
         """Leave the participant where they are in the world, and the panels where they stand."""
         self._locomotion.relocate(new_from_old)
         self._relocated(new_from_old)
+
+
+def _level(pose: Pose) -> Pose:
+    """Return a pose of the same place and heading: the world stays upright."""
+    return Pose(pose.position, heading(pose))

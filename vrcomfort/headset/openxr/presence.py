@@ -61,15 +61,20 @@ class Presence:
             raise asleep(self._patience_s)
         return running
 
-    def update(self, inputs: Inputs) -> bool:
+    def update(self, inputs: Inputs, *, located: bool = True) -> bool:
         """Take note of a frame; return True where the participant comes back with it.
+
+        Parameters
+        ----------
+        located
+            Whether the head has ever been found: nothing is shown before.
 
         Raises
         ------
         RuntimeLostError
             If they have seen nothing until patience is over.
         """
-        before, self.away = self.away, not self._lifecycle.seen
+        before, self.away = self.away, not (self._lifecycle.seen and located)
         if not self.away:
             self.allow(0.0)
         elif time.monotonic() > self._until_s:

@@ -8,12 +8,15 @@ import xr
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.locomotion import floor_under
 from vrcomfort.headset.openxr.convert import pose_from_xr, pose_to_xr
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 Space = xr.ReferenceSpaceType
 PREFERRED = (Space.STAGE, Space.LOCAL_FLOOR, Space.LOCAL)
 """The floor as origin where there is one; LOCAL starts at eye height."""
 
+HEAD_TRACKED = int(
+    xr.SpaceLocationFlags.ORIENTATION_TRACKED_BIT | xr.SpaceLocationFlags.POSITION_TRACKED_BIT
+)
 VALID = int(xr.SpaceLocationFlags.ORIENTATION_VALID_BIT | xr.SpaceLocationFlags.POSITION_VALID_BIT)
 
 
@@ -33,19 +36,24 @@ class Stage:
         Which of the runtime's spaces it is, as ``stage``, ``local_floor`` or ``local``.
     space
         The handle that layers and locations refer to.
+    origin
+        Of the stage, in that space of the runtime.
+    head_tracked
+        Whether sensors saw the head when it was last located.
     """
 
     def __init__(self, session: xr.Session, eye_height_m: float) -> None:
         self._session = session
-        offered = {Space(each) for each in xr.enumerate_reference_spaces(session)}
+        offered = {Space(each) for each in watched(xr.enumerate_reference_spaces, session)}
         self._type = next(each for each in PREFERRED if each in offered)
         self.kind = self._type.name.lower()
         floor_m = -eye_height_m if self._type is Space.LOCAL else 0.0
-        self._origin = Pose(np.array([0.0, floor_m, 0.0]))
-        self.space = self._reference(self._type, self._origin)
+        self.origin = Pose(np.array([0.0, floor_m, 0.0]))
+        self.space = self._reference(self._type, self.origin)
         self._head = self._reference(Space.VIEW, Pose())
         self._locate = native("xrLocateSpace")
         self._location = xr.SpaceLocation()
+        self.head_tracked = False
 
     def locate(self, space: xr.Space, time_ns: int) -> Pose | None:
         """Return stage-from-`space`, or None where it is not known."""
@@ -57,15 +65,19 @@ class Stage:
 
     def locate_head(self, time_ns: int) -> Pose | None:
         """Return stage-from-head, or None where tracking is lost."""
-        return self.locate(self._head, time_ns)
+        head = self.locate(self._head, time_ns)
+        self.head_tracked = self._location._location_flags & HEAD_TRACKED == HEAD_TRACKED
+        return head
 
     def recenter(self, head: Pose) -> None:
         """Move the origin to the floor under `head`, and turn −Z to where it looks."""
-        self._origin = self._origin @ floor_under(head)
-        xr.destroy_space(self.space)
-        self.space = self._reference(self._type, self._origin)
+        self.origin = self.origin @ floor_under(head)
+        watched(xr.destroy_space, self.space)
+        self.space = self._reference(self._type, self.origin)
 
     def _reference(self, kind: xr.ReferenceSpaceType, origin: Pose) -> xr.Space:
-        return xr.create_reference_space(
-            self._session, xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin))
+        return watched(
+            xr.create_reference_space,
+            self._session,
+            xr.ReferenceSpaceCreateInfo(kind, pose_to_xr(origin)),
         )

@@ -12,7 +12,7 @@ import xr
 from vrcomfort.errors import InputError
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.graphics_binding import make_current
-from vrcomfort.headset.openxr.native import native
+from vrcomfort.headset.openxr.native import native, watched
 
 FORMATS = {0x8C43: "SRGB8_ALPHA8"}
 """Our images are sRGB-encoded in 8 bits: this format takes their bytes as they are."""
@@ -20,10 +20,13 @@ FORMATS = {0x8C43: "SRGB8_ALPHA8"}
 DEPTH_FORMAT, DEPTH_FORMAT_NAME = 0x8CAC, "DEPTH_COMPONENT32F"
 """The format of the renderer's depth: a copy keeps it as it is."""
 
-COLOR_USAGE = xr.SwapchainUsageFlags.COLOR_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
-DEPTH_USAGE = (
-    xr.SwapchainUsageFlags.DEPTH_STENCIL_ATTACHMENT_BIT | xr.SwapchainUsageFlags.SAMPLED_BIT
-)
+_Usage = xr.SwapchainUsageFlags
+EYE_USAGE = _Usage.COLOR_ATTACHMENT_BIT | _Usage.SAMPLED_BIT
+"""Blitted to, as to a framebuffer."""
+PANEL_USAGE = EYE_USAGE | _Usage.TRANSFER_DST_BIT
+"""Written to from memory."""
+DEPTH_USAGE = _Usage.DEPTH_STENCIL_ATTACHMENT_BIT | _Usage.SAMPLED_BIT | _Usage.TRANSFER_DST_BIT
+"""Copied to, image by image."""
 
 
 def choose_format(offered: Sequence[int]) -> int:
@@ -48,12 +51,16 @@ class Swapchain:
 
     Parameters
     ----------
+    ctx
+        The context that the session was made with; it is current while an image is lent.
     session
         OpenXR's handle.
     size_px
         (width, height).
     image_format
         OpenGL's number, from `choose_format`, or `DEPTH_FORMAT`.
+    usage
+        What is done with the images: `EYE_USAGE`, `PANEL_USAGE` or `DEPTH_USAGE`.
     timeout_s
         How long the runtime may keep an image.
 
@@ -64,16 +71,25 @@ class Swapchain:
     """
 
     def __init__(
-        self, session: xr.Session, size_px: tuple[int, int], image_format: int, timeout_s: float
+        self,
+        ctx: moderngl.Context,
+        session: xr.Session,
+        size_px: tuple[int, int],
+        image_format: int,
+        usage: xr.SwapchainUsageFlags,
+        timeout_s: float,
     ) -> None:
+        self._ctx = ctx
         self.size_px = size_px
         self._wait_info = xr.SwapchainImageWaitInfo(timeout=int(timeout_s * 1e9))
         self._acquire = native("xrAcquireSwapchainImage")
         self._wait = native("xrWaitSwapchainImage", usual=xr.Result.TIMEOUT_EXPIRED)
         self._release = native("xrReleaseSwapchainImage")
         self._index = ctypes.c_uint32()
-        self._handle = xr.create_swapchain(session, _create_info(size_px, image_format))
-        images = xr.enumerate_swapchain_images(self._handle, xr.SwapchainImageOpenGLKHR)
+        self._handle = watched(
+            xr.create_swapchain, session, _create_info(size_px, image_format, usage)
+        )
+        images = watched(xr.enumerate_swapchain_images, self._handle, xr.SwapchainImageOpenGLKHR)
         self.names = [int(image.image) for image in images]
         area = xr.Rect2Di(xr.Offset2Di(0, 0), xr.Extent2Di(*size_px))
         self.sub_image = xr.SwapchainSubImage(self._handle, area)
@@ -91,6 +107,7 @@ class Swapchain:
         self._acquire(self._handle, None, self._index)
         if self._wait(self._handle, self._wait_info) != 0:
             raise lost(f"it gave no image within {self._wait_info.timeout / 1e9:g} s")
+        make_current(self._ctx)
         try:
             yield self._index.value
         finally:
@@ -99,7 +116,7 @@ class Swapchain:
     def release(self) -> None:
         """Give the images back for good."""
         self.names.clear()
-        xr.destroy_swapchain(self._handle)
+        watched(xr.destroy_swapchain, self._handle)
 
 
 class Canvas:
@@ -132,10 +149,12 @@ class Canvas:
         self._swapchain.release()
 
 
-def _create_info(size_px: tuple[int, int], image_format: int) -> xr.SwapchainCreateInfo:
+def _create_info(
+    size_px: tuple[int, int], image_format: int, usage: xr.SwapchainUsageFlags
+) -> xr.SwapchainCreateInfo:
     width, height = size_px
     return xr.SwapchainCreateInfo(
-        usage_flags=DEPTH_USAGE if image_format == DEPTH_FORMAT else COLOR_USAGE,
+        usage_flags=usage,
         format=image_format,
         sample_count=1,
         width=width,

@@ -105,7 +105,7 @@ class NineRays:
         self.rays = ctx.framebuffer([], self._depth)
         self.triangles = 0
         dioptres = settings.mean == "dioptres"
-        self.defines = {"MEAN_DIOPTRES": 1} if dioptres else {}
+        self.defines = {"RAYS": RAYS, **({"MEAN_DIOPTRES": 1} if dioptres else {})}
         floor = settings.outlier_floor_dioptre if dioptres else settings.outlier_floor_fraction
         self.constants = {
             "depth": 2,

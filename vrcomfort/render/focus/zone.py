@@ -3,7 +3,7 @@
 ::
 
     depth, semantic weight ─► weight · value, weight ─► ½ ─► ½ ─► ... ─► 1×1 ─► focus
-    (the zone's own frustum,   focus_weights.frag        focus_halve.frag
+    (the zone's own frustum,   focus_weights.frag        focus_downsample.frag
      from the head centre)
 
 Source: Hillaire et al. 2008, Eq. 2 and 3.
@@ -88,7 +88,7 @@ class AutofocusZone:
             passes.append(
                 FullscreenPass(
                     self._ctx,
-                    "focus/focus_halve.frag",
+                    "focus/focus_downsample.frag",
                     size_px=((width + 1) // 2, (height + 1) // 2),
                     inputs={"source": passes[-1].target},
                     components=2,

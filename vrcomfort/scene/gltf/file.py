@@ -11,35 +11,45 @@ import io
 import json
 import struct
 import urllib.parse
+import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
-from typing import Any
+from pathlib import Path, PureWindowsPath
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 from vrcomfort.errors import InputError
-from vrcomfort.scene.gltf.schema import check_structure
+from vrcomfort.scene.gltf.budget import Account, SceneBudget
+from vrcomfort.scene.gltf.schema import check_structure, count_items
 
 COMPONENT = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTH = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-MOST_ZEROS = 2**24
-"""An accessor without data is zeros that the file does not pay for: no more of them than this."""
+_NOTHING: list[dict[str, Any]] = []
 _GLB_MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
 _BINARY_CHUNK = 0x004E4942
 
 
+Bytes: TypeAlias = bytes | memoryview
+
+
 @dataclass(frozen=True)
 class GltfFile:
-    """A parsed file: `root` is its JSON, `binary` the GLB's own buffer if there is one."""
+    """A parsed file.
+
+    `root` is its JSON, `binary` the GLB's own buffer if there is one; `account` is what reading it
+    may cost, and has.
+    """
 
     path: Path
     root: dict[str, Any]
-    binary: bytes | None
+    binary: Bytes | None
+    account: Account
+    _fetched: dict[Path, bytes] = field(default_factory=dict, repr=False)
 
     def item(self, key: str, index: int) -> dict[str, Any]:
         """Return one item of the file's list called `key`."""
@@ -50,17 +60,18 @@ class GltfFile:
         return InputError(f"{what} {wrong}; export the file again", file=self.path)
 
     def items(self, key: str) -> list[dict[str, Any]]:
-        """Return the file's list called `key`, empty where there is none."""
-        return list(self.root.get(key, []))
+        """Return the file's own list called `key`, not a copy; empty where there is none."""
+        items: list[dict[str, Any]] = self.root.get(key, _NOTHING)
+        return items
 
     @cached_property
-    def buffers(self) -> list[bytes]:
+    def buffers(self) -> list[Bytes]:
         """Return the bytes of every buffer."""
         return [self._buffer(item, index) for index, item in enumerate(self.items("buffers"))]
 
-    def _buffer(self, item: dict[str, Any], index: int) -> bytes:
+    def _buffer(self, item: dict[str, Any], index: int) -> Bytes:
         if "uri" in item:
-            data = self._fetch(item["uri"])
+            data: Bytes = self._fetch(item["uri"], f"buffer {index}")
         elif index == 0 and self.binary is not None:
             data = self.binary
         else:
@@ -73,21 +84,38 @@ class GltfFile:
             )
         return data
 
-    def _fetch(self, uri: str) -> bytes:
+    def _fetch(self, uri: str, what: str) -> bytes:
         """Return the bytes behind a data URI or a path relative to the file."""
         if uri.startswith("data:"):
             try:
                 return base64.b64decode(uri.partition(",")[2], validate=True)
             except ValueError:
                 raise self.fault("a data URI", "is not base64") from None
-        target = self.path.parent / urllib.parse.unquote(uri)
+        target = self._beside(uri, what)
+        if target in self._fetched:
+            return self._fetched[target]
         try:
             if target.is_file():  # a device may never end
-                return target.read_bytes()
+                self.account.spend("file_bytes", target.stat().st_size, what)
+                return self._fetched.setdefault(target, target.read_bytes())
         except OSError:
             pass
         raise InputError(
             f"needs the file {uri!r}, which cannot be read; keep it beside the scene",
+            file=self.path,
+        )
+
+    def _beside(self, uri: str, what: str) -> Path:
+        """Return the path that a URI names; a scene reads nothing outside of its own folder."""
+        name, folder = urllib.parse.unquote(uri), self.path.parent.resolve()
+        away = PureWindowsPath(name)  # which has a drive or a root wherever a POSIX path has one
+        if not away.drive and not away.root and ":" not in name and "\0" not in name:
+            target = (folder / name).resolve()
+            if target.is_relative_to(folder):
+                return target
+        raise InputError(
+            f"{what} is {uri[:200]!r}, which is not in the scene's folder; "
+            "put the file beside the scene and name it without a path",
             file=self.path,
         )
 
@@ -118,11 +146,11 @@ class GltfFile:
             needed = " or ".join(kinds)
             raise self.fault(what, f"needs {needed} in accessor {index}, which has {item['type']}")
         width, dtype = WIDTH[item["type"]], np.dtype(COMPONENT[item["componentType"]])
+        self.account.spend("numbers", item["count"] * width, what)
         if "bufferView" in item:
             values = self._elements(item, dtype, item["count"], width).copy()
-        elif item["count"] > MOST_ZEROS:
-            raise self.fault(what, f"has accessor {index} of {item['count']} rows without data")
         else:
+            self.account.spend("zeros", item["count"] * width, what)
             values = np.zeros((item["count"], width), dtype)
         if "sparse" in item:
             self._apply_sparse(item["sparse"], values)
@@ -152,12 +180,19 @@ class GltfFile:
     def image(self, index: int) -> NDArray[np.uint8]:
         """Return an image as (height, width, 4) uint8."""
         item = self.item("images", index)
+        what = f"image {item.get('name', index)!r}"
         data = (
-            self._fetch(item["uri"]) if "uri" in item else bytes(self.view(item["bufferView"])[0])
+            self._fetch(item["uri"], what)
+            if "uri" in item
+            else bytes(self.view(item["bufferView"])[0])
         )
         try:
-            with PillowImage.open(io.BytesIO(data)) as picture:
-                return np.asarray(picture.convert("RGBA"))
+            with warnings.catch_warnings():
+                # Pillow's own limit is lower than the budget, or not there.
+                warnings.simplefilter("ignore", PillowImage.DecompressionBombWarning)
+                return self._decoded(data, what)
+        except InputError:
+            raise
         except (
             SyntaxError,
             EOFError,
@@ -165,27 +200,40 @@ class GltfFile:
             PillowImage.DecompressionBombError,
             *STRUCTURE_ERRORS,
         ):
-            raise InputError(
-                f"image {item.get('name', index)!r} cannot be decoded; use PNG or JPEG",
-                file=self.path,
-            ) from None
+            raise InputError(f"{what} cannot be decoded; use PNG or JPEG", file=self.path) from None
+
+    def _decoded(self, data: bytes, what: str) -> NDArray[np.uint8]:
+        with PillowImage.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+            width, height = picture.size
+            most = self.account.budget.image_pixels
+            if width * height > most:
+                raise InputError(
+                    f"{what} is {width}x{height}, and {most} pixels are the most; make it smaller",
+                    file=self.path,
+                )
+            self.account.spend("pixels", width * height, what)
+            rgba = picture.convert("RGBA")
+        return np.asarray(rgba)
 
 
-def read_gltf_file(path: Path) -> GltfFile:
+def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
     """Read a .glb or .gltf file.
 
     Raises
     ------
     InputError
-        If the file is missing, is not glTF 2.0, or is cut off.
+        If the file is missing, is not glTF 2.0, is cut off, or costs more than the budget.
     """
+    account = Account(path, budget or SceneBudget())
     try:
+        account.spend("file_bytes", path.stat().st_size, "the file")
         data = path.read_bytes()
     except OSError as error:
         raise InputError(f"cannot be read ({error.strerror}); check the path", file=path) from None
     text, binary = _unpack_glb(data, path) if data[:4] == _GLB_MAGIC else (data, None)
+    account.spend("json_bytes", len(text), "the file")
     try:
-        root = json.loads(text.decode("utf-8-sig"))
+        root = json.loads(str(text, "utf-8-sig"))
     except ValueError:
         raise InputError("is not glTF: no GLB header and no JSON text", file=path) from None
     except RecursionError:
@@ -193,8 +241,9 @@ def read_gltf_file(path: Path) -> GltfFile:
         raise InputError(message, file=path) from None
     if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
         raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
+    account.spend("items", count_items(root), "the file")
     check_structure(root, path)
-    return GltfFile(path, root, binary)
+    return GltfFile(path, root, binary, account)
 
 
 def _version(root: dict[str, Any]) -> Any:
@@ -202,7 +251,7 @@ def _version(root: dict[str, Any]) -> Any:
     return asset.get("version") if isinstance(asset, dict) else None
 
 
-def _unpack_glb(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
+def _unpack_glb(data: bytes, path: Path) -> tuple[Bytes, Bytes | None]:
     """Return the JSON and binary chunks of a GLB container."""
     length = struct.unpack_from("<I", data, 8)[0] if len(data) >= 20 else None
     if length is None or len(data) < length:
@@ -210,11 +259,11 @@ def _unpack_glb(data: bytes, path: Path) -> tuple[bytes, bytes | None]:
             f"is cut off: {len(data)} of {length or 'at least 20'} bytes; copy or export it again",
             file=path,
         )
-    chunks: dict[int, bytes] = {}
+    chunks: dict[int, memoryview] = {}
     start = 12
     while start + 8 <= length:
         size, kind = struct.unpack_from("<II", data, start)
-        chunks.setdefault(kind, data[start + 8 : start + 8 + size])
+        chunks.setdefault(kind, memoryview(data)[start + 8 : start + 8 + size])
         start += 8 + size
     if _JSON_CHUNK not in chunks:
         raise InputError("has no JSON chunk; export it again", file=path)

@@ -33,7 +33,8 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     Nodes outside the default scene are not drawn; a side-car may name them as coarser
     levels of detail.
     """
-    _name_unsupported(file, unsupported)
+    unsupported.update(name for name in ("skins", "cameras") if file.items(name))
+    file.account.spend("nodes", len(file.items("nodes")), "the file")
     order = list(_walk(file))
     place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
     items = file.items("nodes")
@@ -41,6 +42,7 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
         _node(file.item("nodes", index), -1 if parent < 0 else place[parent], meshes, index)
         for index, parent in order
     ]
+    file.account.spend("draws", sum(len(node.mesh) for node in nodes), "the scene graph")
     animations = _animations(file, place, unsupported)
     moving = {channel.node for animation in animations for channel in animation.channels}
     marked = _mark_moving(nodes, moving)
@@ -53,19 +55,15 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     return marked, animations, lights, stand_ins
 
 
-def refuse_compressed(file: GltfFile) -> None:
-    """Raise InputError where the vertices can only be had with an extension that is not here."""
-    needed = sorted(_COMPRESSED & set(file.root.get("extensionsRequired", [])))
+def refuse_unknown(file: GltfFile) -> None:
+    """Raise InputError where the file needs an extension that is not here: it says so itself."""
+    needed = sorted(set(file.root.get("extensionsRequired", [])) - _HANDLED)
     if needed:
+        without = "mesh compression" if needed[0] in _COMPRESSED else "it"
         raise InputError(
-            f"needs {needed[0]}, which cannot be read; export it without mesh compression",
+            f"needs {needed[0]}, which cannot be read; export it without {without}",
             file=file.path,
         )
-
-
-def _name_unsupported(file: GltfFile, unsupported: set[str]) -> None:
-    unsupported.update(set(file.root.get("extensionsRequired", [])) - _HANDLED)
-    unsupported.update(name for name in ("skins", "cameras") if file.items(name))
 
 
 def _walk(file: GltfFile) -> Iterator[tuple[int, int]]:

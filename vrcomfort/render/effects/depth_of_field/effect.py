@@ -6,7 +6,7 @@ import moderngl
 
 from vrcomfort.geometry import Fov, Pose, focal_length_px
 from vrcomfort.protocol.conditions import DepthOfField, Focus
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 
 
@@ -35,7 +35,7 @@ class DepthOfFieldPass:
         infinity_m: float = Focus().infinity_m,
     ) -> None:
         self._size_px = size_px
-        self._defocus = Defocus(
+        self._coc = CocPasses(
             ctx,
             colour=colour,
             depth=depth,
@@ -44,24 +44,24 @@ class DepthOfFieldPass:
             size_px=size_px,
             infinity_m=infinity_m,
         )
-        self._kernel = make_kernel(ctx, colour, self._defocus, settings)
+        self._kernel = make_kernel(ctx, colour, self._coc, settings)
         self.target = self._kernel.target
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Blur the image that an eye with this frustum, near plane and place in the head drew."""
         focal_x, focal_y = focal_length_px(fov, self._size_px)
-        self._defocus.render(fov=fov, near_m=near_m, head_from_eye=head_from_eye)
+        self._coc.render(fov=fov, near_m=near_m, head_from_eye=head_from_eye)
         self._kernel.render(focal_y / focal_x)
 
     @property
     def limit_px(self) -> float:
         """Return the largest radius that the last eye could have."""
-        return self._defocus.limit_now_px
+        return self._coc.limit_now_px
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the largest radius has cut off so far, in words; waits for the GPU."""
-        return self._defocus.clamps()
+        return self._coc.clamps()
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        self._defocus.forget()
+        self._coc.forget()

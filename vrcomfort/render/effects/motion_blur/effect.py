@@ -10,7 +10,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX, ramp
 from vrcomfort.protocol.conditions import MotionBlur
-from vrcomfort.render.effects.motion_blur.streaks import Shutter, Streaks
+from vrcomfort.render.effects.motion_blur.tile_max import Shutter, TileMaxPass
 from vrcomfort.render.head_step import HeadStep
 
 WIDEST_STRIDE_PX = 4
@@ -53,7 +53,7 @@ class MotionBlurPass:
 
     Notes
     -----
-    The limit on half streaks alters what is seen. :meth:`longest_half_streak_px` says how long
+    The limit on half tile_max alters what is seen. :meth:`longest_half_velocity_px` says how long
     they would have been; what lies above ``limit_px`` was shortened.
     """
 
@@ -68,13 +68,13 @@ class MotionBlurPass:
         size_px: tuple[int, int],
     ) -> None:
         self._settings, self._colour = settings, colour
-        self._streaks = Streaks(ctx, velocity=velocity, settings=settings, size_px=size_px)
-        self.limit_px = self._streaks.limit_px
+        self._tile_max = TileMaxPass(ctx, velocity=velocity, settings=settings, size_px=size_px)
+        self.limit_px = self._tile_max.limit_px
         self._gather: _Reconstruction | FullscreenPass
         if settings.method == "reconstruction":
-            self._gather = _Reconstruction(ctx, colour, depth, self._streaks, settings)
+            self._gather = _Reconstruction(ctx, colour, depth, self._tile_max, settings)
         else:
-            self._gather = _per_pixel(ctx, colour, self._streaks, settings)
+            self._gather = _per_pixel(ctx, colour, self._tile_max, settings)
         self._copy = gl.copier(ctx)
         self.target = self._gather.target
 
@@ -99,15 +99,15 @@ class MotionBlurPass:
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._gather.render(self._streaks.render(scale))
+        self._gather.render(self._tile_max.render(scale))
 
-    def longest_half_streak_px(self) -> float:
+    def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._streaks.peak.read()
+        return self._tile_max.longest.read()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
-        longest_px = self.longest_half_streak_px()
+        longest_px = self.longest_half_velocity_px()
         if longest_px <= self.limit_px:
             return ()
         return (
@@ -124,70 +124,70 @@ class _Reconstruction:
         ctx: moderngl.Context,
         colour: moderngl.Texture,
         depth: moderngl.Texture,
-        streaks: Streaks,
+        tile_max: TileMaxPass,
         settings: MotionBlur,
     ) -> None:
-        tile: dict[str, int | float | str] = {"TILE": streaks.tile_px}
+        tile: dict[str, int | float | str] = {"TILE": tile_max.tile_px}
         samples = min(settings.samples, MOST_SAMPLES)
         stride_px = min(int(STREAK_OF_SAMPLES_PX / samples), WIDEST_STRIDE_PX)
-        self._neighbours = FullscreenPass(
+        self._dilate = FullscreenPass(
             ctx,
-            "motion_blur/streak_neighbours.frag",
-            size_px=streaks.tiles.size,
+            "motion_blur/tile_max_dilate.frag",
+            size_px=tile_max.target.size,
             inputs={
-                "tiles": streaks.tiles,
-                "tile_crossings": streaks.crossings,
-                "peak": streaks.peak.target,
+                "tile_max": tile_max.target,
+                "tile_max_crossing": tile_max.crossing,
+                "max_so_far": tile_max.longest.target,
             },
             more_components=(2,),
-            constants=_Limit(streaks.limit_px),
+            constants=_Limit(tile_max.limit_px),
             defines=tile,
         )
-        longest, crossing = self._neighbours.targets
+        longest, crossing = self._dilate.targets
         self._plain = FullscreenPass(
             ctx,
             "motion_blur/motion_blur.frag",
             size_px=colour.size,
-            inputs={"colour": colour, "velocity": streaks.velocity},
+            inputs={"colour": colour, "velocity": tile_max.velocity},
             filtered={"colour"},
             constants=_Taps(samples / STREAK_OF_SAMPLES_PX, samples // 2),
             defines={"CUBIC": 1} if settings.samples > MOST_SAMPLES else {},
         )
         self.target = self._plain.target
-        self._fronts = FullscreenPass(
+        self._foreground = FullscreenPass(
             ctx,
-            "motion_blur/motion_blur_fronts.frag",
+            "motion_blur/motion_blur_foreground.frag",
             size_px=colour.size,
             inputs={
                 "colour": colour,
-                "velocity": streaks.velocity,
+                "velocity": tile_max.velocity,
                 "depth": depth,
                 "longest": longest,
                 "crossing": crossing,
             },
             filtered={"colour"},
             constants=_Sampling(stride_px),
-            defines={**tile, "KIND": "MIXED", "POINT_PX": streaks.tile_px},
-            vertex="motion_blur/streak_tiles.vert",
+            defines={**tile, "CLASS": "MIXED", "POINT_PX": tile_max.tile_px},
+            vertex="motion_blur/motion_tiles_of_class.vert",
             tiles=longest.size,
             target=self.target,
         )
 
     def render(self, shutter: Shutter) -> None:
         """Blur along the present streaks."""
-        self._neighbours.render()
+        self._dilate.render()
         self._plain.render(shutter)
-        self._fronts.render(shutter)
+        self._foreground.render(shutter)
 
 
 def _per_pixel(
-    ctx: moderngl.Context, colour: moderngl.Texture, streaks: Streaks, settings: MotionBlur
+    ctx: moderngl.Context, colour: moderngl.Texture, tile_max: TileMaxPass, settings: MotionBlur
 ) -> FullscreenPass:
     return FullscreenPass(
         ctx,
         "motion_blur/motion_blur_per_pixel.frag",
         size_px=colour.size,
-        inputs={"colour": colour, "velocity": streaks.velocity},
+        inputs={"colour": colour, "velocity": tile_max.velocity},
         filtered={"colour"},
         defines={"SAMPLES": settings.samples},
     )

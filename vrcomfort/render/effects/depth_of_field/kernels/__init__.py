@@ -9,21 +9,21 @@ import moderngl
 
 from vrcomfort.optics.view_points import FEW
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import BlurKernel
 from vrcomfort.render.effects.depth_of_field.kernels.mip import MipKernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson12 import Poisson12Kernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson15_near import Poisson15NearKernel
-from vrcomfort.render.effects.depth_of_field.kernels.rings import VrcomfortKernel
+from vrcomfort.render.effects.depth_of_field.kernels.ring_gather import RingGatherKernel
 from vrcomfort.render.effects.depth_of_field.kernels.scatter import ScatterKernel
 from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
-from vrcomfort.render.effects.depth_of_field.kernels.taps import TapsKernel
+from vrcomfort.render.effects.depth_of_field.kernels.tap_gather import TapGatherKernel
 
 __all__ = ["BlurKernel", "make_kernel"]
 
-_Maker = Callable[[moderngl.Context, moderngl.Texture, Defocus, DepthOfField], BlurKernel]
+_Maker = Callable[[moderngl.Context, moderngl.Texture, CocPasses, DepthOfField], BlurKernel]
 _KERNELS: dict[Kernel, _Maker] = {
-    "vrcomfort": VrcomfortKernel,
+    "vrcomfort": RingGatherKernel,
     "scatter": ScatterKernel,
     "poisson12": Poisson12Kernel,
     "poisson15_near": Poisson15NearKernel,
@@ -33,7 +33,7 @@ _KERNELS: dict[Kernel, _Maker] = {
 
 
 def make_kernel(
-    ctx: moderngl.Context, colour: moderngl.Texture, defocus: Defocus, settings: DepthOfField
+    ctx: moderngl.Context, colour: moderngl.Texture, coc: CocPasses, settings: DepthOfField
 ) -> BlurKernel:
     """Return the kernel that `settings` name, reading `colour` and the points of `defocus`.
 
@@ -41,12 +41,12 @@ def make_kernel(
     that `lens_views.blur_of_one_view` has limited to small discs.
     """
     if settings.kernel == "vrcomfort" and settings.taps is not None:
-        return TapsKernel(ctx, colour, defocus, settings.taps)
-    if _small(settings, defocus):
-        return SmallDiscsKernel(ctx, defocus)
-    return _KERNELS[settings.kernel](ctx, colour, defocus, settings)
+        return TapGatherKernel(ctx, colour, coc, settings.taps)
+    if _small(settings, coc):
+        return SmallDiscsKernel(ctx, coc)
+    return _KERNELS[settings.kernel](ctx, colour, coc, settings)
 
 
-def _small(settings: DepthOfField, defocus: Defocus) -> bool:
+def _small(settings: DepthOfField, coc: CocPasses) -> bool:
     many = settings.kernel == "vrcomfort" and settings.views >= FEW
-    return many and defocus.limit_px <= WIDEST_PX
+    return many and coc.limit_px <= WIDEST_PX

@@ -10,7 +10,7 @@ import moderngl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import pyramid
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 
 
 class _Size(NamedTuple):
@@ -18,7 +18,7 @@ class _Size(NamedTuple):
 
 
 class MipKernel:
-    """Trick three of "Four Tricks for Fast Blurring", 2001 (``mip_half.frag``, ``mip.frag``).
+    """Trick three of "Four Tricks for Fast Blurring", 2001 (``mip_downsample.frag``, ``mip.frag``).
 
     Parameters
     ----------
@@ -37,22 +37,25 @@ class MipKernel:
         self,
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
-        defocus: Defocus,
+        coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
         *,
         slices: bool = False,
     ) -> None:
-        levels = pyramid.levels(defocus.limit_px)
+        levels = pyramid.levels(coc.limit_px)
         self._halves: list[FullscreenPass] = []
-        source = defocus.points
+        source = coc.colour_and_coc
         for level in range(1, levels + 1):
-            self._halves.append(_half(ctx, source, level, defocus.size_px))
+            self._halves.append(_half(ctx, source, level, coc.size_px))
             source = self._halves[-1].target
         self._shown = FullscreenPass(
             ctx,
             "depth_of_field/mip.frag",
-            size_px=defocus.size_px,
-            inputs={"points": defocus.points, "levels": [half.target for half in self._halves]},
+            size_px=coc.size_px,
+            inputs={
+                "colour_and_coc": coc.colour_and_coc,
+                "levels": [half.target for half in self._halves],
+            },
             filtered={"levels"},
             defines={"LEVELS": levels} | ({"SLICES": 1} if slices else {}),
         )
@@ -71,7 +74,7 @@ def _half(
     width, height = size_px
     return FullscreenPass(
         ctx,
-        "depth_of_field/mip_half.frag",
+        "depth_of_field/mip_downsample.frag",
         size_px=(ceil(width / 2**level), ceil(height / 2**level)),
         inputs={"source": source},
         constants=_Size(size_px),

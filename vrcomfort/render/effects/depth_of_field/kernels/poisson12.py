@@ -9,9 +9,9 @@ import numpy as np
 
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics import gathering
+from vrcomfort.optics import poisson_taps
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
 
@@ -34,20 +34,20 @@ class Poisson12Kernel:
         self,
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
-        defocus: Defocus,
+        coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
     ) -> None:
-        taps = gathering.POISSON_12.astype(np.float32)
-        turns = gathering.rotations().astype(np.float32)
+        taps = poisson_taps.POISSON_12.astype(np.float32)
+        turns = poisson_taps.rotations().astype(np.float32)
         rotations = gl.color_texture(ctx, turns.shape[1::-1], components=2, dtype="f4")
         rotations.write(turns.tobytes())
         self._pass = FullscreenPass(
             ctx,
             "depth_of_field/poisson12.frag",
-            size_px=defocus.size_px,
-            inputs={"points": defocus.points, "rotations": rotations},
-            filtered={"points"},
-            constants=_Constants(taps.tobytes(), defocus.limit_px),
+            size_px=coc.size_px,
+            inputs={"colour_and_coc": coc.colour_and_coc, "rotations": rotations},
+            filtered={"colour_and_coc"},
+            constants=_Constants(taps.tobytes(), coc.limit_px),
             defines={"TAPS": len(taps)},
         )
         self.target = self._pass.target

@@ -9,9 +9,9 @@ import moderngl
 import numpy as np
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics import gathering
+from vrcomfort.optics import poisson_taps
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
 
@@ -34,27 +34,27 @@ class Poisson15NearKernel:
         self,
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
-        defocus: Defocus,
+        coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
     ) -> None:
-        width, height = defocus.size_px
-        cell = {"CELL": 2**gathering.NEAR_LEVEL}
+        width, height = coc.size_px
+        cell = {"CELL": 2**poisson_taps.NEAR_LEVEL}
         self._near_mean = FullscreenPass(
             ctx,
             "depth_of_field/poisson15_near_mean.frag",
             size_px=(ceil(width / cell["CELL"]), ceil(height / cell["CELL"])),
-            inputs={"points": defocus.points},
+            inputs={"colour_and_coc": coc.colour_and_coc},
             defines=cell,
             components=1,
         )
-        taps = gathering.POISSON_15.astype(np.float32)
+        taps = poisson_taps.POISSON_15.astype(np.float32)
         self._gather = FullscreenPass(
             ctx,
             "depth_of_field/poisson15_near.frag",
-            size_px=defocus.size_px,
-            inputs={"points": defocus.points, "near_mean": self._near_mean.target},
-            filtered={"near_mean", "points"},
-            constants=_Constants(taps.tobytes(), defocus.limit_px),
+            size_px=coc.size_px,
+            inputs={"colour_and_coc": coc.colour_and_coc, "near_mean": self._near_mean.target},
+            filtered={"near_mean", "colour_and_coc"},
+            constants=_Constants(taps.tobytes(), coc.limit_px),
             defines={"TAPS": len(taps), **cell},
         )
         self.target = self._gather.target

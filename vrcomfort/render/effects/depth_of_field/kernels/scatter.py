@@ -7,7 +7,7 @@ import moderngl
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.protocol.conditions import DepthOfField
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 
 TALLEST_PIXEL = 1.5
 """No headset's pixels are narrower than this, height over width."""
@@ -25,33 +25,33 @@ class ScatterKernel:
     colour: a blurred front spreads over a sharp back with opacity A / (1 + A) instead of A, and a
     blurred back leaks over a sharp front just as much. Sharp pixels never spread.
 
-    The cost is the sum of the areas of all discs, each at most that of `Defocus.limit_px`.
+    The cost is the sum of the areas of all discs, each at most that of `CocPasses.limit_px`.
     """
 
     def __init__(
         self,
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
-        defocus: Defocus,
+        coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the algorithm has no further numbers
     ) -> None:
         self._ctx = ctx
-        self._points = defocus.points
-        shares = gl.color_texture(ctx, defocus.size_px, dtype="f4")
+        self._colour_and_coc = coc.colour_and_coc
+        shares = gl.color_texture(ctx, coc.size_px, dtype="f4")
         self._framebuffer = ctx.framebuffer([shares])
         self._scope = ctx.scope(self._framebuffer, moderngl.BLEND | moderngl.PROGRAM_POINT_SIZE)
-        widest_px = 2 * (TALLEST_PIXEL * (defocus.limit_px + 0.5) + 1)
+        widest_px = 2 * (TALLEST_PIXEL * (coc.limit_px + 0.5) + 1)
         self._fits_points = widest_px <= ctx.info["GL_POINT_SIZE_RANGE"][1]
         defines = {} if self._fits_points else {"SQUARES": 1}
         program = shaders.program(
             ctx, "depth_of_field/scatter.frag", "depth_of_field/scatter.vert", defines
         )
-        program["points"] = 0
+        program["colour_and_coc"] = 0
         self._sprites = ctx.vertex_array(program, [])
         self._mean = FullscreenPass(
             ctx,
             "depth_of_field/scatter_mean.frag",
-            size_px=defocus.size_px,
+            size_px=coc.size_px,
             inputs={"shares": shares},
         )
         self.target = self._mean.target
@@ -60,9 +60,9 @@ class ScatterKernel:
         """Blur the present points."""
         self._sprites.program["pixel_aspect"] = pixel_aspect
         self._framebuffer.clear()
-        self._points.use(0)
+        self._colour_and_coc.use(0)
         self._ctx.blend_func = moderngl.ONE, moderngl.ONE
-        pixels = self._points.width * self._points.height
+        pixels = self._colour_and_coc.width * self._colour_and_coc.height
         with self._scope:
             if self._fits_points:
                 self._sprites.render(moderngl.POINTS, vertices=pixels)

@@ -4,35 +4,42 @@ from __future__ import annotations
 
 import moderngl
 
-from vrcomfort.optics.tile_kinds import Bounds
-from vrcomfort.render.effects.depth_of_field.circle_of_confusion import Defocus
+from vrcomfort.optics.tile_classes import TapBounds, TapTile
+from vrcomfort.optics.tile_classes import defines as class_defines
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
-from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import make_reach_pass
+from vrcomfort.render.effects.depth_of_field.kernels.tile_passes import make_dilation_pass
 
 OWN, AROUND = "b", "a"
-"""Channels of :attr:`TapTiles.kinds`: a tile's own kind, and those of all that read it."""
+"""Channels of :attr:`TapTiles.classes`: a tile's own class, and those of all that read it."""
 
 
 class TapTiles:
-    """What may reach each tile (``tap_reach.frag``), and whose programs read it."""
+    """What may reach each tile (``classify_tap_tiles.frag``), and whose programs read it."""
 
-    def __init__(self, ctx: moderngl.Context, defocus: Defocus, bounds: Bounds) -> None:
-        tiles = {"tiles": defocus.tiles}
-        self._reach = make_reach_pass(
-            ctx, defocus, "depth_of_field/tap_reach.frag", tiles, defines=_defines(bounds)
+    def __init__(self, ctx: moderngl.Context, coc: CocPasses, bounds: TapBounds) -> None:
+        tiles = {"tile_min_max": coc.tile_min_max}
+        self._dilate = make_dilation_pass(
+            ctx, coc, "depth_of_field/classify_tap_tiles.frag", tiles, defines=_defines(bounds)
         )
-        reach = {"reach": self._reach.target}
-        self._around = make_reach_pass(ctx, defocus, "depth_of_field/tap_around.frag", reach)
-        self.kinds = self._around.target
-        """r, g: range of radii that may matter in the tile; kinds in `OWN` and `AROUND`."""
+        dilated = {"dilated": self._dilate.target}
+        self._around = make_dilation_pass(
+            ctx, coc, "depth_of_field/dilate_tile_classes.frag", dilated
+        )
+        self.classes = self._around.target
+        """r, g: range of radii that may matter in the tile; classes in `OWN` and `AROUND`."""
 
     def render(self, pixel_aspect: float) -> None:
         """Sort the tiles of the last eye."""
-        self._reach.render(Aspect(pixel_aspect))
+        self._dilate.render(Aspect(pixel_aspect))
         self._around.render(Aspect(pixel_aspect))
 
 
-def _defines(bounds: Bounds) -> dict[str, float | str]:
-    """Return them for ``tap_reach.frag``."""
+def _defines(bounds: TapBounds) -> dict[str, float | str]:
+    """Return them for ``classify_tap_tiles.frag``."""
     radii = {name.upper(): each for name, each in bounds._asdict().items() if "px" in name}
-    return {**radii, "FINE_READS": "true" if bounds.fine_reads else "false"}
+    return {
+        **class_defines(TapTile),
+        **radii,
+        "FINE_READS": "true" if bounds.fine_reads else "false",
+    }

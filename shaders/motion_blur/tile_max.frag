@@ -1,0 +1,79 @@
+#version 450 core
+// The longest half velocity of each tile (McGuire et al. 2012, TileMax), the one that crosses it, and
+// how steep streaks change.
+//
+// Input:  ROWS: velocity, of which a texel sums up TILE columns of ROWS rows; else source: the
+//         result of that, of which a texel sums up STRIPS.
+// Output: tile_max: xy = longest half velocity in the tile, px, without the limit; z = length of the
+//         shortest; w = steepness: the most by which half velocities of two pixels side by side
+//         differ.
+//         crossing = the half velocity whose end lies farthest beside the longest one's line, px,
+//         without the limit; rows where streaks nowhere jump are not asked. A slow thing before a
+//         faster back may have no tile of its own in which it is the longest.
+#include "velocity.glsl"
+#include "motion_tile_classes.glsl"
+
+layout(location = 0) out vec4 tile_max;
+layout(location = 1) out vec2 crossing;
+
+#ifdef ROWS
+#include "half_velocity.glsl"
+
+ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(TILE, ROWS);
+ivec2 last = textureSize(velocity, 0) - 1;
+
+vec2 at(int x, int y) {
+    return velocity_at(clamp(first + ivec2(x, y), ivec2(0), last));
+}
+
+float squared(vec2 v) {
+    return dot(v, v);
+}
+
+// Each pixel is compared with those to its left and above it.
+void main() {
+    vec2 left[ROWS];
+    for (int y = 0; y < ROWS; ++y)
+        left[y] = at(-1, y);
+    vec2 longest = vec2(0.0);
+    float least = 1e30, steepest = 0.0;
+    for (int x = 0; x < TILE; ++x) {
+        vec2 above = at(x, 0);
+        for (int y = 0; y < ROWS; ++y) {
+            vec2 v = above;
+            above = at(x, y + 1);
+            longest = squared(v) > squared(longest) ? v : longest;
+            least = min(least, squared(v));
+            steepest = max(steepest, max(squared(above - v), squared(left[y] - v)));
+            left[y] = v;
+        }
+    }
+    tile_max = 0.5 * shutter_fraction * vec4(longest, sqrt(least), sqrt(steepest));
+    crossing = vec2(0.0);
+    // One loop: a software rasteriser leaves it at once where nothing jumps.
+    for (int i = tile_max.w > jump_px(tile_max.z) ? 0 : TILE * ROWS; i < TILE * ROWS; ++i)
+        crossing = farther_beside(tile_max.xy, crossing, at(i % TILE, i / TILE));
+    crossing *= 0.5 * shutter_fraction;
+}
+#else
+uniform sampler2D source;
+uniform sampler2D source_crossing;
+
+void main() {
+    ivec2 first = ivec2(gl_FragCoord.xy) * ivec2(1, STRIPS);
+    int last = textureSize(source, 0).y - 1;
+    tile_max = texelFetch(source, first, 0);
+    for (int i = 1; i < STRIPS; ++i) {
+        vec4 s = texelFetch(source, ivec2(first.x, min(first.y + i, last)), 0);
+        tile_max.xy = dot(s.xy, s.xy) > dot(tile_max.xy, tile_max.xy) ? s.xy : tile_max.xy;
+        tile_max.z = min(tile_max.z, s.z);
+        tile_max.w = max(tile_max.w, s.w);
+    }
+    crossing = vec2(0.0);
+    for (int i = 0; i < STRIPS; ++i) {
+        ivec2 strip = ivec2(first.x, min(first.y + i, last));
+        crossing = farther_beside(tile_max.xy, crossing, texelFetch(source, strip, 0).xy);
+        crossing = farther_beside(tile_max.xy, crossing, texelFetch(source_crossing, strip, 0).xy);
+    }
+}
+#endif

@@ -1,0 +1,76 @@
+#version 450 core
+// What can reach a tile (McGuire et al. 2012, NeighborMax): of the half velocities around it that are
+// long enough to come here, the longest and the one that crosses it.
+//
+// Input:  tile_max, tile_max_crossing (tile_max.frag); max_so_far = the longest half velocity of all frames
+//         so far, which says how far one has to look.
+// Output: longest: xy = longest half velocity that reaches this tile, at most radius_limit_px;
+//         z = which pass the tile needs (motion_tile_classes.glsl); w = steepness of the steepest tile
+//         within that reach.
+//         crossing: in tiles of class MIXED, of the half velocities that reach the tile the one whose
+//         end lies farthest beside the longest one's line, at most radius_limit_px; 0 where it
+//         does not go clearly another way (motion_tile_classes.glsl, crosses).
+#include "velocity.glsl"
+#include "motion_tile_classes.glsl"
+
+uniform sampler2D tile_max;
+uniform sampler2D tile_max_crossing;
+uniform sampler2D max_so_far;
+uniform float radius_limit_px;
+
+layout(location = 0) out vec4 longest;
+layout(location = 1) out vec2 crossing;
+
+ivec2 tile = ivec2(gl_FragCoord.xy);
+ivec2 last = textureSize(tile_max, 0) - 1;
+
+// Pixels between this tile and the one `step` away: 0 for neighbours.
+float gap_px(ivec2 step) {
+    return float(max(max(abs(step.x), abs(step.y)) - 1, 0) * TILE);
+}
+
+// How many tiles away a half velocity may begin and come here.
+int rings(float reach_px) {
+    return int(min(reach_px, radius_limit_px)) / TILE + 1;
+}
+
+ivec2 place(ivec2 step) {
+    return clamp(tile + step, ivec2(0), last);
+}
+
+vec4 at(ivec2 step) {
+    return texelFetch(tile_max, place(step), 0);
+}
+
+// A half velocity of the tile that is `step` away, shortened; 0 where it does not come here.
+vec2 reaching(vec2 half_velocity, ivec2 step) {
+    vec2 s = shorten(half_velocity, radius_limit_px);
+    return length(s) >= gap_px(step) ? s : vec2(0.0);
+}
+
+void main() {
+    vec2 around = vec2(0.0);
+    int far = rings(texelFetch(max_so_far, ivec2(0), 0).r);
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x) {
+            vec2 s = reaching(at(ivec2(x, y)).xy, ivec2(x, y));
+            around = dot(s, s) > dot(around, around) ? s : around;
+        }
+    float steepness = 0.0;
+    far = rings(length(around));
+    for (int y = -far; y <= far; ++y)
+        for (int x = -far; x <= far; ++x)
+            steepness = max(steepness, at(ivec2(x, y)).w);
+    longest = vec4(around, class_of(around, at(ivec2(0)).z, steepness), steepness);
+    crossing = vec2(0.0);
+    for (bool mixed = longest.z == MIXED; mixed; mixed = false)
+        for (int y = -far; y <= far; ++y)
+            for (int x = -far; x <= far; ++x) {
+                ivec2 step = ivec2(x, y);
+                vec2 second = texelFetch(tile_max_crossing, place(step), 0).xy;
+                crossing = farther_beside(around, crossing, reaching(at(step).xy, step));
+                crossing = farther_beside(around, crossing, reaching(second, step));
+            }
+    if (!crosses(crossing, around))
+        crossing = vec2(0.0);
+}

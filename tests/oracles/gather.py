@@ -1,0 +1,116 @@
+"""Who is in front of whom where discs are gathered: told by signed radii, which order depth.
+
+NumPy twins, in float64, of ``shaders/include/gather.glsl``; of `margin_px`, `nearer` and `is_alike`
+in ``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds
+are ours.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tests.oracles.circle_of_confusion import disc_area_px
+from vrcomfort.geometry import Array
+from vrcomfort.optics.circle_of_confusion import disc_weight
+
+RIM_PX = math.sqrt(20 / 12)
+"""A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
+
+
+def margin_px(radius_px: ArrayLike, /) -> Array:
+    """Return how much nearer, in radius, another point must be to be a surface of its own.
+
+    Well above the rounding of half floats; a slanted surface stays one.
+    """
+    return np.maximum(0.125, 0.05 * np.abs(np.asarray(radius_px, dtype=np.float64)))
+
+
+def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
+    """Return 0 where the other point is on the same surface or behind, up to 1 where it is nearer.
+
+    It grows between one margin and two.
+    """
+    radius, other = (np.asarray(each, dtype=np.float64) for each in (radius_px, other_px))
+    return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
+
+
+def is_alike(
+    radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, margins: float, /
+) -> NDArray[np.bool_]:
+    """Return whether all that may reach a point is about as blurred as it.
+
+    Parameters
+    ----------
+    least_px, greatest_px
+        Signed radii within reach.
+    margins
+        How far apart these may be. Within one there is no front; within 1.5 the rims do not show
+        where discs are wide.
+    """
+    apart = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
+    return np.asarray(apart <= margins * margin_px(radius_px))
+
+
+def slack_px(radius_px: ArrayLike, /) -> Array:
+    """Return how much another radius may differ to count in full as one of this point's surface.
+
+    0 where the point is sharp, so that nothing but itself is seen at it.
+    """
+    radius = np.abs(np.asarray(radius_px, dtype=np.float64))
+    return np.minimum(margin_px(radius), np.maximum(radius - 0.5, 0.0))
+
+
+def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
+    """Return how many rings, `spacing_px` apart, a disc takes: from 1 to `most`."""
+    rings = np.ceil(np.asarray(disc_px, dtype=np.float64) / spacing_px - 0.5)
+    return np.asarray(np.clip(rings, 1, most))
+
+
+def grid_radius_px(radius_px: ArrayLike, /) -> Array:
+    """Return the (...,) radius at which :func:`disc_share` comes closest to a lens.
+
+    Notes
+    -----
+    From 1 px on, 0.02 px less than the radius would give the area that a disc around a pixel's
+    middle shares with each pixel: the best there is if pixels are squares of one colour. A lens
+    sees what pixels are means of, and its image is averaged over pixels once, not twice: discs
+    0.04 to 0.12 px narrower are closer to that. 0.05 px less is close to both. Near 0.5 px, where
+    the image must be left as it is, nothing of the disc may be on the next pixel.
+    """
+    radius = np.asarray(radius_px, dtype=np.float64)
+    return np.minimum(radius - 0.05, 1 - RIM_PX / 2 + 3 * (radius - 0.5))
+
+
+def disc_share(away_px: ArrayLike, grid_radius: ArrayLike, /) -> Array:
+    """Return π times the part of a disc's light that lands on a square pixel of its plane.
+
+    Parameters
+    ----------
+    grid_radius
+        :func:`grid_radius_px` of the disc's radius.
+    """
+    radius = np.asarray(grid_radius, dtype=np.float64)
+    inside = np.clip((radius - np.asarray(away_px)) / RIM_PX + 0.5, 0, 1)
+    share: Array = inside**2 * (3 - 2 * inside) / (radius**2 + 1 / 12)
+    return share
+
+
+def foreground_opacity(
+    away_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike, area_px: ArrayLike, /
+) -> Array:
+    """Return the share of a nearer point's light that lands where its disc covers another point.
+
+    Parameters
+    ----------
+    away_px
+        Between the two points.
+    area_px
+        Of the image, in square pixels, that the nearer point stands for.
+    """
+    radius, softness = (np.asarray(each, dtype=np.float64) for each in (radius_px, softness_px))
+    area = np.asarray(area_px, dtype=np.float64)
+    opacity: Array = disc_weight(away_px, radius, softness) * area / disc_area_px(radius, softness)
+    return opacity

@@ -1,0 +1,193 @@
+"""Motion on the image: velocity, shutter and streaks.
+
+NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``motion_tile_classes.glsl``, and
+of the taps of ``shaders/motion_blur/motion_blur.frag``. Thresholds are ours.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vrcomfort.geometry import Array
+from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX
+
+SPEED_LIMIT_PX = 16_384.0
+"""No velocity is longer than this, so that half floats hold it; far above every streak limit."""
+
+
+BEHIND = 1e-3
+"""Least ratio of previous to present distance: what was behind the eye came from its rim."""
+
+
+LEAST_W = 1e-6
+"""Least present distance: the rims of triangles are interpolated past the eye."""
+
+
+LEAST_PX = 0.25
+"""Half velocities below this are left alone: half a pixel in all."""
+
+
+def velocity_px(clip_now: ArrayLike, clip_before: ArrayLike, /, size_px: tuple[int, int]) -> Array:
+    """Return (..., 2) pixels per frame, now minus before, +x right and +y up.
+
+    Parameters
+    ----------
+    clip_now, clip_before
+        (..., 4) clip coordinates of one surface point; `clip_now` is in front of the eye (w > 0).
+
+    Notes
+    -----
+    A point whose previous w is not positive was behind the eye, where a projection means nothing:
+    w is held at a small part of the present one, which keeps the direction and makes the speed
+    large; :data:`SPEED_LIMIT_PX` bounds it.
+    """
+    now = np.asarray(clip_now, dtype=np.float64)
+    before = np.asarray(clip_before, dtype=np.float64)
+    w_now = np.maximum(now[..., 3:], LEAST_W)
+    w_before = np.maximum(before[..., 3:], BEHIND * w_now)
+    half_size = np.array(size_px, dtype=np.float64) / 2
+    velocity = (now[..., :2] / w_now - before[..., :2] / w_before) * half_size
+    return shorten(velocity, SPEED_LIMIT_PX)
+
+
+def shorten(vector: ArrayLike, limit: float, /) -> Array:
+    """Return (..., 2) vectors no longer than `limit`, their direction kept; zero stays zero."""
+    array = np.asarray(vector, dtype=np.float64)
+    length = np.linalg.norm(array, axis=-1, keepdims=True)
+    shortened: Array = array * (limit / np.maximum(length, limit))
+    return shortened
+
+
+def half_velocity_px(
+    velocity: ArrayLike, /, *, shutter_fraction: float, radius_limit_px: float
+) -> Array:
+    """Return (..., 2): how far a point moves from the middle of the shutter's opening to its end.
+
+    The shutter is open for `shutter_fraction` of the frame period, centred on the frame's pose, so
+    a streak reaches this far to both sides. Longer ones are shortened to `radius_limit_px`.
+    """
+    reach = np.asarray(velocity, dtype=np.float64) * (shutter_fraction / 2)
+    return shorten(reach, radius_limit_px)
+
+
+def time_over(k: ArrayLike, reach: ArrayLike, /) -> Array:
+    """Return how long a streak from -reach to +reach px is over a pixel `k` px away.
+
+    In px of its way, where the image between pixels is interpolated linearly: the integral of a
+    tent around `k`. Over all pixels it sums to 2 `reach`.
+    """
+    middle, ends = np.asarray(k, dtype=np.float64), np.asarray(reach, dtype=np.float64)
+    over: Array = _tent_integral(middle + ends) - _tent_integral(middle - ends)
+    return over
+
+
+def _tent_integral(x: Array) -> Array:
+    beyond = 0.5 * (1 - np.minimum(np.abs(x), 1)) ** 2
+    return np.where(x < 0, beyond, 1 - beyond)
+
+
+class StreakTaps(NamedTuple):
+    """Where a streak is sampled, to both sides of its pixel."""
+
+    own: float
+    """Weight of the pixel itself."""
+    at_px: Array
+    """Distances of the taps, px along the longer axis of the image."""
+    weight: float
+    """Of each of them; all weights together are the length of the streak."""
+
+
+def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
+    """Return how ``shaders/motion_blur/motion_blur.frag`` averages along half a streak.
+
+    Parameters
+    ----------
+    reach_px
+        Of the half velocity, along the longer axis of the image; more than 0.
+    samples
+        As in ``MotionBlur.samples``: on a streak of :data:`STREAK_OF_SAMPLES_PX`.
+    """
+    along, beyond_px = min(samples, MOST_SAMPLES), reach_px - 0.5
+    own = float(time_over(0.0, reach_px))
+    few = min(ceil(beyond_px / 2), along // 2)
+    count = max(few, ceil(beyond_px * along / STREAK_OF_SAMPLES_PX), 1)
+    part_px = (reach_px - own / 2) / count
+    first_px = 0.75 if reach_px < 1 else 0.5 + part_px / 2
+    at_px: Array = first_px + part_px * np.arange(count, dtype=np.float64)
+    return StreakTaps(own, at_px, part_px)
+
+
+def tolerance_px(half_velocity_px: ArrayLike, /) -> Array:
+    """Return by how much another half velocity may differ and still count as moving along."""
+    tolerance: Array = 0.25 + 0.1 * np.asarray(half_velocity_px, dtype=np.float64)
+    return tolerance
+
+
+def jump_px(half_velocity_px: ArrayLike, /) -> Array:
+    """Return by how much half velocities of two pixels side by side may differ in one thing."""
+    jump: Array = 0.5 + 0.1 * np.asarray(half_velocity_px, dtype=np.float64)
+    return jump
+
+
+def moves_alike(around: ArrayLike, /, *, shortest_px: float, steepness_px: float) -> bool:
+    """Return whether a tile in which something moves needs no look at who hides whom.
+
+    Twin of ``class_of`` in ``shaders/include/motion_tile_classes.glsl``. Things pass each other
+    where half velocities jump; where they change slowly, all that a pixel sees moves along with it.
+
+    Parameters
+    ----------
+    around
+        (2,) longest half velocity that reaches the tile, px.
+    shortest_px, steepness_px
+        Length of the tile's shortest half velocity, and the most by which half velocities of two
+        pixels side by side differ within reach.
+    """
+    return bool(np.linalg.norm(around) >= LEAST_PX and steepness_px <= jump_px(shortest_px))
+
+
+def beside_px(half_velocity: ArrayLike, line: ArrayLike, /) -> Array:
+    """Return (...,): how far the ends of (..., 2) half velocities lie beside (..., 2) lines."""
+    length = np.linalg.norm(np.asarray(line, dtype=np.float64), axis=-1)
+    beside: Array = np.abs(_cross(half_velocity, line)) / np.maximum(length, 1e-6)
+    return beside
+
+
+def crosses(half_velocity: ArrayLike, line: ArrayLike, /) -> NDArray[np.bool_]:
+    """Return (...,): whether half velocities go clearly another way than lines: 11.5° or more.
+
+    Fronts that cross the longest streak of a tile are looked for along a line of their own.
+    """
+    length = np.linalg.norm(np.asarray(half_velocity, dtype=np.float64), axis=-1)
+    return np.asarray(beside_px(half_velocity, line) > LEAST_PX + 0.2 * length)
+
+
+def share_along(half_velocity: ArrayLike, line: ArrayLike, other: ArrayLike, /) -> Array:
+    """Return (...,): the share of a front that counts along `line`, not along `other`.
+
+    Parameters
+    ----------
+    half_velocity
+        (..., 2), of the front.
+    line, other
+        (..., 2), of any length and in either sense; `other` is (0, 0) where there is only one.
+
+    Notes
+    -----
+    The shares along two lines are as the squares of the cotangents of the front's angles to them,
+    and make 1: what goes along a line counts there only, what goes at right angles to it does not.
+    """
+    u, first, second = (np.asarray(v, dtype=np.float64) for v in (half_velocity, line, other))
+    here = np.sum(u * first, axis=-1) * _cross(u, second)
+    there = np.sum(u * second, axis=-1) * _cross(u, first)
+    return np.where(there == 0, 1.0, here**2 / np.maximum(here**2 + there**2, 1e-30))
+
+
+def _cross(a: ArrayLike, b: ArrayLike) -> Array:
+    u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    product: Array = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return product

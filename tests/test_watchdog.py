@@ -1,0 +1,157 @@
+"""A runtime that hangs is told, and Ctrl-C is answered while the main thread is deaf in C."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from vrcomfort.headset.watchdog import RuntimeCalls, Watchdog
+
+DEAF = """
+import ctypes, sys
+from pathlib import Path
+from vrcomfort.headset.watchdog import RUNTIME_CALLS, Watchdog
+
+libc = ctypes.CDLL(None)
+mutex = ctypes.create_string_buffer(64)
+
+def say(sentence):
+    print(sentence, flush=True)
+
+def hang(name):
+    RUNTIME_CALLS.begin(name)
+    libc.pthread_mutex_lock(mutex)  # the second time it waits for ever, and heeds no signal
+
+libc.pthread_mutex_lock(mutex)
+with Watchdog(say, notice_s=0.3, patience_s=float(sys.argv[2])) as watchdog:
+    watchdog.last_acts.append(lambda: Path("last").write_text("done"))
+    with watchdog.guard(lambda: Path("closed").write_text("by " + sys.argv[1])):
+        if sys.argv[1] == "session":
+            hang("xrWaitFrame")
+    hang("xrDestroySession")
+"""
+
+
+def start(folder: Path, where: str, patience_s: float = 60.0) -> subprocess.Popen[str]:
+    command = [sys.executable, "-c", DEAF, where, str(patience_s)]
+    environment = {"PYTHONPATH": str(Path(__file__).parent.parent)}
+    return subprocess.Popen(
+        command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        text=True,
+    )  # fmt: skip
+
+
+def said_of(process: subprocess.Popen[str]) -> str:
+    said, wrong = process.communicate(timeout=20)
+    assert wrong == ""
+    return said
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the client hangs by POSIX means")
+def test_ctrl_c_closes_the_records_while_the_main_thread_hangs(tmp_path: Path) -> None:
+    process = start(tmp_path, "session")
+    assert process.stdout
+    line = process.stdout.readline()
+    assert "has not answered xrWaitFrame for 0.3 s" in line
+    assert "Ctrl-C ends the session and closes its records" in line
+    assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    assert said_of(process) == "stopped; all that was recorded is kept\n"
+    assert process.returncode == 130
+    assert (tmp_path / "closed").read_text() == "by session"
+    assert (tmp_path / "last").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the client hangs by POSIX means")
+def test_a_hung_runtime_is_given_up_when_patience_is_over(tmp_path: Path) -> None:
+    process = start(tmp_path, "session", patience_s=0.5)
+    assert "has not answered xrWaitFrame" in said_of(process)
+    assert process.returncode == 3
+    assert (tmp_path / "closed").exists()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the client hangs by POSIX means")
+def test_after_the_records_are_closed_nobody_waits_for_a_hung_runtime(tmp_path: Path) -> None:
+    process = start(tmp_path, "teardown")
+    said = said_of(process)
+    assert "has not answered xrDestroySession for 0.3 s; the program ends without it" in said
+    assert process.returncode == 3
+    assert not (tmp_path / "closed").exists()  # the session had closed them itself
+
+
+class Watched:
+    """A watchdog in this process, whose end of the program is only written down."""
+
+    def __init__(self, patience_s: float = 60.0) -> None:
+        self.calls, self.said = RuntimeCalls(), list[str]()
+        self.left: list[int] = []
+        self.dog = Watchdog(
+            self.said.append,
+            calls=self.calls,
+            notice_s=0.2,
+            patience_s=patience_s,
+            leave=self.left.append,
+        )
+
+
+def until(holds: Callable[[], object]) -> None:
+    give_up_s = time.monotonic() + 10.0
+    while not holds():
+        assert time.monotonic() < give_up_s
+        time.sleep(0.01)
+
+
+def test_a_call_that_returns_after_all_is_told_and_recorded() -> None:
+    watched = Watched()
+    with watched.dog:
+        watched.calls.begin("xrWaitFrame")
+        until(lambda: len(watched.said) == 1)
+        watched.calls.end()
+        until(lambda: len(watched.said) == 2)
+    assert "the OpenXR runtime answers again: xrWaitFrame returned after 0." in watched.said[1]
+    assert len(watched.calls.stalls) == 1
+    assert watched.left == []
+
+
+def test_short_calls_are_nothing_to_speak_of_however_many_there_are() -> None:
+    watched = Watched()
+    with watched.dog:
+        for _ in range(6):
+            watched.calls.begin("xrWaitFrame")
+            time.sleep(0.1)
+            watched.calls.end()
+    assert watched.said == []
+
+
+def test_a_call_that_returns_while_the_records_are_being_closed_goes_no_further() -> None:
+    watched = Watched(patience_s=0.3)
+    closing, close = threading.Event(), threading.Event()
+    returned: list[float] = []
+
+    def call() -> None:
+        watched.calls.begin("xrWaitFrame")
+        assert closing.wait(10.0)
+        watched.calls.end()
+        returned.append(time.monotonic())
+
+    def slowly() -> None:
+        closing.set()
+        assert close.wait(10.0)
+
+    caller = threading.Thread(target=call)
+    with watched.dog, watched.dog.guard(slowly):
+        caller.start()
+        assert closing.wait(10.0)
+        time.sleep(0.2)
+        assert returned == []
+        close.set()
+        until(lambda: watched.left == [3])
+        watched.calls.held = False
+        caller.join()

@@ -1,0 +1,126 @@
+"""Reads the rows of a session back, and says of each cell that cannot be where it stands."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from types import NoneType
+from typing import Any, NamedTuple, get_args, get_type_hints
+
+from vrcomfort.csv_table import plain_digits
+from vrcomfort.errors import InputError
+from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.manifest_shape import LONGEST_S
+from vrcomfort.records.rows import Row
+
+
+class _Kind(NamedTuple):
+    of: type
+    may_be_blank: bool = False
+
+
+_OF_FRAMES: Mapping[str, _Kind] = {
+    "session_s": _Kind(float),
+    **dict.fromkeys(
+        ("xr_time_ns", "period_ns", "trial", "should_render", "dropped", "discontinuity"),
+        _Kind(int),
+    ),
+    "resumed": _Kind(int),
+}
+"""When and for what: whoever plays frames back checks the rest."""
+
+_MAY_BE_NEGATIVE = {"xr_time_ns", "response"}
+_LARGEST = 2**62
+"""What int64 holds with room for a sum."""
+
+
+@dataclass(frozen=True)
+class RecordedRow:
+    """One row: column → number, text, or None where it is blank."""
+
+    file: Path
+    line: int
+    values: Mapping[str, Any]
+
+    def __getitem__(self, column: str) -> Any:
+        """Return the value in a column."""
+        return self.values[column]
+
+    def fault(self, message: str, column: str) -> InputError:
+        """Return the error of one cell."""
+        message = f"{message}; mend it first"
+        return InputError(message, file=self.file, line=self.line, column=column)
+
+
+def split_line(line: bytes) -> list[str]:
+    """Return the cells of one line of a recorded file.
+
+    Raises
+    ------
+    ValueError
+        If this is no line that a recorder writes.
+    """
+    if b"\0" in line:
+        raise ValueError("it has bytes that are no text")
+    try:
+        return next(csv.reader([line.decode("utf-8-sig")], strict=True), [])
+    except csv.Error as error:
+        raise ValueError(str(error)) from error
+
+
+def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
+    """Yield the rows of a file that has been mended.
+
+    Raises
+    ------
+    InputError
+        If a cell is not what its column holds.
+    """
+    file, kinds = folder / row_type.FILE, _kinds(row_type)
+    with file.open("rb") as stream:
+        header = split_line(next(stream))
+        for number, line in enumerate(stream, start=2):
+            cells = dict(zip(header, split_line(line), strict=True))
+            try:
+                values = {name: _value(cells[name], name, kinds[name]) for name in kinds}
+            except ValueError as error:
+                column, message = error.args
+                message = f"{message}; mend it first"
+                raise InputError(message, file=file, line=number, column=column) from None
+            yield RecordedRow(file, number, values)
+
+
+def _kinds(row_type: type[Row]) -> Mapping[str, _Kind]:
+    """Return what the cells of each column are, as the row's type says."""
+    if row_type is FrameRow:
+        return _OF_FRAMES
+    hints = get_type_hints(row_type)
+    kinds = {}
+    for field in fields(row_type):  # type: ignore[arg-type]
+        of = [each for each in get_args(hints[field.name]) if each is not NoneType]
+        kinds[field.name] = _Kind(*((of[0], True) if of else (hints[field.name], False)))
+    return kinds
+
+
+def _value(cell: str, column: str, kind: _Kind) -> Any:
+    """Return a cell's value; raise `ValueError` with the column and what is wrong."""
+    if kind.of is str:
+        return cell
+    if not cell.strip() and kind.may_be_blank:
+        return None
+    shown = repr(cell if len(cell) <= 40 else f"{cell[:40]}…")
+    try:
+        value = kind.of(plain_digits(cell))
+    except ValueError:
+        raise ValueError(column, f"{shown} is not a number") from None
+    largest = LONGEST_S if kind.of is float else _LARGEST
+    if abs(value) > largest or math.isnan(value):
+        raise ValueError(column, f"{shown} is larger than anything recorded")
+    if value < 0 and column not in _MAY_BE_NEGATIVE:
+        raise ValueError(column, f"{shown} is less than 0")
+    if column == "resumed" and value > 1:
+        raise ValueError(column, f"{shown} is neither 0 nor 1")
+    return value

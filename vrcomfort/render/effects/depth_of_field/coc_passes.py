@@ -1,0 +1,291 @@
+"""How far each pixel of one eye is out of focus: colour and signed radius side by side."""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
+from vrcomfort.gpu.max_reduction import MaxReductionPass
+from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
+from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.effects.depth_of_field.lens_radius import (
+    px_per_dioptre,
+    radius_limit_in_px,
+    radius_limit_px,
+    radius_of_arcmin,
+)
+
+FINE_TILE_PX, COARSE_TILE_PX = 8, 16
+"""Side of the tiles whose range of radii is known: fine ones while no disc reaches over many."""
+
+
+class EyeUniforms(NamedTuple):
+    """What ``include/coc_of_depth.glsl`` needs of the eye that drew the image."""
+
+    tangents: tuple[float, float, float, float]
+    head_forward_in_view: tuple[float, float, float]
+    near_m: float
+    offset_m: float
+
+
+class _Scale(NamedTuple):
+    """Pixels per metre or dioptre; they follow from the eye's field of view."""
+
+    px_per_defocus: float
+
+
+class _Limit(NamedTuple):
+    radius_limit_px: float
+
+
+class _Infinity(NamedTuple):
+    infinity_m: float
+
+
+class _ThinLens(NamedTuple):
+    focal_length_m: float
+    distance_offset_m: float
+
+
+class _PeripheralUnit(NamedTuple):
+    peripheral_px: float
+
+
+class _PeripheralShape(NamedTuple):
+    peripheral_exponent: float
+
+
+def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
+    """Return the uniforms that turn an eye's depth into depth along the head's forward axis."""
+    x, y, z = rotate(head_from_eye.inverse().orientation, np.array([0.0, 0.0, -1.0]))
+    offset_m = -float(head_from_eye.position[2])
+    return EyeUniforms(fov.tangents, (float(x), float(y), float(z)), near_m, offset_m)
+
+
+class DepthToCoc:
+    """The signed radius of any depth in one eye's image: what ``include/coc_of_depth.glsl`` needs.
+
+    Parameters
+    ----------
+    depth, focus, settings, infinity_m
+        Those of :class:`CocPasses`.
+    """
+
+    def __init__(
+        self,
+        *,
+        depth: moderngl.Texture,
+        focus: moderngl.Texture,
+        settings: DepthOfField,
+        infinity_m: float,
+    ) -> None:
+        self._settings, self._size_px = settings, depth.size
+        self._inputs = {"depth": depth, "focus": focus}
+        self._constants = Together(
+            _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
+        )
+        self._defines = {**_law_defines(settings), **_peripheral_defines(settings)}
+
+    def make_pass(
+        self,
+        ctx: moderngl.Context,
+        fragment: str,
+        *,
+        inputs: dict[str, moderngl.Texture] | None = None,
+        defines: dict[str, Any] | None = None,
+        constants: Uniforms | None = None,
+        **options: Any,
+    ) -> FullscreenPass:
+        """Return a pass that includes ``coc_of_depth.glsl``; it is drawn with :meth:`of_eye`."""
+        return FullscreenPass(
+            ctx,
+            fragment,
+            inputs={**self._inputs, **(inputs or {})},
+            constants=Together(self._constants, *([constants] if constants else [])),
+            defines={**self._defines, **(defines or {})},
+            **options,
+        )
+
+    def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
+        """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
+        limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
+        return Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px))
+
+
+class CocPasses:
+    """Gives every pixel of `colour` its signed circle-of-confusion radius.
+
+    Parameters
+    ----------
+    colour, depth
+        Linear HDR RGBA16F and reverse-Z D32F of `size_px`.
+    focus
+        Texture whose first x is the focus distance in metres, the same one for both eyes.
+    infinity_m
+        Distance taken for the sky.
+    """
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        depth: moderngl.Texture,
+        focus: moderngl.Texture,
+        settings: DepthOfField,
+        size_px: tuple[int, int],
+        infinity_m: float,
+    ) -> None:
+        self.size_px = size_px
+        self._ctx, self._colour, self._settings = ctx, colour, settings
+        self.limit_px = radius_limit_px(settings, size_px)
+        """No eye's image can have a larger radius."""
+        self.limit_now_px = self.limit_px
+        """Largest radius that the last eye could have: `max_diameter_arcmin` may make it less."""
+        self._least_limit_px = self.limit_px
+        self.depth_to_coc = DepthToCoc(
+            depth=depth, focus=focus, settings=settings, infinity_m=infinity_m
+        )
+        self.now: Uniforms = Together()
+        """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
+        self._is_rendered = False
+        self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
+        """Side of :attr:`tile_min_max`."""
+        self._tile_min_max = CocTileMinMax(
+            ctx, self.depth_to_coc, size_px=size_px, tile_px=self.tile_px
+        )
+        self.tile_min_max = self._tile_min_max.target
+        """What :class:`CocTileMinMax` has found of the last eye."""
+        self.widest = None if settings.peripheral else self._tile_min_max.widest
+        """1×1, px: no radius so far was wider. None with peripheral blur: tiles only sample it."""
+        self._colour_and_coc: FullscreenPass | None = None
+
+    @property
+    def colour_and_coc(self) -> moderngl.Texture:
+        """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
+        if self._colour_and_coc is None:
+            inputs = {"colour": self._colour}
+            self._colour_and_coc = self.depth_to_coc.make_pass(
+                self._ctx, "depth_of_field/colour_and_coc.frag", size_px=self.size_px, inputs=inputs
+            )
+            if self._is_rendered:
+                self._colour_and_coc.render(self.now)
+        return self._colour_and_coc.target
+
+    def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
+        """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
+        eye = eye_uniforms(fov, near_m, head_from_eye)
+        focal_px = focal_length_px(fov, self.size_px)[0]
+        self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
+        self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
+        self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px), True
+        if self._colour_and_coc is not None:
+            self._colour_and_coc.render(self.now)
+        self._tile_min_max.render(self.now)
+
+    def forget(self) -> None:
+        """Count no frame so far among those that :meth:`clamps` tells of."""
+        self._tile_min_max.forget()
+        self._least_limit_px = self.limit_px
+
+    def largest_radius_px(self) -> float:
+        """Return the largest radius of all frames before its limit; waits for the GPU."""
+        return self._tile_min_max.read()
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return what the limit has done to the frames so far, in words; waits for the GPU."""
+        largest_px = self.largest_radius_px()
+        if largest_px <= self._least_limit_px:
+            return ()
+        return (
+            f"depth of field: circles of confusion of up to {largest_px:.1f} px (radius) were "
+            f"limited to {self._least_limit_px:.1f} px",
+        )
+
+
+class CocTileMinMax:
+    """The range of radii in each tile; remembers the largest of all frames before its limit.
+
+    Parameters
+    ----------
+    tile_px
+        Side of the tiles, even.
+    """
+
+    def __init__(
+        self, ctx: moderngl.Context, radii: DepthToCoc, *, size_px: tuple[int, int], tile_px: int
+    ) -> None:
+        width, height = size_px
+        self._tiles = radii.make_pass(
+            ctx,
+            "depth_of_field/coc_tile_min_max.frag",
+            size_px=(ceil(width / tile_px), ceil(height / tile_px)),
+            defines={"TILE": tile_px},
+            dtype="f4",
+        )
+        self.target = self._tiles.target
+        """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
+        eye; largest radius before the limit."""
+        self._largest = MaxReductionPass(ctx, self.target, components="z")
+        self.widest = self._largest.target
+        """1×1: what :meth:`read` returns."""
+
+    def render(self, eye: Uniforms) -> None:
+        """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
+        self._tiles.render(eye)
+        self._largest.render()
+
+    def read(self) -> float:
+        """Return the largest radius of all frames; waits for the GPU."""
+        return self._largest.read()
+
+    def forget(self) -> None:
+        """Start again from 0."""
+        self._largest.forget()
+
+
+def _limit_and_scale(
+    settings: DepthOfField, focal_px: float, size_px: tuple[int, int]
+) -> tuple[_Limit, _Scale]:
+    limit = _Limit(radius_limit_in_px(settings, focal_px, size_px))
+    if settings.law == "linear":
+        return limit, _Scale(limit.radius_limit_px / settings.full_blur_m)
+    # A thin lens focused at infinity: the shader knows the focus.
+    px = px_per_dioptre(settings, focal_px=focal_px, size_px=size_px, focus_m=np.inf)
+    return limit, _Scale(px)
+
+
+def _law_defines(settings: DepthOfField) -> dict[str, int | float]:
+    if settings.law == "linear":
+        return {}
+    if settings.law != "thin_lens":
+        return {"LAW_DIOPTRE": 1}
+    return {"LAW_DIOPTRE": 1, "LAW_THIN_LENS": 1, "CLOSEST_FOCUS": CLOSEST_FOCUS}
+
+
+def _lens_constants(settings: DepthOfField, infinity_m: float) -> Uniforms:
+    infinity = _Infinity(infinity_m)
+    if settings.law != "thin_lens":
+        return infinity
+    return Together(infinity, _ThinLens(settings.focal_length_m, settings.distance_offset_m))
+
+
+def _peripheral_defines(settings: DepthOfField) -> dict[str, int]:
+    return {} if settings.peripheral is None else {"PERIPHERAL": 1}
+
+
+def _peripheral_constants(settings: DepthOfField) -> tuple[Uniforms, ...]:
+    shape = settings.peripheral
+    return () if shape is None else (_PeripheralShape(shape.exponent),)
+
+
+def _peripheral_unit(settings: DepthOfField, focal_px: float) -> tuple[Uniforms, ...]:
+    shape = settings.peripheral
+    if shape is None:
+        return ()
+    return (_PeripheralUnit(radius_of_arcmin(shape.unit_diameter_arcmin, focal_px)),)
