@@ -17,13 +17,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.signals import hear_all
+
 SENTENCE = "error: stopped; what was already written stays\n"
-
-
-def hear_all() -> None:
-    """Undo in a child that a shell ignores signals: Ctrl-C in the background, SIGHUP by nohup."""
-    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        signal.signal(number, signal.SIG_DFL)
 
 
 def start(*program: object, before: Callable[[], None] = hear_all) -> subprocess.Popen[str]:
