@@ -24,7 +24,6 @@ from vrcomfort.records import (
     Recorder,
     TrialRow,
     enrol,
-    only_run,
     open_study,
     read_participants,
     recorded_sessions,
@@ -169,28 +168,6 @@ def test_a_damaged_list_of_participants_is_told_and_not_rewritten(tmp_path):
         enrol(tmp_path / "S", build_design(protocol), "P02")
     assert caught.value.line == 2
     assert file.read_bytes() == cut
-
-
-@pytest.mark.parametrize("name", ["CON", "nul", "Com1", "LPT9"])
-def test_a_participant_has_no_name_that_windows_reserves(tmp_path, name):
-    protocol = tiny_protocol(tmp_path)
-    open_study(tmp_path / "S", protocol)
-    with pytest.raises(InputError, match="Windows keeps this name for a device"):
-        enrol(tmp_path / "S", build_design(protocol), name)
-
-
-def test_participants_differ_in_more_than_capital_letters(tmp_path):
-    protocol = tiny_protocol(tmp_path)
-    open_study(tmp_path / "S", protocol)
-    enrol(tmp_path / "S", build_design(protocol), "p01")
-    for _ in range(2):
-        with pytest.raises(InputError, match="this study has `p01`"):
-            enrol(tmp_path / "S", build_design(protocol), "P01")
-        with pytest.raises(InputError, match="this study has `p01`"):
-            only_run(tmp_path / "S", "P01")
-    assert [row.participant for row in read_participants(tmp_path / "S")] == ["p01"]
-    assert not (tmp_path / "S" / "sub-P01").exists()
-    assert enrol(tmp_path / "S", build_design(protocol), "p01").participant == "p01"
 
 
 def test_names_that_cannot_be_folders_and_studies_that_are_others(tmp_path):

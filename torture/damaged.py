@@ -40,7 +40,7 @@ def torture(rig: Rig) -> Result:
         "case_s": CASE_S,
         "renewed": BEFORE_RENEWAL,
     }
-    count = rig.count(400, 40)
+    count = rig.count(400, 60)
     with workers("torture.damaged", folder, **limits) as pool:
         outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 30)))
     how = (

@@ -13,7 +13,7 @@ import numpy as np
 
 from torture.case import Outcome, Result, Rig
 from torture.disk import Disk, LoopImage, ShimDisk, can_mount
-from torture.rows import never_asked
+from torture.rows import never_asked, resume_codes
 from torture.session import LENGTH_S, QUICK_S, SLOW_S, Ended, Findings, Victim, run_words
 
 START_S, END_S = 60.0, 60.0
@@ -76,8 +76,9 @@ def _judge(folder: Path, disk: Disk, victim: Victim, finish: Callable[..., Outco
     study = disk.remains()
     found.rows("after the cut", rows, study)
     if not over:
+        codes = resume_codes(study) if rows else {0, 2}  # as good as before the first row
         again = Victim(run_words(study, "--resume"), folder / "second.txt", slow=False)
-        found.end("--resume", again.end(END_S), {0} if rows else {0, 2})
+        found.end("--resume", again.end(END_S), codes)
         found.rows("after --resume", rows + again.must_be_there(None), study)
     found.never_asked = never_asked(study)
     found.end("report", report(study, folder), {0})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import json
 from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
@@ -27,6 +28,15 @@ Rows = Counter[tuple[str, tuple[tuple[str, str], ...]]]
 def session_folder(study: Path) -> Path:
     """Return where the session's files are."""
     return study / f"sub-{PARTICIPANT}" / "ses-1"
+
+
+def resume_codes(study: Path) -> set[int]:
+    """Return the exit codes that `--resume` may have: refused where the session is complete."""
+    try:
+        manifest = json.loads((session_folder(study) / "manifest.json").read_text())
+    except (OSError, ValueError):
+        return {0}
+    return {0, 2} if manifest.get("status") == "completed" else {0}
 
 
 def missing(rows: Rows, study: Path) -> Rows:

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from torture.case import Outcome, Result, Rig
-from torture.rows import never_asked
+from torture.rows import never_asked, resume_codes
 from torture.session import LENGTH_S, Findings, Victim, run_words
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
@@ -50,8 +50,9 @@ def _case(folder: Path, number: signal.Signals, seed: int) -> Outcome:
     rows = victim.must_be_there(cut_ns if killed else None)
     found.rows("after the signal", rows, study)
     if ended.code != 0:
+        codes = resume_codes(study)
         again = Victim(run_words(study, "--resume"), folder / "second.txt", slow=False)
-        found.end("--resume", again.end(END_S), {0})
+        found.end("--resume", again.end(END_S), codes)
         found.rows("after --resume", rows + again.must_be_there(None), study)
     found.never_asked = never_asked(study)
     return found.outcome(
