@@ -66,8 +66,9 @@ can_draw() {
 }
 can_draw || require "an OpenGL driver with EGL" "${system_packages[@]}"
 can_draw || {
-    echo "error: EGL is installed but gives no OpenGL 4.3 context; this is what it says:" >&2
-    .venv/bin/python -c 'from vrcomfort.gpu.gl import create_context; create_context()' >&2 || true
+    echo "error: EGL is installed but gives no OpenGL context that is new enough; it says:" >&2
+    .venv/bin/python -c 'from vrcomfort.gpu.gl import create_context; create_context()' 2>&1 |
+        tail -n 1 >&2 || true
     exit 2
 }
 

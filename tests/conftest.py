@@ -157,3 +157,9 @@ def feed(monado: Monado) -> Iterator[RemoteFeed]:
     """Yield the connection through which its head and hands move."""
     with monado.feed() as connection:
         yield connection
+
+
+@pytest.fixture(autouse=True)
+def _no_progress_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a command says does not depend on how busy the machine is."""
+    monkeypatch.setattr("vrcomfort.cli.terminal.SILENT_S", 3600.0)

@@ -11,8 +11,10 @@ import pytest
 import trimesh
 
 from vrcomfort.cli import main
+from vrcomfort.gpu.gl import VERSION_NAME
 from vrcomfort.resources import data_folder
 
+README = Path(__file__).parents[1] / "README.md"
 Run = Callable[..., tuple[int, str, str]]
 
 
@@ -179,6 +181,34 @@ def test_score_writes_as_many_decimals_as_a_score_has(run: Run, tmp_path: Path) 
         "nausea,oculomotor,disorientation,total",
         "A,12,2,2,16,114.48,15.16,27.84,59.84",
     ]
+
+
+@pytest.mark.parametrize("long", [False, True])
+def test_score_leaves_incomplete_rows_out_where_asked(run: Run, tmp_path: Path, long: bool) -> None:
+    file = tmp_path / "answers.csv"
+    names = SSQ_ITEMS.split(",")
+    if long:
+        rows = [f"P1,{name},1" for name in names] + [f"P2,{name},1" for name in names[1:]]
+        file.write_text("participant,item,response\n" + "\n".join(rows) + "\n")
+    else:
+        answers = ",".join(["1"] * 15)
+        file.write_text(f"participant,{SSQ_ITEMS}\nP1,1,{answers}\nP2,,{answers}\n")
+        assert_refused(run("score", "ssq", file), "line 3", "--skip-incomplete")
+    code, out, err = run("score", "ssq", file, "--skip-incomplete")
+    assert code == 0
+    assert [line.split(",")[0] for line in out.splitlines()] == ["participant", "P1"]
+    line = 18 if long else 3
+    assert (
+        f"1 of 2 questionnaires lack answers and were left out; they begin in line: {line}" in err
+    )
+
+
+def test_readme_doctor_and_driver_mean_the_same_opengl(run: Run) -> None:
+    assert VERSION_NAME == "4.5"
+    assert f"OpenGL {VERSION_NAME} is needed" in README.read_text(encoding="utf-8")
+    _, out, _ = run("doctor", "--json")
+    (opengl,) = (each for each in json.loads(out) if each["part"] == "OpenGL")
+    assert opengl["found"].endswith(f"needed: {VERSION_NAME}")
 
 
 def test_score_names_the_place_of_an_answer_out_of_range(run: Run, tmp_path: Path) -> None:

@@ -1,20 +1,28 @@
-"""Ctrl-C, as the terminal sends it, to commands that are at work."""
+"""Ctrl-C, SIGTERM and a closed terminal, as they come to commands that are at work."""
 
 from __future__ import annotations
 
+import fcntl
+import json
 import os
+import pty
+import shlex
 import signal
 import subprocess
 import sys
+import termios
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from tests.support.signals import hear_all
+
 SENTENCE = "error: stopped; what was already written stays\n"
 
 
-def start(*program: object) -> subprocess.Popen[str]:
+def start(*program: object, before: Callable[[], None] = hear_all) -> subprocess.Popen[str]:
     return subprocess.Popen(
         [sys.executable, *map(str, program)],
         stdin=subprocess.DEVNULL,
@@ -22,20 +30,20 @@ def start(*program: object) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=before,  # noqa: PLW1509 - no threads here
     )
 
 
-HEARS = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
-"""For tests in the background, where a shell has Ctrl-C ignored."""
+MAIN = "from vrcomfort.cli import main; main()"
 
 
 def command(*words: object) -> subprocess.Popen[str]:
-    return start("-c", f"{HEARS}from vrcomfort.cli import main; main()", *words)
+    return start("-c", MAIN, *words)
 
 
-def stop(process: subprocess.Popen[str]) -> tuple[int, str, str]:
-    """Send Ctrl-C to the whole group, as a terminal does."""
-    os.killpg(process.pid, signal.SIGINT)
+def stop(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[int, str, str]:
+    """Send Ctrl-C, or another signal, to the whole group, as a terminal does."""
+    os.killpg(process.pid, number)
     out, err = process.communicate(timeout=60)
     return process.returncode, out, err
 
@@ -43,8 +51,11 @@ def stop(process: subprocess.Popen[str]) -> tuple[int, str, str]:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("questionnaires.csv", ("report", "FOLDER", "--out", "OUT")),
-        ("trace.csv", ("play", "FILE", "--scene", "temple", "--size", "64x80", "--out", "OUT")),
+        ("questionnaires.csv", ("report", "FOLDER", "--quiet", "--out", "OUT")),
+        (
+            "trace.csv",
+            ("play", "FILE", "--scene", "temple", "--quiet", "--size", "64x80", "--out", "OUT"),
+        ),
         ("answers.csv", ("score", "ssq", "FILE")),
     ],
     ids=["report", "play", "score"],
@@ -67,12 +78,90 @@ def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
     code, out, err = stop(process)
     assert code == 130
     assert "aborted (stopped by the operator)" in out
-    assert err == f"note: the same command goes on where this was stopped\n{SENTENCE}"
+    assert err.endswith(f"note: the same command goes on where this was stopped\n{SENTENCE}")
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
+def test_a_shutdown_and_a_closed_terminal_end_a_session_as_ctrl_c_does(
+    tmp_path: Path, number: signal.Signals
+):
+    study = tmp_path / "study"
+    process = command("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
+    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    code, out, err = stop(process, number)
+    assert code == 128 + number
+    assert "aborted (stopped by the operator)" in out
+    assert err.endswith(SENTENCE)
+    manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
+    assert manifest["status"] == "aborted"
+
+
+def test_sigterm_and_sighup_of_one_shutdown_are_one_wish(tmp_path: Path):
+    study = tmp_path / "study"
+    process = command("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
+    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    os.killpg(process.pid, signal.SIGTERM)
+    code, _, err = stop(process, signal.SIGHUP)
+    assert code in {143, 129}
+    assert err.endswith(SENTENCE)
+
+
+def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
+    """The window is shut: SIGHUP comes, and there is nothing left to write to."""
+    study = tmp_path / "study"
+    words = ("run", "smoke", "--participant", "P01", "--out", study, "--size", "16x16")
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", MAIN, *map(str, words)],
+        stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True,
+        preexec_fn=lambda: (hear_all(), fcntl.ioctl(0, termios.TIOCSCTTY, 0)),  # noqa: PLW1509
+    )  # fmt: skip
+    os.close(theirs)
+    while b"General discomfort" not in os.read(ours, 4096):
+        pass
+    os.close(ours)
+    assert process.wait(60) == 129
+    manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
+    assert manifest["status"] == "aborted"
+
+
+def test_what_is_ignored_from_the_start_stays_ignored(tmp_path: Path):
+    """As with nohup, or in the background of a shell."""
+
+    def ignore() -> None:
+        hear_all()
+        for number in (signal.SIGINT, signal.SIGHUP):
+            signal.signal(number, signal.SIG_IGN)
+
+    words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", tmp_path / "study")
+    process = start("-c", MAIN, *words, before=ignore)
+    wait_for(tmp_path / "study" / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    os.killpg(process.pid, signal.SIGINT)
+    code, out, _ = stop(process, signal.SIGHUP)
+    assert code == 0
+    assert "completed" in out
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_run_says_which_words_go_on(tmp_path: Path, number: signal.Signals, code: int):
+    study = tmp_path / "my study"
+    words = ["run", "smoke", "--participant", "P01", "--out", str(study)]
+    words += ["--respondent", "simulated", "--seed", "3", "--size", "16x16"]
+    process = command(*words)
+    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    status, _, err = stop(process, number)
+    assert status == code
+    told = shlex.split(err.partition("to go on, type: ")[2].splitlines()[0])
+    assert told[:1] == ["vrcomfort"]
+    assert told[-1] == "--resume"
+    assert set(words) < set(told)
+    goes_on = command(*told[1:])
+    assert "P01 (s1): session 1 recorded, completed" in goes_on.communicate(timeout=120)[0]
 
 
 def test_ctrl_c_in_a_trade_off_ends_its_processes_without_a_word_of_theirs(tmp_path: Path):
     folders = ("--cache", tmp_path / "cache", "--out", tmp_path / "out")
-    process = command("tradeoff", "--quick", "--jobs", 2, *folders)
+    process = command("tradeoff", "--quick", "--quiet", "--jobs", 2, *folders)
     wait_for(tmp_path / "out", process)
     assert stop(process) == (130, "", SENTENCE)
 
@@ -80,7 +169,7 @@ def test_ctrl_c_in_a_trade_off_ends_its_processes_without_a_word_of_theirs(tmp_p
 def test_processes_do_not_wait_for_their_work_after_ctrl_c(tmp_path: Path):
     file = tmp_path / "program.py"
     file.write_text(
-        f"""{HEARS}
+        """
 import time
 from vrcomfort.tradeoff.workers import workers
 if __name__ == "__main__":
@@ -115,7 +204,7 @@ sys.argv = ["vrcomfort", "design", "smoke", "-n", "2"]
 main()
 """
     command = [sys.executable, "-c", program]
-    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    done = subprocess.run(command, check=False, capture_output=True, text=True, preexec_fn=hear_all)
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 

@@ -85,7 +85,7 @@ def answer_questionnaire(server: XServer, study: Study) -> list[int]:
     values = [index % 4 for index in range(16)]
     study.wait_for_rows("events.csv", 1)
     for index, value in enumerate(values):
-        server.do("key", str(value + 1), "Return")
+        server.do("key", str(value), "Return")
         study.wait("events.csv", lambda table, n=index: (table["name"] == "answer").sum() > n)
     server.do("key", "Down", "Return")  # the first arrow comes to "All correct"
     study.wait_for_rows("questionnaires.csv", 16)
@@ -100,7 +100,7 @@ def test_a_session_is_answered_and_walked_with_keys_and_mouse(tmp_path: Path) ->
         study.wait("frames.csv", lambda table: table["avatar_z_m"].iloc[-1] < -0.5)
         server.do("keyup", "w")
         turn_with_mouse(server, study)
-        server.do("key", "Escape")
+        server.do("key", "Escape", "Escape", "y")
         study.wait_for_rows("trials.csv", 1)
 
     asked = study.read("questionnaires.csv")

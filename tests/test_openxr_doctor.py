@@ -45,8 +45,8 @@ def fake_bindings(folder: Path, error: str) -> str:
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        ("ModuleNotFoundError('no', name='xr')", "not installed; pip install pyopenxr"),
-        ("ImportError('no')", "apt-get install libgl1 libegl1"),
+        ("ModuleNotFoundError('no', name='xr')", "are not installed; pip install pyopenxr"),
+        ("ImportError('no')", "cannot be loaded (no)"),
         (
             "OSError('libopenxr_loader.so: cannot open shared object file')",
             "the OpenXR loader cannot be loaded (libopenxr_loader.so: cannot open",

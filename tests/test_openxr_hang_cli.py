@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.openxr import needs_monado, services_of
+from tests.support.signals import hear_all
 from tests.support.study import read_rows, smoke_with
 from vrcomfort.resources import data_folder
 
@@ -41,7 +42,10 @@ class Session:
             *("--monado-answers", str(answers)),
         ]
         with self.said.open("w") as out:
-            self.process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=out)
+            self.process = subprocess.Popen(
+                command, stdout=subprocess.DEVNULL, stderr=out,
+                preexec_fn=hear_all,  # noqa: PLW1509 - no thread is in the way
+            )  # fmt: skip
 
     @property
     def service(self) -> int:

@@ -106,17 +106,41 @@ def test_stopping_is_asked_twice() -> None:
     answers = [choose(Act.ANSWER, 0)] * 16
     assert len(ask(*on, *answers, choose(Act.CONFIRM))) == 16
     with pytest.raises(Withdrew):
-        ask(choose(Act.STOP), choose(Act.STOP))
+        ask(choose(Act.STOP), choose(Act.WITHDRAW))
 
 
-def test_the_stop_button_ends_an_exposure_at_once() -> None:
+def test_a_wish_to_stop_an_exposure_is_asked_once_more_in_the_scene() -> None:
     screen = ScriptedScreen([])
     person = PanelRespondent(screen)
     person.start_exposure(Exposure(1, 1, "temple", "none", 60.0))
-    person.endure(0.1)
-    screen.do(Pointing(stop=True))
-    with pytest.raises(Withdrew):
-        person.endure(0.2)
+
+    def do(pointing: Pointing, at_s: float) -> None:
+        screen.do(pointing)
+        person.endure(at_s)
+
+    do(Pointing(stop=True), 0.1)
+    do(Pointing(), 0.2)
+    assert screen.pictures[-1] is not None
+    do(Pointing(stop=True), 0.3)  # the same button is no yes
+    do(Pointing(letters="n"), 0.4)
+    assert screen.pictures[-1] is None
+    do(Pointing(letters="q"), 0.5)
+    with pytest.raises(Withdrew, match="during exposure"):
+        do(Pointing(letters="y"), 0.6)
+    assert screen.pictures[-1] is None
+
+
+def test_a_scale_is_there_again_after_a_wish_to_stop_was_taken_back() -> None:
+    screen = ScriptedScreen([])
+    person = PanelRespondent(screen)
+    person.start_exposure(Exposure(1, 1, "temple", "none", 60.0))
+    person.prompt(FMS, 0.0, 5.0)
+    for pointing in (Pointing(stop=True), Pointing(), Pointing(letters="n")):
+        screen.do(pointing)
+        person.endure(1.0)
+    screen.do(Pointing(digits="7", enter=True))
+    person.endure(1.5)
+    assert person.rating(1.5) == 7
 
 
 def test_a_rating_is_taken_while_the_exposure_runs() -> None:
@@ -169,7 +193,7 @@ def test_a_panel_without_anything_to_point_with_says_so_after_a_while() -> None:
 
 
 def test_a_rest_says_how_long_it_is_and_can_be_stopped() -> None:
-    screen = ScriptedScreen([choose(Act.BACK), choose(Act.STOP)])
+    screen = ScriptedScreen([choose(Act.BACK), choose(Act.WITHDRAW)])
     person = PanelRespondent(screen, watch=screen.watch)
     assert person.resting(121.0)
     long = screen.pictures[-1]

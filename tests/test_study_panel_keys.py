@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from io import StringIO
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rich.console import Console
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
@@ -18,6 +20,7 @@ from vrcomfort.respondent.panel_keys import KeyChoice, beside
 from vrcomfort.respondent.panel_layout import Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Picture
 from vrcomfort.respondent.pointing import Pointing
+from vrcomfort.respondent.terminal import TerminalRespondent
 from vrcomfort.session.panel_screen import PanelScreen
 
 SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
@@ -91,12 +94,46 @@ def test_numbers_and_arrows_lead_to_an_answer(doings: list[Pointing], answer: in
     assert ask_one(*doings) == answer
 
 
-def test_labelled_answers_count_from_one_and_the_review_is_confirmed() -> None:
-    answers = [each for index in range(16) for each in (typed(str(index % 4 + 1)), ENTER)]
-    heard: list[int | None] = []
-    person = PanelRespondent(TypingScreen(*answers, pressed(0, 1), ENTER))
-    person.ask(Form(SSQ, "baseline"), lambda _, value, __: heard.append(value))
-    assert heard == [index % 4 for index in range(16)]
+def answer_all(*doings: Pointing) -> list[tuple[str, int | None]]:
+    heard: list[tuple[str, int | None]] = []
+    person = PanelRespondent(TypingScreen(*doings))
+    person.ask(Form(SSQ, "baseline"), lambda item, value, _: heard.append((item, value)))
+    return heard
+
+
+@pytest.mark.parametrize("confirm", [(ENTER,), (pressed(0, 1), ENTER)])
+def test_numbers_are_the_answers_and_the_review_is_confirmed(confirm: tuple[Pointing, ...]) -> None:
+    answers = [each for index in range(16) for each in (typed(str(index % 4)), ENTER)]
+    heard = answer_all(*answers, *confirm)
+    assert [value for _, value in heard] == [index % 4 for index in range(16)]
+
+
+SAME_KEYS = ["1", "2", "b", "3", "-", *["0"] * 13, "16", "2", "4", "b", "7", "3", ""]
+"""What an operator types: a correction, one answer declined, and two more at the end."""
+
+
+def test_the_same_keys_give_the_same_answers_in_the_terminal_and_on_a_panel() -> None:
+    lines = iter(SAME_KEYS)
+    terminal = TerminalRespondent(Console(file=StringIO()), read_line=lambda _: next(lines))
+    typed_answers: list[tuple[str, int | None]] = []
+    terminal.ask(Form(SSQ, "post"), lambda item, value, _: typed_answers.append((item, value)))
+    doings = []
+    for word in SAME_KEYS:
+        doings += [Pointing(letters=word)] if word in {"b", "-"} else [typed(word), ENTER]
+    assert answer_all(*doings) == typed_answers
+
+
+def test_the_same_keys_withdraw_in_the_terminal_and_on_a_panel() -> None:
+    words = ["q", "n", "q", "q", "n", "1", "q", "y"]
+    lines = iter(words)
+    terminal = TerminalRespondent(Console(file=StringIO()), read_line=lambda _: next(lines))
+    for_terminal: list[int | None] = []
+    with pytest.raises(Withdrew, match="at a question"):
+        terminal.ask(Form(FMS, "post"), lambda _, value, __: for_terminal.append(value))
+    doings = [Pointing(letters=word) for word in "qnqqn"]
+    with pytest.raises(Withdrew, match="at a question"):
+        ask_one(*doings, Pointing(letters="q"), Pointing(letters="y"))
+    assert for_terminal == [1]
 
 
 def test_pointing_elsewhere_ends_the_choice_by_keys() -> None:
@@ -109,9 +146,9 @@ def test_pointing_elsewhere_ends_the_choice_by_keys() -> None:
 
 def test_escape_is_asked_once_more() -> None:
     stop = Pointing(stop=True)
-    assert ask_one(stop, pressed(1, 0), pressed(1, 0), ENTER, typed("2"), ENTER) == 2
+    assert ask_one(stop, stop, pressed(1, 0), ENTER, typed("2"), ENTER) == 2
     with pytest.raises(Withdrew):
-        ask_one(stop, stop)
+        ask_one(stop, stop, stop, pressed(1, 0), pressed(1, 0), ENTER)
 
 
 @given(st.sampled_from(PAGES), st.lists(st.sampled_from([LEFT, RIGHT, UP, DOWN]), max_size=30))
@@ -141,7 +178,7 @@ def test_every_cell_can_be_reached_by_arrows(cells: list[Cell]) -> None:
 def test_down_leads_from_the_answers_to_the_foot() -> None:
     cells = question_cells(SSQ, first=False)
     choice = KeyChoice()
-    choice.move(cells, (0, 0), "1", None)
+    choice.move(cells, (0, 0), "0", None)
     choice.move(cells, DOWN, "", None)
     assert choice.cell is not None
     assert choice.cell.act is Act.BACK
@@ -172,9 +209,9 @@ class KeyHeadset:
 
 
 def test_keys_of_a_headset_reach_the_panel() -> None:
-    keys = KeyInput(arrow=(1, -2), digits="12", enter=True, back=True, stop=True)
+    keys = KeyInput(arrow=(1, -2), digits="12", letters="b", enter=True, back=True, stop=True)
     seen = PanelScreen(KeyHeadset(Inputs(right=HandInput(), keys=keys))).pointing()
-    assert (seen.arrow, seen.digits) == ((1, -2), "12")
+    assert (seen.arrow, seen.digits, seen.letters) == ((1, -2), "12", "b")
     assert seen.enter
     assert seen.back
     assert seen.stop

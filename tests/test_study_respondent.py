@@ -203,7 +203,12 @@ def test_answers_can_be_corrected_at_the_end():
 
 def test_a_person_may_withdraw_at_a_question():
     with pytest.raises(Withdrew):
-        typed("1", "w")
+        typed("1", "q", "y")
+
+
+def test_a_wish_to_withdraw_is_asked_once_more():
+    heard, _ = typed("1", "q", "n", "q", "q", "2")
+    assert heard[:2] == [("general_discomfort", 1), ("fatigue", 2)]
 
 
 def test_the_end_of_input_is_told():
@@ -216,7 +221,7 @@ def test_the_end_of_input_is_told():
 
 
 def test_ratings_and_withdrawals_are_typed_during_exposure():
-    lines = iter([None, "7", None, "21", "w"])
+    lines = iter([None, "7", None, "21", "q", "q", "n", "q", "y"])
     person, _ = terminal(Typist(), lambda: next(lines))
     person.start_exposure(Exposure(1, 1, "room", "secret_condition", 60))
     person.prompt(FMS, 0.0, 10.0)
@@ -228,8 +233,44 @@ def test_ratings_and_withdrawals_are_typed_during_exposure():
     person.endure(30.1)
     person.endure(30.2)
     assert person.rating(30.2) is None
-    with pytest.raises(Withdrew):
+    for _ in range(4):
         person.endure(30.3)
+    with pytest.raises(Withdrew):
+        person.endure(30.4)
+
+
+def test_what_is_typed_too_late_or_for_nothing_is_said_to_be_lost():
+    lines = iter(["4", "5", "30", "6", "7", "8"])
+    person, shown = terminal(Typist(), lambda: next(lines))
+    person.start_exposure(Exposure(1, 1, "room", "none", 60))
+    person.endure(1.0)
+    person.prompt(FMS, 10.0, 5.0)
+    person.endure(15.1)
+    assert person.rating(15.1) is None
+    person.prompt(FMS, 20.0, 5.0)
+    for elapsed_s in (21.0, 22.0):
+        person.endure(elapsed_s)
+    assert person.rating(22.0) == 6
+    person.prompt(FMS, 30.0, 5.0)
+    for elapsed_s in (31.0, 32.0):
+        person.endure(elapsed_s)
+    assert person.rating(32.0) == 7
+    told = [line for line in shown.getvalue().splitlines() if line.startswith("'")]
+    assert told == [
+        "'4' was not recorded: nothing was asked",
+        "'5' came too late and was not recorded",
+        "'30' was not recorded: 0 to 20 is a rating",
+        "'8' was not recorded: 7 was given before",
+    ]
+
+
+def test_a_wish_to_stop_that_the_exposure_overtook_is_asked_at_the_next_question():
+    lines = iter(["q", None])
+    person, _ = terminal(Typist("y"), lambda: next(lines))
+    person.endure(59.9)
+    person.end_exposure(60.0)
+    with pytest.raises(Withdrew):
+        person.ask(POST, lambda *_: None)
 
 
 def test_a_rating_typed_too_late_answers_no_question():
@@ -243,7 +284,8 @@ def test_a_rating_typed_too_late_answers_no_question():
 
 
 def test_a_person_may_withdraw_in_a_rest():
-    person, _ = terminal(Typist(), iter(["w"]).__next__)
+    person, _ = terminal(Typist(), iter(["q", None, "y"]).__next__)
+    person.resting(900.5)
     with pytest.raises(Withdrew, match="between exposures"):
         person.resting(900.0)
 

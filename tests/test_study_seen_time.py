@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from tests.support.resume import attempts, go, rows
 from tests.support.study import AheadHeadset, frame
+from vrcomfort.frame import HeadsetEvent
 from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
@@ -132,3 +133,12 @@ def test_a_menu_in_front_pauses_the_exposure(tmp_path):
     assert float(trial["live_s"]) == pytest.approx(10.0, abs=0.2)
     assert float(trial["unfocused_s"]) == pytest.approx(3.0, abs=0.2)
     assert [row[3] for row in attempts(tmp_path)] == ["completed", "completed"]
+
+
+def test_the_operator_is_told_at_once_that_the_stop_button_is_out_of_reach(tmp_path):
+    told = []
+    headset = AheadHeadset(events=[HeadsetEvent("unfocused", "the stop button does not work")])
+    go(tmp_path, headset_for=lambda *_: headset, progress=told.append)
+    (notice,) = [each for each in told if each.step == "notice"]
+    assert "stop button" in notice.text
+    assert "unfocused" in {row["name"] for row in rows(tmp_path, "events")}

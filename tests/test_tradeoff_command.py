@@ -29,7 +29,8 @@ def run(monkeypatch, capsys):
         except SystemExit as end:
             code = int(end.code or 0)
         out, err = capsys.readouterr()
-        return code, out, err
+        lines = err.splitlines(keepends=True)  # a busy machine's costs are doubted, and rightly
+        return code, out, "".join(line for line in lines if "Do not believe" not in line)
 
     return call
 

@@ -132,3 +132,12 @@ def test_both_eyes_are_compared_with_r2_and_with_the_sources(found):
     assert "rivalry of *ours 2 rings* is 1.2 × that of R2 and 0.80 × the least" in line
     assert "shower door -0.50 (R2 -0.50)" in line
     assert "at this size" in hint
+
+
+@pytest.mark.parametrize(("high", "doubted"), [(1.09, False), (1.11, True)])
+def test_costs_are_doubted_where_the_same_work_twice_differs(high: float, doubted: bool) -> None:
+    copies = [{"copy_again": (0.95, 1.02), "plain_again": (0.98, high)}]
+    said = tables.doubts(copies)
+    assert bool(said) is doubted
+    if doubted:
+        assert "differs by up to 11%, more than 10%" in said[0]

@@ -12,11 +12,13 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.signals import hear_all
 from vrcomfort.headset.watchdog import RuntimeCalls, Watchdog
 
 DEAF = """
 import ctypes, sys
 from pathlib import Path
+from vrcomfort.cli import stopping
 from vrcomfort.headset.watchdog import RUNTIME_CALLS, Watchdog
 
 libc = ctypes.CDLL(None)
@@ -30,7 +32,7 @@ def hang(name):
     libc.pthread_mutex_lock(mutex)  # the second time it waits for ever, and heeds no signal
 
 libc.pthread_mutex_lock(mutex)
-with Watchdog(say, notice_s=0.3, patience_s=float(sys.argv[2])) as watchdog:
+with stopping.heard(), Watchdog(say, notice_s=0.3, patience_s=float(sys.argv[2])) as watchdog:
     watchdog.last_acts.append(lambda: Path("last").write_text("done"))
     with watchdog.guard(lambda: Path("closed").write_text("by " + sys.argv[1])):
         if sys.argv[1] == "session":
@@ -44,7 +46,7 @@ def start(folder: Path, where: str, patience_s: float = 60.0) -> subprocess.Pope
     environment = {"PYTHONPATH": str(Path(__file__).parent.parent)}
     return subprocess.Popen(
         command, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        text=True,
+        text=True, preexec_fn=hear_all,  # noqa: PLW1509 - no thread is in the way
     )  # fmt: skip
 
 
@@ -55,16 +57,19 @@ def said_of(process: subprocess.Popen[str]) -> str:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="the client hangs by POSIX means")
-def test_ctrl_c_closes_the_records_while_the_main_thread_hangs(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signals_close_the_records_while_the_main_thread_hangs(
+    tmp_path: Path, number: signal.Signals, code: int
+) -> None:
     process = start(tmp_path, "session")
     assert process.stdout
     line = process.stdout.readline()
     assert "has not answered xrWaitFrame for 0.3 s" in line
     assert "Ctrl-C ends the session and closes its records" in line
     assert process.poll() is None
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     assert said_of(process) == "stopped; all that was recorded is kept\n"
-    assert process.returncode == 130
+    assert process.returncode == code
     assert (tmp_path / "closed").read_text() == "by session"
     assert (tmp_path / "last").exists()
 

@@ -12,7 +12,6 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
-    EXIT_INTERRUPTED,
     demo,
     design,
     doctor,
@@ -24,7 +23,9 @@ from vrcomfort.cli import (
     run,
     score,
     simulate,
+    stopping,
     tradeoff,
+    undo_withdrawal,
 )
 from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
@@ -44,7 +45,7 @@ FAULTS_OF_THE_MACHINE = {
 
 
 class OneSentence(TyperGroup):
-    """Tells a value that no option takes like all other bad input, and that Ctrl-C was heard.
+    """Tells a value that no option takes like all other bad input, and that it was stopped.
 
     Typer ends the program without a word on a KeyboardInterrupt that it meets.
     """
@@ -55,7 +56,7 @@ class OneSentence(TyperGroup):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             complain(STOPPED)
-            raise typer.Exit(EXIT_INTERRUPTED) from None
+            raise typer.Exit(stopping.exit_code()) from None
         except typer.BadParameter as error:
             words = " ".join(error.format_message().split()).rstrip(".")
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
@@ -86,6 +87,7 @@ for module in (
     doctor,
     demo,
     tradeoff,
+    undo_withdrawal,
 ):
     module.register(app)
 
@@ -121,8 +123,10 @@ def main() -> None:
         sys.exit(1)
     except KeyboardInterrupt:  # before a command began
         complain(STOPPED)
-        sys.exit(EXIT_INTERRUPTED)
+        sys.exit(stopping.exit_code())
     except OSError as error:
+        if error.errno == errno.EIO and stopping.terminal_closed():  # nobody to say it to
+            sys.exit(stopping.exit_code())
         if error.errno not in FAULTS_OF_THE_MACHINE:
             raise
         place = f"{error.filename}: " if error.filename else ""

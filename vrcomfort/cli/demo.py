@@ -12,7 +12,7 @@ from vrcomfort.cli.options import Quiet, Seed, output_option
 from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.render_still import PoseText, still
 from vrcomfort.cli.simulate import simulate_study
-from vrcomfort.cli.terminal import console, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder
@@ -63,9 +63,10 @@ def demo(
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
     withdrawn = sum(outcome.status == "withdrawn" for outcome in outcomes)
     say(f"{withdrawn} of {participants} withdrew. Rendering pictures ...")
-    files = _pictures(pictures)
+    files = _pictures(pictures, quiet)
     say("Writing the report ...")
-    report = _report(study, out / "report")
+    with progress_bar("report", None, quiet=quiet):
+        report = _report(study, out / "report")
     console().print(f"\nStudy:    {study}")
     for file in files:
         console().print(f"Picture:  {file}")
@@ -85,7 +86,7 @@ def _fresh(out: Path) -> tuple[Path, Path]:
     return parts[0], parts[1]
 
 
-def _pictures(folder: Path) -> list[Path]:
+def _pictures(folder: Path, quiet: bool) -> list[Path]:
     """Draw each scene under each condition at a place where the difference shows."""
     study = load_protocol(PROTOCOL)
     return [
@@ -96,6 +97,7 @@ def _pictures(folder: Path) -> list[Path]:
             size_px=PICTURE_SIZE_PX,
             ipd_m=study.headset.ipd_m,
             out=folder / f"{scene}_{condition.name}",
+            quiet=quiet,
         )
         for scene in study.scenes
         for condition in study.conditions

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.table import Table
+from rich.text import Text
 
 from vrcomfort import __version__
 from vrcomfort.cli import doctor_openxr
 from vrcomfort.cli.doctor_finding import Finding
 from vrcomfort.cli.options import Json
-from vrcomfort.cli.terminal import answer, console
+from vrcomfort.cli.terminal import answer, console, progress_bar
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
 
@@ -24,10 +25,10 @@ if TYPE_CHECKING:
     import moderngl
 
 _MARKS = {
-    (True, True): "[green]ok[/]",
-    (True, False): "[green]ok[/]",
-    (False, True): "[bold red]missing[/]",
-    (False, False): "[yellow]–[/]",
+    (True, True): ("ok", "green"),
+    (True, False): ("ok", "green"),
+    (False, True): ("missing", "bold red"),
+    (False, False): ("–", "yellow"),
 }
 
 
@@ -51,7 +52,8 @@ def doctor(
     - `vrcomfort doctor --timing`
     - `vrcomfort doctor --json`
     """
-    findings = list(_examine(timing=timing))
+    with progress_bar("looking", None, quiet=False):
+        findings = list(_examine(timing=timing))
     if as_json:
         answer([asdict(finding) for finding in findings])
     else:
@@ -77,7 +79,7 @@ def _show(findings: list[Finding]) -> None:
     for column in ("", "part", "found", "remedy"):
         table.add_column(column, overflow="fold")
     for finding in findings:
-        mark = _MARKS[finding.ok, finding.needed]
+        mark = Text(*_MARKS[finding.ok, finding.needed])
         table.add_row(mark, finding.part, finding.found, finding.remedy)
     console(wrap=True).print(table)
 
@@ -88,7 +90,7 @@ def _python() -> Finding:
 
 
 def _opengl() -> tuple[Finding, moderngl.Context | None]:
-    from vrcomfort.gpu.gl import create_context, describe
+    from vrcomfort.gpu.gl import VERSION_NAME, create_context, describe
 
     try:
         context = create_context()
@@ -96,7 +98,8 @@ def _opengl() -> tuple[Finding, moderngl.Context | None]:
         return Finding("OpenGL", False, "no context", str(error)), None
     facts = describe(context)
     kind = "EGL" if sys.platform.startswith("linux") else "WGL"
-    words = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
+    there = f"{facts['version']} on {facts['renderer']}, by {kind}, without a window"
+    words = f"{there}; needed: {VERSION_NAME}"
     return Finding("OpenGL", True, words), context
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 from pathlib import Path
+from subprocess import list2cmdline
 from typing import Annotated, Any
 
 import typer
@@ -83,6 +86,20 @@ def parse_size(text: str) -> tuple[int, int]:
             f"--size {given!r} has a side of more than 8192 pixels; choose a smaller one"
         )
     return int(width), int(height)
+
+
+def typed_words(ctx: typer.Context) -> str:
+    """Return a command line that means what was typed, ready to be typed again."""
+    words = ctx.command_path.split()
+    for each in ctx.command.params:
+        source = ctx.get_parameter_source(each.name or "")
+        if source is not None and source.name == "COMMANDLINE":
+            value = ctx.params[each.name or ""]
+            if each.param_type_name == "option":
+                words.append(each.opts[0] if value is not False else each.secondary_opts[0])
+            if not isinstance(value, bool):
+                words.append(str(value))
+    return list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
 
 
 SceneOption = Annotated[

@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 from vrcomfort.cli.options import Json, ProtocolArgument, Size, parse_size
-from vrcomfort.cli.terminal import answer
+from vrcomfort.cli.terminal import answer, progress_bar
 from vrcomfort.protocol import load_protocol
 
 
@@ -26,7 +26,8 @@ def plan(protocol: ProtocolArgument, size: Size = "1832x1920", as_json: Json = F
     from vrcomfort.cli import plan_table
 
     study = load_protocol(protocol)
-    found = plan_table.planned(study, parse_size(size))
+    with progress_bar("planning", None, quiet=as_json):
+        found = plan_table.planned(study, parse_size(size))
     if as_json:
         answer(found.as_data())
     else:

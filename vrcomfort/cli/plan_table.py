@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from rich.table import Table
+from rich.text import Text
 
 from vrcomfort.cli.terminal import console
 from vrcomfort.errors import InputError
@@ -170,7 +171,7 @@ def _passes_table(condition: Condition, rows: list[Planned]) -> Table:
         table.add_column(row.scene, overflow="fold")
     table.add_column("why", overflow="fold")
     for steps in zip(*(row.passes for row in rows), strict=True):
-        marks = ["[green]drawn[/]" if step.needed else "-" for step in steps]
+        marks = [Text("drawn", "green") if step.needed else "-" for step in steps]
         reasons = dict.fromkeys(step.reason for step in steps)
         table.add_row(steps[0].name, *marks, "; ".join(reasons))
     return table

@@ -73,7 +73,7 @@ def _draw(headset: Any, renderer: Any, out: Path, *, video: bool, total: int, qu
     with (
         _rows(out / LOG) as rows,
         film,
-        progress_bar("frames", total, quiet=quiet) as advance,
+        progress_bar("drawn", total, quiet=quiet, unit="frames") as advance,
     ):
         log = FrameLog(rows)
         for frame in headset.frames():

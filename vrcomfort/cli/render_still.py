@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -28,6 +29,9 @@ PERIOD_NS = 11_111_111
 """One frame at 90 Hz between the previous pose and this one."""
 
 EYES = ("left", "right")
+
+Advance: TypeAlias = Callable[..., None]
+"""Takes steps that are done, and what begins."""
 
 
 @dataclass(frozen=True)
@@ -86,20 +90,44 @@ def still(
         Draw the ground truth with so many samples; 0 does not.
     """
     from vrcomfort.render.image_error import margin_px
-    from vrcomfort.render.output import read_rgb8, write_stereo
-    from vrcomfort.scene.load import load_scene
 
     now, before = (each.pose() for each in poses)
     if reference_samples:
         margin_px(size_px)  # refuses what is all margin before anything is drawn
+    steps = 2 * (1 + reference_samples + bool(reference_samples))
+    with progress_bar("loading", steps, quiet=quiet, unit="steps") as advance:
+        picture, errors = _draw(
+            scene_source, condition, (now, before), size_px, ipd_m, out, reference_samples, advance
+        )
+    for name in EYES if errors else ():
+        console(quiet).print(f"{name} eye: {_in_words(errors[name], reference_samples)}")
+    return picture
+
+
+def _draw(
+    scene_source: str,
+    condition: Condition,
+    poses: tuple[Pose | None, Pose | None],
+    size_px: tuple[int, int],
+    ipd_m: float,
+    out: Path,
+    reference_samples: int,
+    advance: Advance,
+) -> tuple[Path, dict[str, Any]]:
+    """Draw and write everything; return the side-by-side image's path and the errors."""
+    from vrcomfort.render.output import read_rgb8, write_stereo
+    from vrcomfort.scene.load import load_scene
+
+    now, before = poses
     scene = load_scene(scene_source)
     for warning in scene.warnings:
         warn(warning)
     now = now or scene.spawn @ Pose(np.array([0.0, EYE_HEIGHT_M, 0.0]))
+    advance(0, "drawing")
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
     out.mkdir(parents=True, exist_ok=True)
-    pictures = _Pictures(out)
+    pictures = _Pictures(out, advance)
     if before is not None:
         renderer.render(_frame(0, before, size_px, ipd_m), 0.0)
     rendered = renderer.render(
@@ -117,14 +145,15 @@ def still(
         "focus": _focus_as_data(focus[0]) if focus else None,
         "triangles": rendered.triangles,
     }
+    errors: dict[str, Any] = {}
     if reference_samples:
         focus_m = focus[0].focus_m if focus else condition.focus.fixed_m
-        meta["reference"] = _reference(
-            renderer, scene, condition, pictures, focus_m, reference_samples, quiet
+        errors = meta["reference"] = _reference(
+            renderer, scene, condition, pictures, focus_m, reference_samples, advance
         )
     (out / "meta.json").write_text(json.dumps(meta, indent=2) + "\n", encoding="utf-8")
     left, right = rendered.eyes
-    return write_stereo(out, read_rgb8(left), read_rgb8(right))[-1]
+    return write_stereo(out, read_rgb8(left), read_rgb8(right))[-1], errors
 
 
 def _frame(
@@ -149,8 +178,9 @@ def _frame(
 class _Pictures:
     """Keeps what is read from the GPU of each eye, and writes its numbers."""
 
-    def __init__(self, out: Path) -> None:
+    def __init__(self, out: Path, advance: Advance) -> None:
         self.folder = out
+        self._advance = advance
         self.eyes: list[tuple[EyeImages, np.ndarray[Any, Any]]] = []
 
     def keep(self, index: int, images: EyeImages) -> None:
@@ -167,6 +197,7 @@ class _Pictures:
             arrays["velocity_px"] = np.asarray(output.read_texture(images.velocity), np.float32)
         output.write_numbers(self.folder / f"{EYES[index]}.npz", **arrays)
         self.eyes.append((images, linear))
+        self._advance(1)
 
 
 def _reference(
@@ -176,7 +207,7 @@ def _reference(
     pictures: _Pictures,
     focus_m: float,
     samples: int,
-    quiet: bool,
+    advance: Advance,
 ) -> dict[str, Any]:
     """Draw the ground truth of both eyes; write it and return the errors."""
     from vrcomfort.render import output
@@ -185,34 +216,34 @@ def _reference(
 
     truth = Reference(renderer.ctx, scene, condition, renderer.size_px)
     errors: dict[str, Any] = {}
-    with progress_bar("reference", 2 * samples, quiet=quiet) as advance:
-        for name, (images, linear) in zip(EYES, pictures.eyes, strict=True):
-            camera = images.camera
-            drawn = truth.render(
-                camera,
-                PERIOD_NS / 1e9,
-                images.previous,
-                focus_m=focus_m,
-                samples=samples,
-                on_sample=lambda _: advance(),
-            )
-            found = accuracy(
-                linear,
-                _top_row_first(drawn.halves),
-                pixels_per_degree=pixels_per_degree(camera.fov, renderer.size_px),
-                exposure=scene.environment.exposure,
-            )
-            image = drawn.image[::-1].astype(np.float32)
-            output.write_numbers(pictures.folder / f"{name}_reference.npz", linear=image)
-            encoded = tone_mapped(image, exposure=scene.environment.exposure)
-            rgb8 = np.round(encoded * 255).astype(np.uint8)
-            output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
-            errors[name] = {**found._asdict(), "counts": found.counts and samples > 1}
-            if not math.isfinite(found.psnr_db):
-                errors[name]["psnr_db"] = None  # JSON has no infinity
-            errors["samples"], errors["note"] = drawn.samples, truth.note
-    for name in EYES:
-        console(quiet).print(f"{name} eye: {_in_words(errors[name], samples)}")
+    for name, (images, linear) in zip(EYES, pictures.eyes, strict=True):
+        camera = images.camera
+        advance(0, f"brute force, {name} eye")
+        drawn = truth.render(
+            camera,
+            PERIOD_NS / 1e9,
+            images.previous,
+            focus_m=focus_m,
+            samples=samples,
+            on_sample=lambda _: advance(1),
+        )
+        advance(0, f"comparing, {name} eye")
+        found = accuracy(
+            linear,
+            _top_row_first(drawn.halves),
+            pixels_per_degree=pixels_per_degree(camera.fov, renderer.size_px),
+            exposure=scene.environment.exposure,
+        )
+        image = drawn.image[::-1].astype(np.float32)
+        output.write_numbers(pictures.folder / f"{name}_reference.npz", linear=image)
+        encoded = tone_mapped(image, exposure=scene.environment.exposure)
+        rgb8 = np.round(encoded * 255).astype(np.uint8)
+        output.write_png(pictures.folder / f"{name}_reference.png", rgb8)
+        errors[name] = {**found._asdict(), "counts": found.counts and samples > 1}
+        if not math.isfinite(found.psnr_db):
+            errors[name]["psnr_db"] = None  # JSON has no infinity
+        advance(1)
+        errors["samples"], errors["note"] = drawn.samples, truth.note
     return errors
 
 

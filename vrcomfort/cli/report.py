@@ -9,7 +9,7 @@ import typer
 
 from vrcomfort.cli.options import Json, Quiet, output_option
 from vrcomfort.cli.outputs import output_folder
-from vrcomfort.cli.terminal import console, warn
+from vrcomfort.cli.terminal import console, progress_bar, warn
 
 
 def register(app: typer.Typer) -> None:
@@ -45,7 +45,10 @@ def report(
     """
     from vrcomfort.report import build_report
 
-    summary = build_report(study, plan=plan, out=output_folder(out), simulated=simulated or None)
+    with progress_bar("analysing", None, quiet=quiet):
+        summary = build_report(
+            study, plan=plan, out=output_folder(out), simulated=simulated or None
+        )
     for warning in summary.warnings:
         warn(warning)
     if as_json:

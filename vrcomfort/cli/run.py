@@ -19,6 +19,7 @@ from vrcomfort.cli.options import (
     StudySeed,
     TraceOption,
     parse_size,
+    typed_words,
 )
 from vrcomfort.cli.playback import PlaybackSetup, open_trace
 from vrcomfort.cli.run_desktop import desktop_setup
@@ -44,6 +45,7 @@ def register(app: typer.Typer) -> None:
 
 
 def run(
+    ctx: typer.Context,
     protocol: ProtocolArgument,
     participant: Annotated[str, typer.Option(help="Letters and digits, for example P01.")],
     out: StudyFolder,
@@ -84,8 +86,9 @@ def run(
 ) -> None:
     """Take one participant through one session.
 
-    Answers are on disk as soon as they are given. Ctrl-C stops: everything is kept, and --resume
-    continues. The exit code is 130 after Ctrl-C, 3 where the headset's runtime went away.
+    Answers are on disk as soon as they are given. Ctrl-C, SIGTERM and a closed terminal stop:
+    everything is kept, and --resume continues. The exit code is 130 after Ctrl-C (143 after
+    SIGTERM, 129 after SIGHUP), 3 where the headset's runtime went away.
 
     - `vrcomfort run smoke --participant P01 --out my_study`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
@@ -120,14 +123,26 @@ def run(
         enrolment = owned.enter_context(
             study_setup.open_enrolment(participant, numbers, kind, resume=resume)
         )
+        _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
         bars = owned.enter_context(SessionBars(quiet))
         try:
             outcome = study_setup.run(enrolment, kind, bars.tell, headset_setup)
         except RuntimeLostError as error:
             complain(str(error))
+            warn(how_to_go_on(ctx))
             raise typer.Exit(EXIT_RUNTIME_LOST) from error
     _tell(outcome, out, quiet)
+    if outcome.status == "aborted":
+        warn(how_to_go_on(ctx))
+        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
+    from vrcomfort.records import told_of_the_other_kind
+
+    if told := told_of_the_other_kind(study, simulated=kind is RespondentKind.SIMULATED):
+        warn(told)
 
 
 def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSetup) -> None:
@@ -168,8 +183,12 @@ def _tell(outcome: Outcome, out: Path, quiet: bool) -> None:
     for warning in outcome.warnings:
         warn(warning)
     console(quiet).print(outcome_sentence(outcome, out))
-    if outcome.status == "aborted":
-        raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def how_to_go_on(ctx: typer.Context) -> str:
+    """Return the words that take up the session again: the same, with --resume."""
+    words = typed_words(ctx)
+    return f"to go on, type: {words}" + ("" if ctx.params["resume"] else " --resume")
 
 
 def next_session(study: Path, participant: str) -> int:

@@ -95,7 +95,7 @@ def simulate_study(
         holds another study.
     """
     from vrcomfort.design import build_design
-    from vrcomfort.records import open_study
+    from vrcomfort.records import open_study, told_of_the_other_kind
 
     size_px, trace, refresh_hz = playback_options
     require_recorded_gaze(protocol.conditions, trace)
@@ -106,7 +106,9 @@ def simulate_study(
     sessions = build_design(protocol, seed=kept_seed).sessions
     outcomes: list[Outcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
-    with progress_bar("participants", participants, quiet=quiet) as advance:
+    if told := told_of_the_other_kind(out, simulated=True):
+        warn(told)
+    with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
         for name, ended in ends.items():
             if not _is_over(out, name, ended, sessions):
                 outcomes.append(_simulate_one(setup, out, name))

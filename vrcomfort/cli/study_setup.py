@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.cli.renderer import describe_machine, make_renderer
-from vrcomfort.cli.terminal import console, warn
+from vrcomfort.cli.terminal import dialogue, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
@@ -134,7 +134,7 @@ class StudySetup:
             settings, seed = self._protocol.simulation, enrolment.design.seed
             return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
         if kind is RespondentKind.TERMINAL:
-            return TerminalRespondent(console())
+            return TerminalRespondent(dialogue())
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")
         return headset.panel

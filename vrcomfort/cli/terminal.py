@@ -1,4 +1,8 @@
-"""What is said to people and programs: printing, notes, errors, progress bars."""
+"""What is said to people and programs: printing, notes, errors, progress.
+
+Everything that is printed may be data, in which square brackets are square brackets: nothing here
+reads markup. What is to look different has a `style`.
+"""
 
 from __future__ import annotations
 
@@ -6,29 +10,37 @@ import json
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from threading import Event, Thread
+from typing import Any, Self
 
 import typer
 from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    TextColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemainingColumn
+from rich.table import Column
+from rich.text import Text
 
-_errors = Console(stderr=True, highlight=False, soft_wrap=True)
+SILENT_S = 2.0
+"""Where no bar can be shown, a line says after so long that work is under way."""
+
+LINE_EVERY_S = 10.0
+"""So often, from then on, another says how far it has come."""
+
+
+def _console(**settings: Any) -> Console:
+    return Console(markup=False, highlight=False, emoji=False, **settings)
+
+
+_errors = _console(stderr=True, soft_wrap=True)
 
 
 def complain(sentence: str) -> None:
     """Say on stderr what went wrong."""
-    _errors.print(f"[bold red]error:[/] {_escape(sentence)}")
+    _errors.print(Text("error:", style="bold red"), sentence)
 
 
 def warn(sentence: str) -> None:
     """Say on stderr what the user should know, although the command goes on."""
-    _errors.print(f"[yellow]note:[/] {_escape(sentence)}")
+    _errors.print(Text("note:", style="yellow"), sentence)
 
 
 def answer(data: Any) -> None:
@@ -38,27 +50,81 @@ def answer(data: Any) -> None:
 
 def console(quiet: bool = False, *, wrap: bool = False) -> Console:
     """Return where people read, silent if `quiet`; `wrap` fits tables into the window."""
-    return Console(quiet=quiet, highlight=False, soft_wrap=not wrap)
+    return _console(quiet=quiet, soft_wrap=not wrap)
+
+
+def dialogue() -> Console:
+    """Return where a person is asked: beside a progress bar, lines stand above it."""
+    return _errors if sys.stdout.isatty() and sys.stderr.isatty() else console()
+
+
+class _Words(ProgressColumn):
+    """What is done, as text that is nothing but text."""
+
+    def render(self, task: Task) -> Text:
+        """Return the title, and how far it has come."""
+        return Text(_how_far(task.description, task.completed, task.total, task.fields["unit"]))
 
 
 @contextmanager
-def progress_bar(title: str, total: int | None, *, quiet: bool) -> Iterator[Any]:
-    """Show a bar on stderr; yields ``advance(steps=1, title=None)``."""
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-    )
-    hidden = quiet or not sys.stderr.isatty()
-    with Progress(*columns, console=_errors, disable=hidden, transient=True) as progress:
-        task = progress.add_task(title, total=total)
+def progress_bar(title: str, total: float | None, *, quiet: bool, unit: str = "") -> Iterator[Any]:
+    """Show a bar on stderr, or now and then a line where stderr is no terminal.
 
-        def advance(steps: int = 1, title: str | None = None) -> None:
+    Parameters
+    ----------
+    unit
+        Of `total`, such as s or frames.
+
+    Yields
+    ------
+    callable
+        ``advance(steps=1, title=None)``.
+    """
+    if not quiet and not sys.stderr.isatty():
+        with _Lines(title, total, unit) as lines:
+            yield lines.advance
+        return
+    columns = (_Words(Column(no_wrap=True)), BarColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=_errors, disable=quiet, transient=True) as progress:
+        task = progress.add_task(title, total=total, unit=unit)
+
+        def advance(steps: float = 1, title: str | None = None) -> None:
             progress.update(task, advance=steps, description=title)
 
         yield advance
 
 
-def _escape(text: str) -> str:
-    return text.replace("[", r"\[")
+class _Lines:
+    """Says how far work has come, in lines: the first after `SILENT_S`, then rarely."""
+
+    def __init__(self, title: str, total: float | None, unit: str) -> None:
+        self._title, self._total, self._unit = title, total, unit
+        self._done = 0.0
+        self._over = Event()
+        self._thread = Thread(target=self._tell, name="progress", daemon=True)
+
+    def advance(self, steps: float = 1, title: str | None = None) -> None:
+        """Count steps."""
+        self._done += steps
+        self._title = title or self._title
+
+    def _tell(self) -> None:
+        wait_s = SILENT_S
+        while not self._over.wait(wait_s):
+            words = _how_far(self._title, self._done, self._total, self._unit)
+            _errors.print(f"{words} ...")
+            wait_s = LINE_EVERY_S
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self._over.set()
+        self._thread.join()
+
+
+def _how_far(title: str, done: float, total: float | None, unit: str) -> str:
+    if total is None:
+        return title
+    return f"{title}: {done:.0f} of {total:.0f} {unit}".rstrip()

@@ -12,7 +12,7 @@ import typer
 
 from vrcomfort.cli.options import Quiet, output_option, parse_size
 from vrcomfort.cli.outputs import output_folder
-from vrcomfort.cli.terminal import console, progress_bar
+from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 
 Name = TypeVar("Name", bound=str)
@@ -119,6 +119,8 @@ def tradeoff(
             cluster=cluster,
             progress=progress,
         )
+    for doubt in summary.doubts:
+        warn(doubt)
     console(quiet).print(f"{summary.reused}\nTrade-off: {summary.page}")
 
 

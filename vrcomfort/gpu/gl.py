@@ -19,7 +19,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.gpu import memory as gpu_memory
 
 MINIMUM_VERSION = 450
-"""OpenGL 4.5: the first with clip control."""
+"""OpenGL 4.5: the first with clip control. The README names it, too."""
+
+VERSION_NAME = f"{MINIMUM_VERSION // 100}.{MINIMUM_VERSION // 10 % 10}"
 
 DEPTH_FUNC = ">"
 """Nearer is greater, everywhere in `render` (shadow maps too)."""
@@ -40,15 +42,15 @@ def create_context() -> moderngl.Context:
     Raises
     ------
     InputError
-        If the machine has no OpenGL 4.5; says what to install.
+        If the machine has no OpenGL of `MINIMUM_VERSION`; says what to install.
     """
     backend: dict[str, Any] = {"backend": "egl"} if sys.platform.startswith("linux") else {}
     try:
         ctx = moderngl.create_context(standalone=True, require=MINIMUM_VERSION, **backend)
     except Exception as error:
         raise InputError(
-            f"no OpenGL 4.5 context could be made ({error}); install a driver: on Debian or Ubuntu "
-            "'apt-get install libegl1 libgl1 libgl1-mesa-dri', on Fedora "
+            f"no OpenGL {VERSION_NAME} context could be made ({error}); install a driver: "
+            "on Debian or Ubuntu 'apt-get install libegl1 libgl1 libgl1-mesa-dri', on Fedora "
             "'dnf install mesa-libEGL mesa-libGL mesa-dri-drivers', elsewhere your graphics driver"
         ) from error
     return prepare(ctx)

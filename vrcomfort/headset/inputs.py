@@ -54,6 +54,8 @@ class KeyInput:
         Presses of the arrow keys since the frame before, (right, down).
     digits
         Number keys since the frame before, in order.
+    letters
+        Other keys that write something, small letters and -, in order.
     enter, back, stop
         True in the one frame in which the key goes down.
     walk
@@ -64,6 +66,7 @@ class KeyInput:
 
     arrow: tuple[int, int] = (0, 0)
     digits: str = ""
+    letters: str = ""
     enter: bool = False
     back: bool = False
     stop: bool = False

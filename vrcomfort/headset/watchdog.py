@@ -26,7 +26,6 @@ PATIENCE_S = 600.0
 """So long a hung runtime is waited for where nobody presses Ctrl-C."""
 
 EXIT_RUNTIME_LOST = 3
-EXIT_INTERRUPTED = 130
 POLL_S = 0.1
 STOPPING = {
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
@@ -107,7 +106,8 @@ class Watchdog:
     patience_s
         After so long the program ends by itself.
     leave
-        Ends the program with an exit code: 130 after Ctrl-C, else 3.
+        Ends the program with an exit code: 130 after Ctrl-C, 128 and its number after another
+        signal, else 3.
 
     Attributes
     ----------
@@ -128,7 +128,8 @@ class Watchdog:
         self._notice_s, self._patience_s = notice_s, patience_s
         self.last_acts: list[Callable[[], object]] = []
         self._close: Callable[[], None] | None = None
-        self._closed = self._asked = self._done = False
+        self._asked = 0
+        self._closed = self._done = False
         self._ear, self._mouth = socket.socketpair()
         self._thread = threading.Thread(target=self._watch, name="watchdog", daemon=True)
 
@@ -164,14 +165,14 @@ class Watchdog:
 
     def _watch(self) -> None:
         while not self._done:
-            if self._hear():
-                self._asked = True
+            self._asked = self._hear() or self._asked
             self._look()
 
-    def _hear(self) -> bool:
-        """Wait a little; return whether somebody has asked the program to stop meanwhile."""
+    def _hear(self) -> int:
+        """Wait a little; return the signal that has asked the program to stop meanwhile, else 0."""
         heard, _, _ = select.select([self._ear], [], [], POLL_S)
-        return bool(heard) and any(number in STOPPING for number in self._ear.recv(64))
+        numbers = self._ear.recv(64) if heard else b""
+        return next((number for number in numbers if number in STOPPING), 0)
 
     def _look(self) -> None:
         calls = self._calls
@@ -183,7 +184,7 @@ class Watchdog:
         waited_s = time.monotonic() - call[1]
         if waited_s < self._notice_s:
             return
-        ending = self._asked or self._closed or waited_s >= self._patience_s
+        ending = bool(self._asked) or self._closed or waited_s >= self._patience_s
         if calls.hung is not call:
             calls.hung = call
             self._say(self._sentence(call, ending=ending))
@@ -217,7 +218,7 @@ class Watchdog:
         with suppress(OSError, ValueError):
             sys.stdout.flush()
             sys.stderr.flush()
-        self._leave(EXIT_INTERRUPTED if self._asked else EXIT_RUNTIME_LOST)
+        self._leave(128 + self._asked if self._asked else EXIT_RUNTIME_LOST)
 
     def _close_all(self) -> None:
         if self._close is not None:

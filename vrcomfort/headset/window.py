@@ -11,10 +11,9 @@ import glfw
 import moderngl
 
 from vrcomfort.errors import InputError
+from vrcomfort.gpu.gl import MINIMUM_VERSION, VERSION_NAME
 from vrcomfort.headset.inputs import KeyInput
 
-GL_VERSION = 4, 5
-GL_CODE = 450
 RAD_PER_COUNT = 0.0022
 """Turn of a captured mouse: 0.126° for each of its counts."""
 
@@ -61,7 +60,7 @@ class Window:
     Raises
     ------
     InputError
-        If there is no display, or no OpenGL 4.5 on it.
+        If there is no display, or no OpenGL of `gpu.gl.MINIMUM_VERSION` on it.
     """
 
     def __init__(
@@ -81,7 +80,7 @@ class Window:
         if not self._handle:
             glfw.terminate()
             raise InputError(
-                f"no window with OpenGL 4.5 can be opened ({self._said}); "
+                f"no window with OpenGL {VERSION_NAME} can be opened ({self._said}); "
                 "update the graphics driver"
             )
         glfw.make_context_current(self._handle)
@@ -98,7 +97,7 @@ class Window:
 
     def context(self) -> moderngl.Context:
         """Return the window's context; whoever asks for it releases it before the window."""
-        return moderngl.create_context(require=GL_CODE, **_loader())
+        return moderngl.create_context(require=MINIMUM_VERSION, **_loader())
 
     @property
     def size_px(self) -> tuple[int, int]:
@@ -205,7 +204,7 @@ class Window:
         self._faults.append(f"{words} ({code:#x})")
 
     def _on_key(self, _: Any, key: int, scancode: int, action: int, modifiers: int) -> None:
-        del scancode, modifiers
+        del modifiers
         if action == glfw.RELEASE:
             return
         now = self._pressed
@@ -217,6 +216,9 @@ class Window:
         elif key in PRESSES and action == glfw.PRESS:
             changes: dict[str, Any] = {PRESSES[key]: True}
             self._pressed = replace(now, **changes)
+        elif action == glfw.PRESS:
+            written = (glfw.get_key_name(key, scancode) or "").lower()
+            self._pressed = replace(now, letters=now.letters + written)
 
     def _on_button(self, _: Any, button: int, action: int, modifiers: int) -> None:
         del modifiers
@@ -240,8 +242,8 @@ class Window:
 
 def _open(title: str, size_px: tuple[int, int]) -> Any:
     hint: Callable[[int, int], None] = glfw.window_hint
-    hint(glfw.CONTEXT_VERSION_MAJOR, GL_VERSION[0])
-    hint(glfw.CONTEXT_VERSION_MINOR, GL_VERSION[1])
+    hint(glfw.CONTEXT_VERSION_MAJOR, MINIMUM_VERSION // 100)
+    hint(glfw.CONTEXT_VERSION_MINOR, MINIMUM_VERSION // 10 % 10)
     hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     return glfw.create_window(*size_px, title, None, None)
 

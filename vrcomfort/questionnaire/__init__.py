@@ -1,7 +1,7 @@
 """Questionnaires: what is asked, how it is read from files, how it is scored."""
 
 from vrcomfort.questionnaire.instruments import FMS, INSTRUMENTS, MISC, SSQ, Instrument, Item
-from vrcomfort.questionnaire.scoring import score_ssq
+from vrcomfort.questionnaire.scoring import score_complete_ssq, score_ssq
 from vrcomfort.questionnaire.ssq import LOADINGS, WEIGHTS, SsqScore, score
 from vrcomfort.questionnaire.tables import Sheet, answer_number, read_sheets
 
@@ -19,5 +19,6 @@ __all__ = [
     "answer_number",
     "read_sheets",
     "score",
+    "score_complete_ssq",
     "score_ssq",
 ]

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
+from vrcomfort.questionnaire.instruments import SSQ
 from vrcomfort.questionnaire.ssq import score
-from vrcomfort.questionnaire.tables import read_sheets
+from vrcomfort.questionnaire.tables import Sheet, read_sheets
 
 Cell: TypeAlias = str | int | float | None
 
@@ -20,6 +21,29 @@ _SCORES = (
     "disorientation",
     "total",
 )
+
+
+class Scores(NamedTuple):
+    """Scores, and the lines of the questionnaires that were left out."""
+
+    rows: list[dict[str, Cell]]
+    left_out: list[int]
+
+
+def score_complete_ssq(file: Path) -> Scores:
+    """Score the questionnaires of a CSV file that have all their answers, as `score_ssq` does.
+
+    Raises
+    ------
+    InputError
+        If a column or an answer is wrong, with line and column.
+    """
+    sheets = read_sheets(Path(file), allow_blank=True)
+    complete = [sheet for sheet in sheets if _is_complete(sheet)]
+    return Scores(
+        [_scored(sheet) for sheet in complete],
+        [sheet.line for sheet in sheets if not _is_complete(sheet)],
+    )
 
 
 def score_ssq(file: Path) -> list[dict[str, Cell]]:
@@ -37,9 +61,13 @@ def score_ssq(file: Path) -> list[dict[str, Cell]]:
     InputError
         If a column or an answer is wrong, with line and column.
     """
-    rows: list[dict[str, Cell]] = []
-    for sheet in read_sheets(Path(file)):
-        scored = score(sheet.answers)
-        scores: dict[str, Cell] = {name: getattr(scored, name, None) for name in _SCORES}
-        rows.append({**sheet.keys, **scores})
-    return rows
+    return [_scored(sheet) for sheet in read_sheets(Path(file))]
+
+
+def _scored(sheet: Sheet) -> dict[str, Cell]:
+    scored = score(sheet.answers)
+    return {**sheet.keys, **{name: getattr(scored, name, None) for name in _SCORES}}
+
+
+def _is_complete(sheet: Sheet) -> bool:
+    return all(sheet.answers.get(item.name) is not None for item in SSQ.items)

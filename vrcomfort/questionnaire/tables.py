@@ -94,11 +94,18 @@ class Sheet:
             raise table.fault(f"`{item.name}` is answered twice in one questionnaire", line, "item")
 
 
-def read_sheets(file: Path, instrument: Instrument = SSQ) -> list[Sheet]:
+def read_sheets(
+    file: Path, instrument: Instrument = SSQ, *, allow_blank: bool = False
+) -> list[Sheet]:
     """Read a wide or a long CSV file, whichever it is.
 
     Long files have columns `item` and `response` (as ``questionnaires.csv``); in wide ones every
     item has a column under its name or a human-readable heading such as "Eye strain".
+
+    Parameters
+    ----------
+    allow_blank
+        A blank answer in a wide file is None, as it is in a long one.
 
     Raises
     ------
@@ -112,10 +119,10 @@ def read_sheets(file: Path, instrument: Instrument = SSQ) -> list[Sheet]:
     names = {heading.lower() for heading in table.header}
     if {"item", "response"} <= names:
         return _long(table, instrument)
-    return _wide(table, instrument)
+    return _wide(table, instrument, allow_blank=allow_blank)
 
 
-def _wide(table: CsvTable, instrument: Instrument) -> list[Sheet]:
+def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list[Sheet]:
     columns = _item_columns(table, instrument)
     sheets = []
     for line, cells in zip(table.lines, table.rows, strict=True):
@@ -127,8 +134,9 @@ def _wide(table: CsvTable, instrument: Instrument) -> list[Sheet]:
         sheet = Sheet(line, keys)
         for index, item in columns.items():
             answer = _answer(table, instrument, cells[index], line, table.header[index])
-            if answer is None:
-                raise table.fault("this answer is missing", line, table.header[index])
+            if answer is None and not allow_blank:
+                message = "this answer is missing; `score --skip-incomplete` leaves such rows out"
+                raise table.fault(message, line, table.header[index])
             sheet.answers[item.name] = answer
         sheets.append(sheet)
     return sheets

@@ -2,6 +2,7 @@
 
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interrupted import Interrupted, take_up
+from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
@@ -26,6 +27,7 @@ from vrcomfort.records.study import (
     set_status,
     unfinished_sessions,
 )
+from vrcomfort.records.withdrawal import undo_withdrawal
 
 __all__ = [
     "Durability",
@@ -56,5 +58,7 @@ __all__ = [
     "session_folder",
     "set_status",
     "take_up",
+    "told_of_the_other_kind",
+    "undo_withdrawal",
     "unfinished_sessions",
 ]

@@ -27,6 +27,7 @@ from vrcomfort.records.rows import (
     cell_text,
     csv_line,
 )
+from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted")
 
@@ -104,7 +105,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     if begun and attempts.get(begun["trial"], 0) < begun["attempt"]:
         _write_killed(folder, begun, frames, end_s, access)
         attempts[begun["trial"]] = begun["attempt"]
-    last_trial, ended_by = _last_trial(trials, begun)
+    last_trial, ended_by = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
         done=max((row["trial"] for row in trials if row["status"] == "completed"), default=0),
         attempts=attempts,
@@ -119,20 +120,22 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     )
 
 
-_ENDED_THE_STUDY = ("withdrawn", "stopped")
-
-
 def _last_trial(
-    trials: Sequence[RecordedRow], begun: Mapping[str, Any] | None
+    trials: Sequence[RecordedRow],
+    begun: Mapping[str, Any] | None,
+    undone: set[tuple[int, int]],
 ) -> tuple[int | None, str | None]:
-    """Return the trial that ended last, unless it was aborted, and what ended the study in it."""
+    """Return the trial that ended last, and what ended the study in it.
+
+    None for one that was aborted, or whose withdrawal was undone: it is shown again.
+    """
     last = trials[-1] if trials else None
-    if last is None or last["status"] == "aborted":
+    if last is None or last["status"] == "aborted" or (last["trial"], last["attempt"]) in undone:
         return None, None
     if begun and (begun["trial"], begun["attempt"]) != (last["trial"], last["attempt"]):
         return None, None  # the next exposure had begun: nothing was owed to this one
     status = last["status"]
-    return last["trial"], status if status in _ENDED_THE_STUDY else None
+    return last["trial"], status if status in ENDED_THE_STUDY else None
 
 
 def _answered(

@@ -66,6 +66,8 @@ class Manifest:
     missed_questions
         Questionnaires that an interruption cut off and that were not asked in time, a sentence
         each.
+    withdrawals_undone
+        Withdrawals that an operator took back: when, why, and in which attempt at which trial.
     clock_set_back
         Where the machine's clock stood earlier than before, one sentence each.
     memory
@@ -92,6 +94,7 @@ class Manifest:
     under_way: dict[str, Any] | None = None
     exposure_ended: dict[str, Any] | None = None
     missed_questions: list[str] = field(default_factory=list)
+    withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
 
     def write(self, folder: Path, access: Access = OWNER) -> None:
@@ -138,6 +141,7 @@ class Manifest:
             "under_way": self.under_way,
             "exposure_ended": self.exposure_ended,
             "missed_questions": self.missed_questions,
+            "withdrawals_undone": self.withdrawals_undone,
             "memory": self.memory,
         }
 
@@ -146,7 +150,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "memory",
+    "withdrawals_undone", "memory",
 )  # fmt: skip
 
 

@@ -72,6 +72,15 @@ class ExposureEnded(_Part):
     at: Moment
 
 
+class WithdrawalUndone(_Part):
+    """A withdrawal that was taken back; trial and attempt are None where none was cut short."""
+
+    at: Moment
+    reason: str
+    trial: Number | None = None
+    attempt: Number | None = None
+
+
 class ManifestShape(_Part):
     """The keys that a continuation, or a tool, relies on."""
 
@@ -103,6 +112,7 @@ class ManifestShape(_Part):
     under_way: UnderWay | None = None
     exposure_ended: ExposureEnded | None = None
     missed_questions: list[str] = []
+    withdrawals_undone: list[WithdrawalUndone] = []
     memory: dict[str, Any] | None = None
 
 

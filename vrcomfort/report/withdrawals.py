@@ -38,13 +38,28 @@ class Withdrawal:
 
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     """Return the withdrawals that trials.csv and participants.csv record, one per participant."""
-    found = {t["participant"]: _from_trial(t) for t in _trials(study) if t["status"] in ENDED}
+    undone = _undone(study)
+    ended = [t for t in _trials(study) if t["status"] in ENDED and _attempt(t) not in undone]
+    found = {t["participant"]: _from_trial(t) for t in ended}
     last = {t["participant"]: t for t in _trials(study)}
     for person in study.participants:
         name = person["participant"]
         if person["status"] == "withdrawn" and name not in found:
             found[name] = _after_trial(name, last.get(name, {}))
     return [found[name] for name in sorted(found, key=natural)]
+
+
+def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
+    return tuple(trial.get(name, "") for name in ("participant", "session", "trial", "attempt"))
+
+
+def _undone(study: StudyData) -> set[tuple[str, ...]]:
+    """Return the attempts in which somebody withdrew, and an operator took it back."""
+    return {
+        (str(of.get("participant")), str(of.get("session")), str(u["trial"]), str(u["attempt"]))
+        for of in study.manifests
+        for u in of.get("withdrawals_undone") or ()
+    }
 
 
 def _trials(study: StudyData) -> list[dict[str, str]]:

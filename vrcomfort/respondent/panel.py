@@ -8,8 +8,9 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from vrcomfort.questionnaire import Instrument
+from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
-from vrcomfort.respondent.panel_keys import KeyChoice
+from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
     MANY,
     Act,
@@ -19,9 +20,8 @@ from vrcomfort.respondent.panel_layout import (
     question_cells,
     rest_cells,
     review_cells,
-    stop_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter
+from vrcomfort.respondent.panel_picture import Page, Painter, stop_page
 from vrcomfort.respondent.pointing import Pointing, Screen
 
 UNABLE_S = 2.0
@@ -69,7 +69,8 @@ class PanelRespondent:
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
         self._scale: Page | None = None
-        self._scale_asked_s = self._scale_timeout_s = 0.0
+        self._scale_until_s = 0.0
+        self._stopping: Page | None = None
         self._rating: int | None = None
 
     def start_session(self, session: int) -> None:
@@ -80,18 +81,39 @@ class PanelRespondent:
         self._hide()
 
     def endure(self, elapsed_s: float) -> None:
-        """Take the stop button, and the rating that was asked for; a late one cannot be given."""
+        """Take the stop button, and the rating that was asked for; a late one cannot be given.
+
+        A wish to stop is asked once more, in the scene: the exposure goes on until it is confirmed.
+        """
         pointing = self._screen.pointing()
-        if pointing.stop:
-            self._hide()
-            raise Withdrew("withdrew during exposure")
-        if self._scale is not None:
+        if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
+            self._stopping = stop_page()
+            self._keys.forget()
+            self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
+        elif self._stopping is not None:
+            self._take_decision(self._step(self._stopping, pointing))
+        elif self._scale is not None:
             cell = self._step(self._scale, pointing)
             if cell is not None and cell.act is Act.ANSWER:
-                self._rating = cell.value
-                self._hide()
-            elif elapsed_s - self._scale_asked_s > self._scale_timeout_s:
-                self._hide()
+                self._rating, self._scale = cell.value, None
+                self._leave_page()
+        if self._scale is not None and elapsed_s > self._scale_until_s:
+            self._scale = None
+            self._leave_page()
+
+    def _take_decision(self, cell: Cell | None) -> None:
+        if cell is not None and cell.act is Act.WITHDRAW:
+            self._hide()
+            raise Withdrew("withdrew during exposure")
+        if cell is not None:
+            self._stopping = None
+            self._leave_page()
+
+    def _leave_page(self) -> None:
+        """Clear the view, unless something else is still asked in it."""
+        self._keys.forget()
+        if self._scale is None and self._stopping is None:
+            self._hide()
 
     def end_exposure(self, elapsed_s: float) -> None:  # noqa: ARG002
         """Clear the view."""
@@ -100,7 +122,7 @@ class PanelRespondent:
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
         cells = answer_cells(question_cells(instrument, first=True))
-        self._rating, self._scale_asked_s, self._scale_timeout_s = None, elapsed_s, timeout_s
+        self._rating, self._scale_until_s = None, elapsed_s + timeout_s
         self._keys.forget()
         ends, hint = _ends(instrument), self._hint(instrument)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
@@ -184,9 +206,7 @@ class PanelRespondent:
     def _hint(self, instrument: Instrument) -> str:
         if not self._keyboard:
             return ""
-        count = instrument.high - instrument.low + 1
-        number = "type a number" if count > MANY else f"press 1 to {count}"
-        return f"Click, or {number}, then Enter"
+        return f"Click, or type {instrument.low} to {instrument.high}, then Enter"
 
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""
@@ -197,8 +217,7 @@ class PanelRespondent:
             self._stop_if_sure("withdrew at a question")
 
     def _stop_if_sure(self, note: str) -> None:
-        sure = self._wait(Page("", "Do you want to stop the study?", stop_cells()))
-        if sure.act is Act.STOP:
+        if self._wait(stop_page()).act is Act.WITHDRAW:
             self._hide()
             raise Withdrew(note)
 
@@ -221,9 +240,9 @@ class PanelRespondent:
         self._keys.move(page.cells, pointing.arrow, pointing.digits, page.chosen)
         shown = replace(page, hint=NO_CONTROLLER) if self._is_unable(pointing) else page
         self._draw(shown, pointing.point, self._keys.cell or pointed)
-        wanted = _by_button(page, pointing)
+        wanted = by_button(page.cells, pointing)
         if wanted is None and pointing.enter:
-            wanted = self._keys.cell
+            wanted = self._keys.entered(page.cells)
         if wanted is None and pointed is not None and self._confirms(pointed, pointing):
             wanted = pointed
         if wanted is not None:
@@ -259,16 +278,8 @@ class PanelRespondent:
         self._screen.point_at(point)
 
     def _hide(self) -> None:
-        self._scale = self._drawn = None
+        self._scale = self._stopping = self._drawn = None
         self._screen.show(None)
-
-
-def _by_button(page: Page, pointing: Pointing) -> Cell | None:
-    """Return the cell that the back or the stop button stands for, if the page has it."""
-    for pressed, act in ((pointing.back, Act.BACK), (pointing.stop, Act.STOP)):
-        if pressed:
-            return next((cell for cell in page.cells if cell.act is act), None)
-    return None
 
 
 def _ends(instrument: Instrument) -> tuple[str, str] | None:

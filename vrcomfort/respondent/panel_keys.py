@@ -1,10 +1,23 @@
-"""Choosing on a panel with the keyboard: arrows and number keys move the choice, Enter confirms."""
+"""Choosing on a panel with the keyboard: arrows and number keys move the choice, Enter confirms.
+
+Numbers and letters mean what they mean in the terminal.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from vrcomfort.respondent.panel_layout import MANY, Act, Cell, answer_cells
+from vrcomfort.respondent import keys
+from vrcomfort.respondent.panel_layout import Act, Cell, answer_cells
+from vrcomfort.respondent.pointing import Pointing
+
+LETTERS = {
+    keys.BACK: Act.BACK,
+    keys.DECLINE: Act.DECLINE,
+    keys.STOP: Act.STOP,
+    keys.YES: Act.WITHDRAW,
+    keys.NO: Act.BACK,
+}
 
 SIDEWAYS = 2.0
 """A cell that lies this many times as far ahead is preferred to one that lies aside."""
@@ -32,7 +45,7 @@ class KeyChoice:
             (right, down); the first press comes to the answer given before, else to what confirms
             all answers, else to the first cell.
         digits
-            On a scale that shows its numbers they are the number, else the place from 1 on.
+            The answer, or on the list of all answers the number of the one to correct.
         chosen
             The answer given before.
         """
@@ -46,13 +59,24 @@ class KeyChoice:
 
     def _type(self, cells: Sequence[Cell], digit: str) -> None:
         """Move to the answer that is typed; a second digit that makes no answer begins anew."""
-        answers = answer_cells(cells)
-        by_number = len(answers) > MANY
-        names = [str(cell.value if by_number else place + 1) for place, cell in enumerate(answers)]
+        numbered = {str(each.value): each for each in answer_cells(cells)}
+        numbered |= {str(each.value + 1): each for each in cells if each.act is Act.CORRECT}
         for typed in (self._typed + digit, digit):
-            if typed in names:
-                self.cell, self._typed = answers[names.index(typed)], typed
+            if typed in numbered:
+                self.cell, self._typed = numbered[typed], typed
                 return
+
+    def entered(self, cells: Sequence[Cell]) -> Cell | None:
+        """Return what Enter chooses: where nothing else was chosen, that all answers are right."""
+        confirming = (each for each in cells if each.act is Act.CONFIRM)
+        return self.cell or next(confirming, None)
+
+
+def by_button(cells: Sequence[Cell], pointing: Pointing) -> Cell | None:
+    """Return the cell that a button or a letter stands for, if the page has it."""
+    wanted = [LETTERS[letter] for letter in pointing.letters if letter in LETTERS]
+    wanted += [Act.BACK] * pointing.back + [Act.STOP] * pointing.stop
+    return next((each for act in wanted for each in cells if each.act is act), None)
 
 
 def beside(cells: Sequence[Cell], cell: Cell, step: tuple[int, int]) -> Cell:

@@ -28,6 +28,7 @@ class Act(Enum):
     BACK = "back"
     DECLINE = "rather not say"
     STOP = "stop"
+    WITHDRAW = "withdraw"
     CONFIRM = "confirm"
     CORRECT = "correct"
 
@@ -94,8 +95,8 @@ def rest_cells() -> list[Cell]:
 
 
 def stop_cells() -> list[Cell]:
-    """Return the cells of the page that asks whether to stop."""
-    choices = [("Yes, stop now", Act.STOP), ("No, go on", Act.BACK)]
+    """Return the cells of the page that asks whether to stop; what asked is no answer to it."""
+    choices = [("No, go on", Act.BACK), ("Yes, stop now", Act.WITHDRAW)]
     return _row(choices, ANSWER_TOP_PX, ANSWER_BOTTOM_PX)
 
 

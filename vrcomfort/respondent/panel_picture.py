@@ -10,7 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from vrcomfort.respondent.panel_layout import HINT_PX, MARGIN_PX, SIZE_PX, Act, Cell
+from vrcomfort.respondent.panel_layout import (
+    HINT_PX,
+    MARGIN_PX,
+    SIZE_PX,
+    Act,
+    Cell,
+    stop_cells,
+)
 
 BACKGROUND = 28, 32, 38, 255
 CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
@@ -51,6 +58,11 @@ class Page:
     done: float | None = None
     chosen: int | None = None
     hint: str = ""
+
+
+def stop_page() -> Page:
+    """Return the page that asks whether somebody who wants to stop is sure."""
+    return Page("", "Do you want to stop the study?", stop_cells())
 
 
 class Painter:
@@ -144,7 +156,7 @@ def _draw_ends(canvas: ImageDraw.ImageDraw, page: Page) -> None:
 def _colour(cell: Cell, page: Page) -> tuple[int, ...]:
     if cell.act is Act.ANSWER and cell.value == page.chosen:
         return CHOSEN
-    return STOP if cell.act is Act.STOP else CELL
+    return STOP if cell.act in {Act.STOP, Act.WITHDRAW} else CELL
 
 
 @lru_cache(maxsize=32)

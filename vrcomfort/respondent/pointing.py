@@ -26,8 +26,8 @@ class Pointing:
         True where nothing is seen that could point: neither a controller nor the eyes.
     hand
         Which controller points (0 left, 1 right).
-    arrow, digits, enter
-        Presses of arrow keys (right, down), number keys, and Enter in this frame.
+    arrow, digits, letters, enter
+        Presses of arrow keys (right, down), number keys, other keys and Enter in this frame.
     """
 
     point: tuple[float, float] | None = None
@@ -40,6 +40,7 @@ class Pointing:
     hand: int = 1
     arrow: tuple[int, int] = (0, 0)
     digits: str = ""
+    letters: str = ""
     enter: bool = False
 
 

@@ -10,10 +10,13 @@ from rich.table import Table
 
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Instrument
+from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
 from vrcomfort.respondent.lines import waiting_line
+from vrcomfort.respondent.typed_rating import TypedRating
 
-_KEYS = "number = answer, - = rather not say, b = back, w = withdraw"
+_KEYS = f"number = answer, {keys.HELP}"
+_STOP = f"{keys.STOP} + Enter = withdraw"
 
 
 class TerminalRespondent:
@@ -21,6 +24,8 @@ class TerminalRespondent:
 
     Parameters
     ----------
+    console
+        Prints text as it is, without markup.
     read_line
         Shows a prompt and returns what was typed; raises `EOFError` at the end of input.
     waiting_line
@@ -41,66 +46,99 @@ class TerminalRespondent:
         self._read_line = read_line
         self._waiting_line = waiting_line
         self._now_s = now_s
-        self._scale: Instrument | None = None
-        self._rating: int | None = None
+        self._rating = TypedRating()
+        self._asked_whether_to_stop = False
         self._exposed = False
 
     def start_session(self, session: int) -> None:
         """Say which session begins, and how to end it."""
         self._console.rule(f"Session {session}")
-        self._console.print("w + Enter = withdraw, at any time.")
+        self._console.print(f"{_STOP}, at any time.")
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Say what is shown and how to stop it; the condition is not named: the room may hear."""
-        self._scale = self._rating = None
-        self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. w + Enter = withdraw.")
+        self._rating = TypedRating()
+        self._asked_whether_to_stop = False
+        self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
-    def endure(self, elapsed_s: float) -> None:  # noqa: ARG002 - real people keep their own time
-        """Take what was typed: a withdrawal, or the rating that was asked for."""
+    def endure(self, elapsed_s: float) -> None:
+        """Take what was typed: a withdrawal, or the rating that was asked for.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and that was typed twice.
+        """
         line = (self._waiting_line() or "").strip().lower()
-        if line == "w":
-            raise Withdrew("withdrew during exposure")
-        if line and self._scale is not None:
-            self._rating = self._number(line, self._scale)
+        if line and not self._stops(line, "withdrew during exposure"):
+            self._tell(self._rating.take(line, elapsed_s))
 
     def end_exposure(self, elapsed_s: float) -> None:
         """Say that it is over."""
-        self._scale, self._exposed = None, True
+        self._rating.close()
+        self._exposed = True
         self._console.print(f"Exposure over after {elapsed_s:.0f} s.")
 
-    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:  # noqa: ARG002
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the question; the answer is picked up by `endure`."""
-        self._scale, self._rating = instrument, None
-        self._console.print(f"[bold]{instrument.instruction}[/] ({timeout_s:.0f} s)")
+        self._rating = TypedRating(instrument, elapsed_s + timeout_s)
+        self._console.print(f"{instrument.instruction} ({timeout_s:.0f} s)", style="bold")
 
     def rating(self, elapsed_s: float) -> int | None:  # noqa: ARG002
         """Return the rating that has been typed since `prompt`."""
-        return self._rating
+        return self._rating.response
 
     def resting(self, left_s: float) -> bool:  # noqa: ARG002 - the bar shows it
-        """Take what is typed: a withdrawal, at once."""
+        """Take what is typed: a withdrawal."""
         self._clear_typed()
         return False
 
     def rest(self, duration_s: float) -> None:
         """Say that the rest is over."""
+        self._asked_whether_to_stop = False
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
 
     def _clear_typed(self) -> None:
         """Take lines typed before the question was there: a late rating is no answer to it."""
-        while (line := self._waiting_line()) is not None:
-            if line.strip().lower() == "w":
-                raise Withdrew("withdrew between exposures")
-            self._console.print(f"[dim]{line.strip()!r} came too late and was not recorded[/]")
+        while (typed := self._waiting_line()) is not None:
+            line = typed.strip().lower()
+            if line and not self._stops(line, "withdrew between exposures"):
+                self._tell(self._rating.too_late(line))
+
+    def _tell(self, remark: str) -> None:
+        if remark:
+            self._console.print(remark, style="red")
+
+    def _stops(self, line: str, note: str) -> bool:
+        """Return whether a line is about stopping; a wish to is asked once more.
+
+        Raises
+        ------
+        Withdrew
+            Where it is confirmed.
+        """
+        asked, self._asked_whether_to_stop = self._asked_whether_to_stop, line == keys.STOP
+        if self._asked_whether_to_stop:
+            self._console.print(keys.SURE, style="bold")
+            return True
+        if asked and line in {keys.YES, "yes"}:
+            raise Withdrew(note)
+        if asked:
+            self._console.print("It goes on.")
+        return asked and line in {keys.NO, "no"}
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Ask item by item, then show all answers for correction."""
         if self._exposed:
             self._exposed = False
             self._clear_typed()
+        if self._asked_whether_to_stop:
+            self._asked_whether_to_stop = False
+            self._stop_if_sure()
         instrument = form.instrument
         self._console.rule(f"{instrument.title}, {form.timepoint}")
-        self._console.print(f"{instrument.instruction}\n{_scale(instrument)}\n[dim]{_KEYS}[/]")
+        self._console.print(f"{instrument.instruction}\n{_scale(instrument)}")
+        self._console.print(_KEYS, style="dim")
         answers: dict[int, int | None] = {}
         self._fill(instrument, answers, heard)
         self._review(instrument, answers, heard)
@@ -118,10 +156,10 @@ class TerminalRespondent:
         since = self._now_s()
         while True:
             line = self._line(f"{index + 1:2d}. {item.text}: ")
-            if line == "b":
+            if line == keys.BACK:
                 return False
-            response = None if line == "-" else self._number(line, instrument)
-            if line == "-" or response is not None:
+            response = None if line == keys.DECLINE else self._number(line, instrument)
+            if line == keys.DECLINE or response is not None:
                 answers[index] = response
                 heard(item.name, response, self._now_s() - since)
                 return True
@@ -136,19 +174,28 @@ class TerminalRespondent:
                 self._one(instrument, int(line) - 1, answers, heard)
 
     def _line(self, prompt: str) -> str:
+        """Return what is typed after a prompt; a wish to stop is asked once more."""
+        while True:
+            line = self._read(prompt)
+            if line != keys.STOP:
+                return line
+            self._stop_if_sure()
+
+    def _stop_if_sure(self) -> None:
+        if self._read(f"{keys.SURE}: ") in {keys.YES, "yes"}:
+            raise Withdrew("withdrew at a question")
+
+    def _read(self, prompt: str) -> str:
         try:
-            line = self._read_line(prompt).strip().lower()
+            return self._read_line(prompt).strip().lower()
         except EOFError as error:
             message = "the input ended while a question was open; answers until here are kept"
             raise InputError(message) from error
-        if line == "w":
-            raise Withdrew("withdrew at a question")
-        return line
 
     def _number(self, line: str, instrument: Instrument) -> int | None:
         if line.isdecimal() and instrument.low <= int(line) <= instrument.high:
             return int(line)
-        self._console.print(f"[red]{instrument.low} to {instrument.high}; {_KEYS}[/]")
+        self._tell(f"{instrument.low} to {instrument.high}; {_KEYS}")
         return None
 
 

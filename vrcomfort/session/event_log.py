@@ -34,8 +34,10 @@ class EventLog:
         self.recorder.write(self._event(name, start_s, detail))
 
     def note(self, happened: HeadsetEvent) -> None:
-        """Write, between two frames, what happened to the headset."""
+        """Write, between two frames, what happened; tell what an operator must know at once."""
         self.event_soon(happened.name, detail=happened.detail)
+        if happened.name == "unfocused":
+            self.tell("notice", TrialPlace(), 0, 0, happened.detail)
 
     def event_soon(self, name: str, *, detail: str = "") -> None:
         """Write a moment between two frames: nothing waits for the disk."""

@@ -101,6 +101,8 @@ class SessionFlow:
         self._context.clock.start(before.session_s if before else 0.0)
         if before:
             self._events.event("session_resumed", detail=f"after exposure {before.done}")
+            for undone in before.manifest.get("withdrawals_undone", [])[-1:]:
+                self._events.event("withdrawal_undone", detail=str(undone["reason"]))
             for warning in before.warnings:
                 self._events.event("row_cut_off", detail=warning)
         else:

@@ -84,12 +84,15 @@ class NoWatchdog:
         return nullcontext()
 
 
-Step = Literal["session", "training", "exposure", "questionnaire", "rest", "end"]
+Step = Literal["session", "training", "exposure", "questionnaire", "rest", "notice", "end"]
 
 
 @dataclass(frozen=True)
 class Progress:
-    """Where a session is: `done` of `total` (frames, items or seconds, by `step`)."""
+    """Where a session is: `done` of `total` (frames, items or seconds, by `step`).
+
+    The `text` of a notice is for the operator.
+    """
 
     step: Step
     participant: str

@@ -131,6 +131,7 @@ class PanelScreen:
             stop=inputs.stop,
             arrow=keys.arrow,
             digits=keys.digits,
+            letters=keys.letters,
             enter=keys.enter,
         )
 

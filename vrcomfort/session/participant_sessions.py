@@ -149,6 +149,7 @@ class ParticipantSessions:
             timing_flags=list(then.get("timing_flags", [])),
             exposure_ended=then.get("exposure_ended"),
             missed_questions=list(then.get("missed_questions", [])),
+            withdrawals_undone=list(then.get("withdrawals_undone", [])),
             memory=then.get("memory"),
         )
 

@@ -19,6 +19,7 @@ from vrcomfort.tradeoff.methods import effects_with
 from vrcomfort.tradeoff.results import results
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import Store, scene_and_hash
+from vrcomfort.tradeoff.tables import doubts
 from vrcomfort.tradeoff.timing import CaseTime, rounds_of, time_case
 from vrcomfort.tradeoff.truth import Drawn, draw_reference
 from vrcomfort.tradeoff.workers import Work, workers
@@ -37,6 +38,8 @@ class Summary(NamedTuple):
     page: Path
     reused: str
     """What was there already, in words."""
+    doubts: list[str]
+    """Why the costs are not to be believed; empty where they are."""
 
 
 def tradeoff(
@@ -69,7 +72,7 @@ def tradeoff(
     facts = describe(context())
     found = results(scope, measured, times, f"{facts['renderer']}, {facts['version']}", _timer())
     page = write_all(out, found, measured)
-    return Summary(page, _reused(drawn, measured))
+    return Summary(page, _reused(drawn, measured), doubts(found["copy"]))
 
 
 class _ReferenceJob(NamedTuple):

@@ -45,6 +45,13 @@ FLAT = 1e-9
 """Slopes nearer to 0 are what rounding makes of equal errors."""
 
 
+AGAIN = ("copy_again", "plain_again")
+"""What is timed twice."""
+
+WIDEST_AGAIN = 0.10
+"""Costs of a run in which the same work twice differs by more are not to be believed."""
+
+
 def number(value: float | None, digits: int) -> str:
     """Return a number with so many significant digits and without exponent; a dash for none."""
     if value is None:
@@ -118,11 +125,25 @@ def _again(copies: Sequence[Row]) -> list[str]:
         return []
     copy, plain = (
         (min(each[name][0] for each in copies), max(each[name][1] for each in copies))
-        for name in ("copy_again", "plain_again")
+        for name in AGAIN
     )
-    return [
+    told = [
         f"A/A of this run (5–95 % of the ratio of the same work twice): copies "
         f"{copy[0]:.2f}–{copy[1]:.2f}, plain frames {plain[0]:.2f}–{plain[1]:.2f}."
+    ]
+    return [*told, *doubts(copies)]
+
+
+def doubts(copies: Sequence[Row]) -> list[str]:
+    """Say in one sentence that times are not to be believed, where the same work twice differs."""
+    ratios = [r for each in copies for name in AGAIN for r in each[name]]
+    widest = max((abs(ratio - 1) for ratio in ratios), default=0.0)
+    if widest <= WIDEST_AGAIN:
+        return []
+    return [
+        f"Do not believe these costs: the same work done twice differs by up to {widest:.0%}, more "
+        f"than {WIDEST_AGAIN:.0%} (A/A, 5–95 %); close other programs, and measure again with more "
+        "--rounds."
     ]
 
 

@@ -61,8 +61,11 @@ def _spread(
 
 @contextmanager
 def _ctrl_c_later() -> Iterator[None]:
-    """Hold Ctrl-C back. Processes that start meanwhile never hear it: this one ends them."""
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    """Hold Ctrl-C back. Processes that start meanwhile never hear it: this one ends them.
+
+    Nor do they hear that the terminal was closed, which is told to all as Ctrl-C is.
+    """
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield
     finally:
@@ -90,9 +93,7 @@ def _dask_client(address: str) -> Iterator[Any]:
     try:
         from distributed import Client  # noqa: PLC0415 - an extra
     except ImportError as error:
-        raise InputError(
-            "--cluster needs Dask; install it with: pip install 'vrcomfort[cluster]'"
-        ) from error
+        raise InputError("--cluster needs Dask; pip install distributed") from error
     try:
         client = Client(  # type: ignore[no-untyped-call]
             address, timeout=CONNECT_S, set_as_default=False

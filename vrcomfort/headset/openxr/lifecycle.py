@@ -22,7 +22,10 @@ State = xr.SessionState
 POLL_S = 0.01
 _ANY_EVENT = xr.StructureType.EVENT_DATA_BUFFER.value
 SEEN = (State.VISIBLE, State.FOCUSED)
-OUT_OF_REACH = "the participant's controllers do not reach the program: no stop button, no answers"
+OUT_OF_REACH = (
+    "a menu of the headset's is in front: the participant's controllers do not reach the program, "
+    "and their stop button does not work now"
+)
 
 
 @dataclass(frozen=True)

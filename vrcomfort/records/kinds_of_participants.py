@@ -1,0 +1,43 @@
+"""Whether people or simulated participants are in a study."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from vrcomfort.errors import InputError
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.study import read_participants, recorded_sessions
+
+SIMULATED = "simulated"
+
+
+def told_of_the_other_kind(study: Path, *, simulated: bool) -> str:
+    """Return a sentence on the participants of the other kind, or nothing where there are none.
+
+    Parameters
+    ----------
+    simulated
+        What the participants are who come now.
+    """
+    people = (row.participant for row in read_participants(study))
+    others = [name for name in people if (is_simulated(study, name) is (not simulated))]
+    if not others:
+        return ""
+    more = f" and {len(others) - 3} more" if len(others) > 3 else ""
+    there, here = ("real", "simulated") if simulated else ("simulated", "real")
+    return (
+        f"this study has {there} participants ({', '.join(others[:3])}{more}) and gets {here} ones "
+        "now; reports keep them apart; choose another --out for a study of one kind"
+    )
+
+
+def is_simulated(study: Path, participant: str) -> bool | None:
+    """Return whether a participant was simulated; None where no session tells."""
+    for number in recorded_sessions(study, participant):
+        try:
+            respondent = read_manifest(session_folder(study, participant, number))["respondent"]
+        except (InputError, KeyError):
+            continue
+        return bool(respondent == SIMULATED)
+    return None

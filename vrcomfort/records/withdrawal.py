@@ -1,0 +1,85 @@
+"""Undoes a withdrawal that nobody wanted; what was recorded of it stays."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.errors import InputError
+from vrcomfort.records.disk import Access, replace_text
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.recorded_rows import read_rows
+from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.rows import TrialRow
+from vrcomfort.records.study import (
+    access_of,
+    now,
+    only_run,
+    read_participants,
+    recorded_sessions,
+    set_status,
+)
+
+ENDED_THE_STUDY = ("withdrawn", "stopped")
+"""Statuses of the trial in which a participant's study ended."""
+
+
+def undo_withdrawal(study: Path, participant: str, reason: str) -> int | None:
+    """Make a withdrawn participant enrolled again, and the session that ended so interrupted.
+
+    The reason and the date stand in the participant's note and in the session's manifest; rows and
+    events stay as they are.
+
+    Returns
+    -------
+    int
+        The session that `run --resume` continues; None where no session had ended so.
+
+    Raises
+    ------
+    InputError
+        If there is no reason, nobody of this name has withdrawn, or another program runs them.
+    """
+    if not reason.strip():
+        raise InputError("--reason is empty; say why the withdrawal is undone")
+    _require_withdrawn(study, participant)
+    with only_run(study, participant):
+        at = now()
+        ended = None
+        for number in recorded_sessions(study, participant):
+            folder = session_folder(study, participant, number)
+            manifest = read_manifest(folder)
+            if manifest.get("status") == "withdrawn":
+                ended = number
+                _reopen(folder, manifest, {"at": at, "reason": reason}, access_of(study))
+        set_status(study, participant, "enrolled", f"withdrawal undone {at}: {reason}")
+    return ended
+
+
+def undone_trials(manifest: Mapping[str, Any]) -> set[tuple[int, int]]:
+    """Return (trial, attempt) of exposures whose withdrawal has been undone."""
+    undone: Iterable[Mapping[str, Any]] = manifest.get("withdrawals_undone") or ()
+    return {(each["trial"], each["attempt"]) for each in undone if each.get("trial")}
+
+
+def _require_withdrawn(study: Path, participant: str) -> None:
+    known = {row.participant: row.status for row in read_participants(study)}
+    if participant not in known:
+        raise InputError(f"this study has no participant {participant}", file=study)
+    if known[participant] != "withdrawn":
+        message = f"participant {participant} is {known[participant]}, not withdrawn"
+        raise InputError(message, file=study)
+
+
+def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access: Access) -> None:
+    trials = list(read_rows(folder, TrialRow))
+    place: dict[str, int | None] = {"trial": None, "attempt": None}
+    if trials and trials[-1]["status"] in ENDED_THE_STUDY:
+        last = trials[-1]
+        place = {"trial": last["trial"], "attempt": last["attempt"]}
+    manifest["status"] = "aborted"
+    manifest["withdrawals_undone"] = [*manifest.get("withdrawals_undone", []), why | place]
+    text = json.dumps(manifest, indent=2, ensure_ascii=False)
+    replace_text(folder / "manifest.json", text + "\n", access)
