@@ -241,7 +241,7 @@ def test_a_menu_before_the_session_is_told_with_what_it_takes_away(
             assert frame.session_state == state.name.lower()
             said = dict(events(session))
             assert said["session_state"] == state.name.lower()
-            assert ("no stop button" in said[name]) == (name == "unfocused")
+            assert ("stop button does not work" in said[name]) == (name == "unfocused")
 
 
 def test_a_new_refresh_rate_is_an_event(ctx: moderngl.Context, feed: RemoteFeed) -> None:
