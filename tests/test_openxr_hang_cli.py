@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -11,6 +12,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -29,14 +31,18 @@ CLIENT = "from vrcomfort.cli import main; main()"
 class Session:
     """A rehearsal in a process of its own, whose runtime can be stopped."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, exposure_s: float = 6.0, ratings: str = "") -> None:
         self.folder = folder / "study" / "sub-P01" / "ses-1"
         self.said = folder / "said.txt"
         answers = folder / "answers.txt"
         answers.write_text("0 1 2 3 " * 60)
+        protocol = smoke_with(folder, exposure_s)
+        if ratings:
+            text = protocol.read_text()
+            protocol.write_text(re.sub(r"every_s = .*\ntimeout_s = .*", ratings, text))
         command = [
             *(sys.executable, "-c", CLIENT),
-            *("run", str(smoke_with(folder, 6.0)), "--participant", "P01"),
+            *("run", str(protocol), "--participant", "P01"),
             *("--out", str(folder / "study"), "--headset", "openxr", "--size", "16x16", "--quiet"),
             *("--monado-trace", str(data_folder("scenes") / "temple_walk.csv")),
             *("--monado-answers", str(answers)),
@@ -71,9 +77,9 @@ class Session:
 
 
 @contextmanager
-def session(folder: Path) -> Iterator[Session]:
+def session(folder: Path, **options: Any) -> Iterator[Session]:
     """Yield a session, and leave nothing of it behind."""
-    running = Session(folder)
+    running = Session(folder, **options)
     try:
         yield running
     finally:

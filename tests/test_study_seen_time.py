@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from tests.support.resume import attempts, go, rows
 from tests.support.study import AheadHeadset, frame
 from vrcomfort.frame import HeadsetEvent
+from vrcomfort.headset.refresh_period import RefreshPeriod
 from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
@@ -142,3 +143,11 @@ def test_the_operator_is_told_at_once_that_the_stop_button_is_out_of_reach(tmp_p
     (notice,) = [each for each in told if each.step == "notice"]
     assert "stop button" in notice.text
     assert "unfocused" in {row["name"] for row in rows(tmp_path, "events")}
+
+
+def test_a_slow_program_does_not_lengthen_the_period_at_which_frames_are_due():
+    period = RefreshPeriod()
+    assert [period.update(ns) for ns in (17, 50, 50, 50)] == [17, 17, 50, 50]
+    assert [period.update(ns) for ns in (1050, 850, 700)] == [50, 50, 50]
+    period.forget()
+    assert period.update(100) == 100, "the display's rate has changed"

@@ -29,7 +29,7 @@ class Frame:
     index
         Counts up from 0 over the life of the headset.
     predicted_display_time_ns, period_ns
-        When the frame is expected to be seen, and the time between frames.
+        When the frame is expected to be seen, and the period at which frames are due.
     head_pose
         stage-from-head.
     views

@@ -271,7 +271,8 @@ class OpenXrHeadset:
     def _frame(self, timing: xr.FrameState) -> Frame:
         time_ns = int(timing.predicted_display_time)
         passed_s, self._time_ns = (time_ns - self._time_ns) / SECOND_NS, time_ns
-        self._period_ns = int(timing.predicted_display_period)
+        period_ns = int(timing.predicted_display_period)
+        self._period_ns = self._xr.lifecycle.refresh_period.update(period_ns)
         self._cut |= self._where.update(time_ns)
         inputs = self.inputs()  # kept: between frames a pose would be a guess
         self._cut |= self._where.move(inputs, passed_s, in_scene=self._in_scene)

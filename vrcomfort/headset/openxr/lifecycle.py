@@ -17,6 +17,7 @@ from vrcomfort.headset.openxr.convert import pose_from_xr
 from vrcomfort.headset.openxr.faults import lost
 from vrcomfort.headset.openxr.instance import STEREO
 from vrcomfort.headset.openxr.native import native, watched
+from vrcomfort.headset.refresh_period import RefreshPeriod
 
 State = xr.SessionState
 POLL_S = 0.01
@@ -67,6 +68,7 @@ class Lifecycle:
         self.state = State.IDLE
         self.running = False
         self.ended = False
+        self.refresh_period = RefreshPeriod()
         self._space_changes: list[SpaceChange] = []
         self._poll_event = native("xrPollEvent", usual=xr.Result.EVENT_UNAVAILABLE)
         self._event = xr.EventDataBuffer()
@@ -184,6 +186,7 @@ class Lifecycle:
         rates = event.from_display_refresh_rate, event.to_display_refresh_rate
         before, after = (f"{rate:g} Hz" for rate in rates)
         self._notify(HeadsetEvent("refresh_rate_changed", f"from {before} to {after}"))
+        self.refresh_period.forget()
 
     def _on_presence(self, event: Any) -> None:
         self._notify(HeadsetEvent("headset_on" if event.is_user_present else "headset_off"))
