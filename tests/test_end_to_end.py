@@ -15,7 +15,7 @@ from vrcomfort.cli.app import app
 pytestmark = pytest.mark.slow
 
 TIMINGS = {"cpu_ms", "gpu_ms", "cpu_median_ms", "cpu_p95_ms", "cpu_p99_ms"}
-TIME_STAMPS = {"started_at", "finished_at", "enrolled_at"}
+TIME_STAMPS = {"started_at", "finished_at", "enrolled_at", "exposure_ended"}
 
 
 def vrcomfort(*arguments: object) -> None:
