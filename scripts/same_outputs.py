@@ -27,7 +27,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 TIMES = re.compile(r"_ms$|^asked_s$|^answered_s$|^latency_s$|^enrolled_at$")
 BY_NATURE = {
-    "started_at", "finished_at", "exposure_ended", "version", "versions", "shaders", "machine", "python", "platform",
+    "started_at", "finished_at", "exposure_ended", "version", "versions", "shaders", "machine",
+    "python", "platform",
     "under_way", "git", "schema", "schema_version", "source", "date", "path", "study",
 }  # fmt: skip
 POSES = {

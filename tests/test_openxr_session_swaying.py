@@ -65,7 +65,7 @@ def test_a_simulated_participant_goes_through_a_session_under_a_swaying_head(
     folder = tmp_path / "study" / "sub-P01" / "ses-1"
     manifest = json.loads((folder / "manifest.json").read_text())
     assert manifest["status"] == "completed"
-    assert 0.05 < manifest["headset"]["ipd_m_of_runtime"] < 0.08
+    assert 0.05 < manifest["headset"]["ipd_m"] < 0.08
     trials = pd.read_csv(folder / "trials.csv")
     assert trials["status"].tolist() == ["completed"] * 4
     frames = pd.read_csv(folder / "frames.csv")

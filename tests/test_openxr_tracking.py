@@ -79,7 +79,7 @@ def test_nothing_is_shown_before_the_head_has_been_found(
             session.submit(frame, eyes)
         assert set(views.layers) == {0}
         assert ("tracking_lost", "") in events(session)
-        assert "ipd_m_of_runtime" not in session.details
+        assert "ipd_m" not in session.details
 
         views.flags = None
         frame = next(frames)
@@ -92,7 +92,7 @@ def test_nothing_is_shown_before_the_head_has_been_found(
         assert views.layers[-1] == 1
         assert events(session) == [("head_found", "")]
         left, right = (view.pose.position for view in frame.views)
-        shown = session.details["ipd_m_of_runtime"]
+        shown = session.details["ipd_m"]
         assert shown == pytest.approx(np.linalg.norm(right - left), abs=1e-6)
         assert 0.05 < shown < 0.08
 

@@ -81,6 +81,12 @@ def run(
     one_eye: Annotated[
         bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
     ] = False,
+    ipd_mm: Annotated[
+        float | None,
+        typer.Option(
+            help="The participant's distance between the pupils; recorded.", min=40, max=85
+        ),
+    ] = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -127,7 +133,10 @@ def run(
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
         bars = owned.enter_context(SessionBars(quiet))
         try:
-            outcome = study_setup.run(enrolment, kind, bars.tell, headset_setup)
+            measured_m = None if ipd_mm is None else ipd_mm / 1000
+            outcome = study_setup.run(
+                enrolment, kind, bars.tell, headset_setup, ipd_measured_m=measured_m
+            )
         except RuntimeLostError as error:
             complain(str(error))
             warn(how_to_go_on(ctx))

@@ -98,6 +98,8 @@ class StudySetup:
         kind: RespondentKind,
         progress: ProgressCallback,
         headset: HeadsetSetup | None = None,
+        *,
+        ipd_measured_m: float | None = None,
     ) -> Outcome:
         """Run a participant's sessions in a headset, or without one on the playback."""
         from vrcomfort import session
@@ -115,6 +117,7 @@ class StudySetup:
             machine=machine,
             screen=headset.screen if headset else None,
             watchdog=headset.watchdog if headset else None,
+            ipd_measured_m=ipd_measured_m,
             durability=self._durability,
             progress=progress,
         )

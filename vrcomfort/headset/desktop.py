@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import moderngl
 import numpy as np
@@ -124,10 +124,11 @@ class DesktopHeadset:
         return self._settings.image_size_px
 
     @property
-    def details(self) -> dict[str, str]:
+    def details(self) -> dict[str, Any]:
         """Return how the eyes are shown."""
         settings = self._settings
         return {
+            "ipd_m": settings.ipd_m,
             "layout": settings.layout,
             "field_deg": f"{np.degrees(settings.field_rad):g}",
             "eye_height_m": f"{settings.eye_height_m:g}",

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import islice, pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -115,10 +115,10 @@ class PlaybackHeadset:
         return self._size_px
 
     @property
-    def details(self) -> dict[str, str]:
-        """Return which trace it plays, where that was read from a file."""
+    def details(self) -> dict[str, Any]:
+        """Return how far apart the eyes are, and which trace it plays, if that is a file."""
         sha256 = self._trace.sha256
-        return {} if sha256 is None else {"trace_sha256": sha256}
+        return {"ipd_m": self.ipd_m} | ({} if sha256 is None else {"trace_sha256": sha256})
 
     @property
     def ipd_m(self) -> float:

@@ -61,6 +61,9 @@ class Manifest:
         Frames of this run without a row in ``frames.csv``: the disk was too slow.
     under_way
         Trial, attempt and start of the exposure that has begun and not ended.
+    ipd_measured_m
+        The participant's distance between the pupils, if it was entered; ``headset`` has the one
+        that was shown, ``settings`` the one that the protocol wishes.
     exposure_ended
         Number of the trial that ended last, and when on the wall clock.
     missed_questions
@@ -90,6 +93,7 @@ class Manifest:
     earlier_runs: list[dict[str, Any]] = field(default_factory=list)
     timing_flags: list[str] = field(default_factory=list)
     frames_not_recorded: int = 0
+    ipd_measured_m: float | None = None
     clock_set_back: list[str] = field(default_factory=list)
     under_way: dict[str, Any] | None = None
     exposure_ended: dict[str, Any] | None = None
@@ -122,6 +126,7 @@ class Manifest:
             "seed": self.seed,
             "respondent": self.respondent,
             "headset": self.headset,
+            "ipd_measured_m": self.ipd_measured_m,
             "exposure_s": self.exposure_s,
             "exposure_override_s": self.exposure_s if overridden else None,
             "clamps": self.clamps,

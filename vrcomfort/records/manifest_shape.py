@@ -93,6 +93,7 @@ class ManifestShape(_Part):
     seed: Annotated[int, Field(ge=0)]
     respondent: str
     headset: HeadsetFacts = HeadsetFacts()
+    ipd_measured_m: Annotated[float, Field(gt=0, lt=1)] | None = None
     exposure_s: Annotated[float, Field(gt=0, le=LONGEST_S)]
     exposure_override_s: Annotated[float, Field(gt=0, le=LONGEST_S)] | None = None
     clamps: list[str] = []

@@ -35,6 +35,8 @@ class SessionContext:
         How long an exposure is shown: the protocol's time, or less.
     screen
         Where questions are asked in the headset, None where they are asked elsewhere.
+    ipd_measured_m
+        The participant's, as the operator measured it; None where it was not entered.
     durability
         When rows are safe from a power cut.
     watchdog
@@ -54,6 +56,7 @@ class SessionContext:
     clock: Clock
     machine: Machine
     screen: PanelScreen | None
+    ipd_measured_m: float | None
     durability: Durability
     progress: ProgressCallback
     watchdog: Watchdog

@@ -231,7 +231,7 @@ class SessionFlow:
             context.screen.show_loading()
         scene = context.load_scene(protocol.scene_source(place.scene))
         headset = context.headset_for(place.scene, scene)
-        self._manifest.note_headset(headset, protocol.headset.ipd_m)
+        self._manifest.note_headset(headset)
         condition = protocol.condition(place.condition or "")
         context.renderer.begin(scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"

@@ -31,7 +31,7 @@ class ManifestWriter:
         self._manifest = manifest
         self._recorder = recorder
         self._respondent = respondent
-        self._headset: tuple[Headset, float] | None = None
+        self._headset: Headset | None = None
         self._clock = WallClockWatch()
 
     def open(self) -> None:
@@ -48,7 +48,7 @@ class ManifestWriter:
         self._manifest.under_way = None
         self._write()
         if self._headset is not None:
-            self.note_headset(*self._headset)
+            self.note_headset(self._headset)
 
     def begin_exposure(self, **row: Any) -> None:
         """Note what a killed program could not write into ``trials.csv``."""
@@ -86,11 +86,11 @@ class ManifestWriter:
             manifest.memory = manifest.under_way = None
         self._write()
 
-    def note_headset(self, headset: Headset, ipd_m: float) -> None:
+    def note_headset(self, headset: Headset) -> None:
         """Enter the headset; what it only tells when it has shown something is entered then."""
-        self._headset = headset, ipd_m
+        self._headset = headset
         before = self._manifest.headset
-        facts = {**headset_facts(headset), "ipd_m": ipd_m, **before}  # what was noted first stays
+        facts = {**headset_facts(headset), **before}  # what was noted first stays
         if facts != before:
             self._manifest.headset = facts
             self._write()

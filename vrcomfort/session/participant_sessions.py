@@ -150,6 +150,7 @@ class ParticipantSessions:
             exposure_ended=then.get("exposure_ended"),
             missed_questions=list(then.get("missed_questions", [])),
             withdrawals_undone=list(then.get("withdrawals_undone", [])),
+            ipd_measured_m=context.ipd_measured_m or then.get("ipd_measured_m"),
             memory=then.get("memory"),
         )
 

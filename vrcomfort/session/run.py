@@ -30,6 +30,7 @@ def run(
     clock: Clock | None = None,
     machine: Machine | None = None,
     screen: PanelScreen | None = None,
+    ipd_measured_m: float | None = None,
     durability: Durability = "each_row",
     watchdog: Watchdog | None = None,
     progress: ProgressCallback = no_progress,
@@ -44,6 +45,8 @@ def run(
         `VirtualClock` (the default) for simulated participants, `WallClock` for people.
     screen
         Where questions are asked in the headset: what happens to it meanwhile is recorded.
+    ipd_measured_m
+        The participant's, if the operator measured it; recorded.
     durability
         When rows are safe from a power cut; "session_end" is for what can be simulated again.
     watchdog
@@ -74,6 +77,7 @@ def run(
         clock=clock or VirtualClock(),
         machine=machine or Machine(),
         screen=screen,
+        ipd_measured_m=ipd_measured_m,
         durability=durability,
         progress=progress,
         watchdog=watchdog or NoWatchdog(),

@@ -93,11 +93,11 @@ class OpenXrHeadset:
     def details(self) -> dict[str, Any]:
         """Return what a manifest should know about runtime and headset.
 
-        ``ipd_m_of_runtime`` is the distance between the eyes that is shown; there from the first
+        ``ipd_m`` is the distance between the eyes that is shown; there from the first
         frame on in which the head is known.
         """
         ipd_m = self._where.tracking.ipd_m
-        shown = {} if ipd_m is None else {"ipd_m_of_runtime": ipd_m}
+        shown = {} if ipd_m is None else {"ipd_m": ipd_m}
         return {**self._xr.details, "timing": self.timing.reason, **shown}
 
     @property
