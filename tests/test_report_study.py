@@ -11,7 +11,7 @@ import pytest
 from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign
 from tests.support.resume import go
 from tests.support.study import Scripted
-from vrcomfort.questionnaire import score
+from vrcomfort.questionnaire import score, score_ssq
 from vrcomfort.report import build_report
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
@@ -313,3 +313,12 @@ def test_what_is_reported_of_a_frozen_exposure_is_its_live_time(tmp_path):
     assert trial_s(trial) == 4.5
     assert trial_s({**trial, "live_s": ""}) == 10.0
     assert trial_s({}) is None
+
+
+def test_scores_of_a_session_that_was_resumed_have_each_questionnaire_once(tmp_path):
+    go(tmp_path, Scripted(interrupt_at_item="nausea"))
+    go(tmp_path, Scripted(), resume=True)
+    rows = score_ssq(tmp_path / "S/sub-P01/ses-1/questionnaires.csv")
+    moments = [row["timepoint"] for row in rows]
+    assert moments == ["baseline", "post", "baseline", "post", "recovery"]
+    assert all(row["total"] is not None for row in rows)

@@ -3,7 +3,7 @@
 from vrcomfort.questionnaire.instruments import FMS, INSTRUMENTS, MISC, SSQ, Instrument, Item
 from vrcomfort.questionnaire.scoring import score_complete_ssq, score_ssq
 from vrcomfort.questionnaire.ssq import LOADINGS, WEIGHTS, SsqScore, score
-from vrcomfort.questionnaire.tables import Sheet, answer_number, read_sheets
+from vrcomfort.questionnaire.tables import Sheet, read_long, read_sheets
 
 __all__ = [
     "FMS",
@@ -16,7 +16,7 @@ __all__ = [
     "Item",
     "Sheet",
     "SsqScore",
-    "answer_number",
+    "read_long",
     "read_sheets",
     "score",
     "score_complete_ssq",

@@ -6,6 +6,7 @@ error and not a missing value.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -118,7 +119,8 @@ def read_sheets(
         raise InputError("this file is empty; a header row is needed", file=file)
     names = {heading.lower() for heading in table.header}
     if {"item", "response"} <= names:
-        return _long(table, instrument)
+        keys = [name for name in LONG_KEYS if name in names]
+        return read_long(table, instrument, keys)
     return _wide(table, instrument, allow_blank=allow_blank)
 
 
@@ -167,7 +169,7 @@ def _answer(
     text = cell.strip()
     if not text:
         return None
-    number = answer_number(text)
+    number = _number(text)
     if not number.is_integer():
         raise table.fault(f"`{text}` is not a whole number", line, column)
     answer = int(number)
@@ -178,7 +180,7 @@ def _answer(
     return answer
 
 
-def answer_number(text: str) -> float:
+def _number(text: str) -> float:
     """Return the number that an answer says, NaN where it says none."""
     try:
         return float(plain_digits(text))
@@ -186,21 +188,67 @@ def answer_number(text: str) -> float:
         return float("nan")
 
 
-def _long(table: CsvTable, instrument: Instrument) -> list[Sheet]:
+def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> list[Sheet]:
+    """Read a table with a row for each answer, in the order in which they were given.
+
+    Rows of other instruments are left alone. What a session asked again after it had been resumed
+    is another sheet; what it finished then belongs to the sheet that had been begun.
+
+    Parameters
+    ----------
+    keys
+        Columns that say whose a sheet is; one that the table does not have is blank.
+
+    Raises
+    ------
+    InputError
+        If an item is none or is answered twice, or an answer is no integer or out of range. With
+        line and column.
+    """
+    sheets = _LongSheets(table, instrument, keys)
     names = [heading.lower() for heading in table.header]
-    sheets: dict[tuple[str, ...], Sheet] = {}
     for line, cells in zip(table.lines, table.rows, strict=True):
         row = dict(zip(names, (cell.strip() for cell in cells), strict=True))
-        if row.get("instrument", instrument.name) != instrument.name:
-            continue
-        item = instrument.item(row["item"])
+        if (row.get("instrument") or instrument.name).lower() == instrument.name:
+            sheets.add(row, line)
+    return list(sheets.found.values())
+
+
+class _LongSheets:
+    """The sheets of a long table."""
+
+    def __init__(self, table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> None:
+        self._table = table
+        self._instrument = instrument
+        self._keys = keys
+        self._runs: dict[tuple[str, str], int] = {}
+        self.found: dict[tuple[str | int, ...], Sheet] = {}
+
+    def add(self, row: Mapping[str, str], line: int) -> None:
+        """Put one answer where it belongs."""
+        item = self._instrument.item(row["item"])
         if item is None:
-            raise table.fault(_unknown_item(instrument, row["item"]), line, "item")
-        keys = {name: row[name] for name in LONG_KEYS if name in row}
-        sheet = sheets.setdefault(tuple(keys.values()), Sheet(line, keys))
-        sheet.require_unanswered(item, table, line)
-        sheet.answers[item.name] = _answer(table, instrument, row["response"], line, "response")
-    return list(sheets.values())
+            raise self._table.fault(_unknown_item(self._instrument, row["item"]), line, "item")
+        keys = {name: row.get(name, "") for name in self._keys}
+        whose = tuple(keys.values())
+        run = self._run(row, whose, item.name)
+        sheet = self.found.setdefault((*whose, run), Sheet(line, keys, run=run))
+        sheet.require_unanswered(item, self._table, line)
+        answer = _answer(self._table, self._instrument, row["response"], line, "response")
+        sheet.answers[item.name] = answer
+
+    def _run(self, row: Mapping[str, str], whose: tuple[str, ...], item: str) -> int:
+        """Return how often the session had been resumed: each run asks something once."""
+        session = row.get("participant", ""), row.get("session", "")
+        run = self._runs.get(session, 0)
+        if row.get("resumed", "") not in {"", "0"}:
+            sheet = self.found.get((*whose, run))
+            if sheet is not None and item not in sheet.answers:
+                return run  # what an interruption cut off has been finished
+            repeated = sheet is not None
+            run = max(run, 1) + (repeated and run > 0)
+            self._runs[session] = run
+        return run
 
 
 def _unknown_item(instrument: Instrument, heading: str) -> str:

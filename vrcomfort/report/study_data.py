@@ -9,7 +9,7 @@ from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import SSQ, Sheet, answer_number
+from vrcomfort.questionnaire import SSQ, Sheet, read_long
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
@@ -199,61 +199,10 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     if found.header:
         found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets = _SheetsOfFile(found, name)
-    for row, line in zip(found.dicts(), found.lines, strict=True):
-        if (row.get("instrument") or SSQ.name).lower() == SSQ.name:
-            sheets.add(row, line)
-    return list(sheets.found.values())
-
-
-class _SheetsOfFile:
-    """The questionnaires of one file, whose rows are in the order in which they were answered."""
-
-    def __init__(self, table: CsvTable, name: str) -> None:
-        self._table = table
-        self._name = name
-        self._runs: dict[tuple[str, ...], int] = {}
-        self.found: dict[tuple[str | int, ...], Sheet] = {}
-
-    def add(self, row: dict[str, str], line: int) -> None:
-        """Put one answer where it belongs."""
-        table = self._table
-        key = tuple(row.get(column, "").strip() for column in _KEYS)
-        if not key[0]:
-            raise table.fault("a participant is missing", line, "participant")
-        item = SSQ.item(row["item"])
-        if item is None:
-            raise table.fault(f"`{row['item']}` is not an item of the SSQ", line, "item")
-        run = self._run(row, key, item.name)
-        sheet = self.found.setdefault((*key, run), self._sheet(key, line, run))
-        sheet.require_unanswered(item, table, line)
-        sheet.answers[item.name] = _answer(row["response"].strip(), table, line)
-
-    def _run(self, row: dict[str, str], key: tuple[str, ...], item: str) -> int:
-        """Return how often the session had been resumed: each run asks something once."""
-        person = key[:2]
-        run = self._runs.get(person, 0)
-        if row.get("resumed", "").strip() not in {"", "0"}:
-            sheet = self.found.get((*key, run))
-            if sheet is not None and item not in sheet.answers:
-                return run  # what an interruption cut off has been finished
-            repeated = sheet is not None and item in sheet.answers
-            run = max(run, 1) + (repeated and run > 0)
-            self._runs[person] = run
-        return run
-
-    def _sheet(self, key: tuple[str, ...], line: int, run: int) -> Sheet:
-        keys = dict(zip(_KEYS, key, strict=True))
-        keys["timepoint"] = keys["timepoint"] or "post"
-        return Sheet(line, keys, place=f"{self._name}, line {line}", run=run)
-
-
-def _answer(text: str, table: CsvTable, line: int) -> int | None:
-    """Return a whole answer on the scale; blank is missing."""
-    if not text:
-        return None
-    number = answer_number(text)
-    if not number.is_integer() or not SSQ.low <= number <= SSQ.high:
-        message = f"`{text}` is not a whole number from {SSQ.low} to {SSQ.high}"
-        raise table.fault(message, line, "response")
-    return int(number)
+    sheets = read_long(found, SSQ, _KEYS)
+    for sheet in sheets:
+        if not sheet.participant:
+            raise found.fault("a participant is missing", sheet.line, "participant")
+        sheet.keys["timepoint"] = sheet.timepoint or "post"
+        sheet.place = f"{name}, line {sheet.line}"
+    return sheets
