@@ -29,7 +29,7 @@ test:
 	@$(BIN)/pytest -q -n 2 --dist loadfile -m "not slow and not monado and not needs_reference_data"
 
 test-slow:
-	@scripts/setup.sh --tests
+	@scripts/setup.sh --tests --browser
 	@$(BIN)/pytest -q -n 2 --dist load -m "slow and not monado and not needs_reference_data"
 
 test-local:
@@ -63,6 +63,7 @@ torture: setup
 
 torture-short: setup
 	@$(BIN)/python -m torture --short --out $(OUT)/torture
+	@scripts/in_runtime.sh python -m torture --short --only runtime --out $(OUT)/torture/runtime
 
 scenes: setup
 	@$(BIN)/python scenes/build_temple.py

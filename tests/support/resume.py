@@ -26,7 +26,7 @@ def go(tmp_path: Path, respondent: Any = None, **more: Any) -> Outcome:
         study=tmp_path / more.pop("study", "S"),
         load_scene=lambda source: source,
         headset_for=more.pop("headset_for", headset_for),
-        renderer=LateFocus(),
+        renderer=more.pop("renderer", None) or LateFocus(),
         respondent=respondent or Scripted(),
         sessions=more.pop("sessions", [1]),
         **more,

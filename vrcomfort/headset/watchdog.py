@@ -26,6 +26,9 @@ PATIENCE_S = 600.0
 """So long a hung runtime is waited for where nobody presses Ctrl-C."""
 
 EXIT_RUNTIME_LOST = 3
+TOGETHER_S = 1.0
+"""SIGTERM and SIGHUP that come so close together are one shutdown's."""
+
 POLL_S = 0.1
 STOPPING = {
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
@@ -187,7 +190,7 @@ class Watchdog:
         ending = bool(self._asked) or self._closed or waited_s >= self._patience_s
         if calls.hung is not call:
             calls.hung = call
-            self._say(self._sentence(call, ending=ending))
+            self._tell(self._sentence(call, ending=ending))
         if ending:
             self._give_up(call)
 
@@ -204,7 +207,7 @@ class Watchdog:
         self._calls.hung = None
         words = f"{call[0]} returned after {time.monotonic() - call[1]:.1f} s"
         self._calls.stalls.append(words)
-        self._say(f"the OpenXR runtime answers again: {words}")
+        self._tell(f"the OpenXR runtime answers again: {words}")
 
     def _give_up(self, call: Call) -> None:
         self._calls.held = True
@@ -213,20 +216,28 @@ class Watchdog:
             return
         closing = threading.Thread(target=self._close_all, daemon=True)
         closing.start()
-        while closing.is_alive() and not self._hear():  # once more: do not wait for the disk, too
-            pass
+        began_s = time.monotonic()
+        while closing.is_alive():
+            again = self._hear()  # once more: do not wait for the disk, too
+            together = time.monotonic() - began_s < TOGETHER_S
+            if again and not (together and again != signal.SIGINT):
+                break
         with suppress(OSError, ValueError):
             sys.stdout.flush()
             sys.stderr.flush()
         self._leave(128 + self._asked if self._asked else EXIT_RUNTIME_LOST)
 
+    def _tell(self, sentence: str) -> None:
+        with suppress(Exception, SystemExit):  # nobody may be there: a closed terminal or pipe
+            self._say(sentence)
+
     def _close_all(self) -> None:
         if self._close is not None:
             try:
                 self._close()
-                self._say("stopped; all that was recorded is kept")
+                self._tell("stopped; all that was recorded is kept")
             except Exception as error:  # a full disk, say: there is nobody else to tell it
-                self._say(f"the records could not be closed: {error}")
+                self._tell(f"the records could not be closed: {error}")
         for act in self.last_acts:
             with suppress(Exception):
                 act()

@@ -20,6 +20,7 @@ from vrcomfort.records.study import (
     completed_sessions,
     enrol,
     enrolled,
+    note_withdrawal,
     only_run,
     open_study,
     read_participants,
@@ -27,9 +28,10 @@ from vrcomfort.records.study import (
     set_status,
     unfinished_sessions,
 )
-from vrcomfort.records.withdrawal import undo_withdrawal
+from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 
 __all__ = [
+    "ENDED_THE_STUDY",
     "Durability",
     "EventRow",
     "FrameRow",
@@ -49,6 +51,7 @@ __all__ = [
     "enrol",
     "enrolled",
     "facts_of_run",
+    "note_withdrawal",
     "only_run",
     "open_study",
     "overwriting",

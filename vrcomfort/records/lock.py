@@ -6,6 +6,7 @@ program left behind locks nobody out.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import socket
@@ -34,6 +35,10 @@ else:
         fcntl.flock(stream, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
 
 
+_HELD = {errno.EAGAIN, errno.EACCES, errno.EDEADLK}
+"""What a lock says that another program holds."""
+
+
 @contextmanager
 def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
     """Hold the lock of a file, or refuse where another program holds it.
@@ -52,6 +57,9 @@ def only_program(file: Path, access: Access, *, doing: str) -> Iterator[None]:
         try:
             _lock(stream, wait=False)
         except OSError as error:
+            if error.errno not in _HELD:
+                message = f"cannot lock: {error.strerror}; put the study on a disk of this machine"
+                raise InputError(message, file=file) from error
             raise InputError(f"{doing} by {_holder(file)}; wait until it ends") from error
         _sign(stream)
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+import shutil
 from pathlib import Path
 
 from vrcomfort.errors import InputError
@@ -45,9 +46,12 @@ def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
         if not file.exists() or not file.stat().st_size:
             _begin(file, columns, access)
             return None
-        return _mended(file, columns, access)
+        written = file.stat()
+        cut = _mended(file, columns, access)
+        os.utime(file, ns=(written.st_atime_ns, written.st_mtime_ns))  # when its last row came
     except OSError as error:
         raise refused(file, error) from error
+    return cut
 
 
 def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
@@ -88,7 +92,10 @@ def _add_columns(
         lines = [csv_line(row.get(column, "") for column in columns) for row in cells]
     kept = file.with_name(f"{file.name}.schema1")
     kept.unlink(missing_ok=True)
-    kept.hardlink_to(file)
+    try:
+        kept.hardlink_to(file)
+    except OSError:  # a file system without links
+        shutil.copyfile(file, kept)
     replace_text(file, csv_line(columns) + "".join(lines), access)
 
 

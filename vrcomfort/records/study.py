@@ -187,9 +187,28 @@ def enrolled(study: Path, participant: str) -> ParticipantRow | None:
     for row in read_participants(study):
         if row.participant == participant:
             if row.status in {"withdrawn", "excluded"}:
-                raise InputError(f"participant {participant} is {row.status} from this study")
+                raise InputError(_gone(study, participant, row.status))
             return row
     return None
+
+
+def _gone(study: Path, participant: str, status: str) -> str:
+    remedy = "choose another participant"
+    if status == "withdrawn":
+        undo = f"vrcomfort undo-withdrawal {study} {participant} --reason …"
+        remedy = f"if that was a slip of the hand: {undo}"
+    return f"participant {participant} is {status} from this study; {remedy}"
+
+
+def note_withdrawal(study: Path, participant: str) -> None:
+    """See that the list of participants says of somebody who has withdrawn that they have.
+
+    A program that was ended just then could write it into the session's manifest alone.
+    """
+    ended = withdrawn_sessions(study, participant)
+    known = {row.participant: row.status for row in read_participants(study)}
+    if ended and known.get(participant) == "enrolled":
+        set_status(study, participant, "withdrawn", f"session {ended[-1]}")
 
 
 def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
@@ -244,6 +263,11 @@ def recorded_sessions(study: Path, participant: str) -> list[int]:
 def completed_sessions(study: Path, participant: str) -> list[int]:
     """Return the numbers of a participant's sessions whose manifest says completed."""
     return _sessions(study, participant, lambda status: status == "completed")
+
+
+def withdrawn_sessions(study: Path, participant: str) -> list[int]:
+    """Return the numbers of a participant's sessions whose manifest says withdrawn."""
+    return _sessions(study, participant, lambda status: status == "withdrawn")
 
 
 def unfinished_sessions(study: Path, participant: str) -> list[int]:

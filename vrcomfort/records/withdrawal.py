@@ -10,6 +10,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import TrialRow
@@ -74,6 +75,7 @@ def _require_withdrawn(study: Path, participant: str) -> None:
 
 
 def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access: Access) -> None:
+    mend(folder, TrialRow, access)
     trials = list(read_rows(folder, TrialRow))
     place: dict[str, int | None] = {"trial": None, "attempt": None}
     if trials and trials[-1]["status"] in ENDED_THE_STUDY:

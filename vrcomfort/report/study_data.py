@@ -165,9 +165,10 @@ def _json(file: Path) -> dict[str, Any]:
         return {}
     try:
         content = json.loads(file.read_text(encoding="utf-8"))
+        json.dumps(content, ensure_ascii=False).encode()  # half of a pair is no text
     except UnicodeDecodeError:
         raise InputError("this is not UTF-8; save it as JSON in UTF-8", file=file) from None
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(f"this is not valid JSON: {error}", file=file) from error
     return content if isinstance(content, dict) else {}
 
@@ -179,13 +180,25 @@ def _labels(conditions: Any) -> dict[str, str]:
     return {str(name): str(label) for name, label in conditions.items()}
 
 
+def _is_manifest(content: dict[str, Any]) -> bool:
+    """Return whether what a report reads of a session's manifest is what it takes it for."""
+    protocol, settings = content.get("protocol"), content.get("settings") or {}
+    asks = settings.get("questionnaires", []) if isinstance(settings, dict) else None
+    return (
+        isinstance(protocol, dict)
+        and isinstance(protocol.get("sha256", ""), str)
+        and isinstance(content.get("clamps", []), list)
+        and isinstance(asks, list)
+        and all(isinstance(each, dict) for each in asks)
+    )
+
+
 def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
     """Read the sessions' manifests; a file of that name from elsewhere is told and left alone."""
     ours: list[dict[str, Any]] = []
     for file in _files(source, "manifest.json"):
         content = _json(file)
-        protocol, clamps = content.get("protocol"), content.get("clamps", [])
-        if isinstance(protocol, dict) and isinstance(clamps, list):
+        if _is_manifest(content):
             check_schema_version(content, file)
             ours.append(content)
         else:

@@ -58,7 +58,7 @@ class TerminalRespondent:
     def start_exposure(self, exposure: Exposure) -> None:
         """Say what is shown and how to stop it; the condition is not named: the room may hear."""
         self._rating = TypedRating()
-        self._asked_whether_to_stop = False
+        self._finish_asking_whether_to_stop()
         self._console.print(f"Exposure {exposure.trial}, {exposure.scene}. {_STOP}.")
 
     def endure(self, elapsed_s: float) -> None:
@@ -94,8 +94,14 @@ class TerminalRespondent:
         return False
 
     def rest(self, duration_s: float) -> None:
-        """Say that the rest is over."""
-        self._asked_whether_to_stop = False
+        """Say that the rest is over.
+
+        Raises
+        ------
+        Withdrew
+            If the participant wanted to stop, and that is confirmed now.
+        """
+        self._finish_asking_whether_to_stop()
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
 
     def _clear_typed(self) -> None:
@@ -127,14 +133,18 @@ class TerminalRespondent:
             self._console.print("It goes on.")
         return asked and line in {keys.NO, "no"}
 
+    def _finish_asking_whether_to_stop(self) -> None:
+        """Wait for the answer, where a step ends before it has come."""
+        if self._asked_whether_to_stop:
+            self._asked_whether_to_stop = False
+            self._stop_if_sure()
+
     def ask(self, form: Form, heard: Heard) -> None:
         """Ask item by item, then show all answers for correction."""
         if self._exposed:
             self._exposed = False
             self._clear_typed()
-        if self._asked_whether_to_stop:
-            self._asked_whether_to_stop = False
-            self._stop_if_sure()
+        self._finish_asking_whether_to_stop()
         instrument = form.instrument
         self._console.rule(f"{instrument.title}, {form.timepoint}")
         self._console.print(f"{instrument.instruction}\n{_scale(instrument)}")

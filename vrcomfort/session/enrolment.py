@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
-from vrcomfort.records import enrolled, only_run, open_study
+from vrcomfort.records import enrolled, note_withdrawal, only_run, open_study
 from vrcomfort.session.resume import InterruptedSessions, choose_sessions
 
 
@@ -82,6 +82,7 @@ def open_enrolment(
     kept_seed = open_study(study, protocol, seed=seed, group_readable=group_readable)
     with only_run(study, participant):
         design = build_design(protocol, seed=kept_seed)
+        note_withdrawal(study, participant)
         row = enrolled(study, participant)
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
         interrupted = InterruptedSessions(study, participant, chosen.unfinished)

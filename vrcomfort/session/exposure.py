@@ -15,6 +15,7 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.timing import seen_between_ns
 
 
 @contextmanager
@@ -114,17 +115,17 @@ class FrameLoop:
         schedule: RatingSchedule | None,
         progress: Callable[[float], None],
     ) -> Ending:
-        shown_ns, before_ns = 0, None
+        shown_ns, before = 0, None
         for frame in self._frames:
             self._note_events()
             if not self._counts(frame, stimulus):
-                shown_ns += 0 if before_ns is None else frame.period_ns  # the last one that counted
-                before_ns = None
+                shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
+                before = None
+                self.context.respondent.endure(self.elapsed_s * self.context.stretch)
                 continue
-            now_ns = frame.predicted_display_time_ns
-            passed_ns = 0 if before_ns is None else now_ns - before_ns
+            passed_ns = 0 if before is None else seen_between_ns(before, frame)
             shown_ns += passed_ns
-            before_s, before_ns = self.elapsed_s, now_ns
+            before_s, before = self.elapsed_s, frame
             self.elapsed_s = shown_ns / 1e9
             self.context.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, stimulus)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from datetime import datetime
 from functools import partial
 from typing import Any, Literal
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
 from vrcomfort.protocol import Sequence
-from vrcomfort.records import Interrupted, TrialRow
+from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
@@ -34,6 +36,11 @@ class _Ending:
     start_s: float
     status: str = "aborted"
     abort_code: str | None = "error"
+
+    @property
+    def ended_the_study(self) -> bool:
+        """Whether the participant, or the stop rule, has ended it."""
+        return self.status in ENDED_THE_STUDY
 
 
 class SessionFlow:
@@ -78,6 +85,7 @@ class SessionFlow:
         try:
             self._everything()
         except (Withdrew, StopRule) as reason:
+            self._manifest.close("withdrawn")  # first: whatever fails now, it is known
             self._events.event("withdrawn", detail=str(reason))
             return "withdrawn", str(reason)
         self._events.event("session_end")
@@ -101,7 +109,7 @@ class SessionFlow:
         self._context.clock.start(before.session_s if before else 0.0)
         if before:
             self._events.event("session_resumed", detail=f"after exposure {before.done}")
-            for undone in before.manifest.get("withdrawals_undone", [])[-1:]:
+            for undone in _undone_since(before.manifest):
                 self._events.event("withdrawal_undone", detail=str(undone["reason"]))
             for warning in before.warnings:
                 self._events.event("row_cut_off", detail=warning)
@@ -180,10 +188,10 @@ class SessionFlow:
         try:
             reason = self._expose(place, ending)
         except KeyboardInterrupt:
-            ending.abort_code = "operator"
+            ending.abort_code = ending.abort_code if ending.ended_the_study else "operator"
             raise
         except RuntimeLostError:
-            ending.abort_code = "runtime_lost"
+            ending.abort_code = ending.abort_code if ending.ended_the_study else "runtime_lost"
             raise
         finally:
             self._open_trial = None
@@ -217,6 +225,10 @@ class SessionFlow:
         except StopRule as reason:
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
+        except BaseException as error:
+            if (how := _ended_by(error)) is not None:  # and then something failed
+                ending.status, ending.abort_code = how
+            raise
         finally:
             self._respondent.end_exposure(loop.elapsed_s * self._context.stretch)
         if result == "completed":
@@ -312,6 +324,25 @@ class SessionFlow:
             text = f"trial {trial.trial}, attempt {trial.attempt}: {'; '.join(flags)}"
             self._events.event("timing_flag", detail=text)
             self._manifest.flag(text)
+
+
+def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the withdrawals that were undone after the run that a manifest tells of."""
+    began = datetime.fromisoformat(manifest["started_at"])
+    undone = manifest.get("withdrawals_undone", [])
+    return [each for each in undone if datetime.fromisoformat(each["at"]) > began]
+
+
+def _ended_by(error: BaseException) -> tuple[str, str] | None:
+    """Return how the participant or the stop rule had ended the exposure before an error."""
+    reason: BaseException | None = error
+    while reason is not None:
+        if isinstance(reason, Withdrew):
+            return "withdrawn", "participant"
+        if isinstance(reason, StopRule):
+            return "stopped", "rating"
+        reason = reason.__context__
+    return None
 
 
 def _places(sequence: Sequence, session: int) -> list[TrialPlace]:

@@ -77,6 +77,11 @@ class ManifestWriter:
         self._manifest.clamps.append(sentence)
         self._write()
 
+    @property
+    def withdrawn(self) -> bool:
+        """Whether it says that the participant's study has ended with this session."""
+        return self._manifest.status == "withdrawn"
+
     def close(self, status: str) -> None:
         """Note how the run ended."""
         manifest = self._manifest

@@ -165,6 +165,9 @@ class ParticipantSessions:
                 set_status(self.context.study, self.context.participant, "enrolled", note)
 
 
+STOPPED = "stopped by the operator"
+
+
 def _kept(
     flow: SessionFlow, writer: ManifestWriter, recorder: Recorder
 ) -> tuple[SessionStatus, str]:
@@ -175,10 +178,10 @@ def _kept(
         status, note = flow.run()
         recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt:
-        status, note = "aborted", "stopped by the operator"
+        status, note = ("withdrawn", "") if writer.withdrawn else ("aborted", STOPPED)
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
-            writer.close("aborted")
+            writer.close("withdrawn" if writer.withdrawn else "aborted")
         raise
     writer.close(status)
     return status, note

@@ -43,6 +43,17 @@ class Durations:
         }
 
 
+def seen_between_ns(before: Frame, frame: Frame) -> int:
+    """Return how much of the time between two frames something was seen, and so is exposure.
+
+    Where poses jump (a cut of a trace, another place), the frame before was seen for its period.
+    """
+    passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
+    if not frame.discontinuity:
+        return passed_ns
+    return min(passed_ns, before.period_ns) if passed_ns > 0 else before.period_ns
+
+
 @dataclass
 class SeenTime:
     """What a participant saw in the seconds of a trial: their sum is the trial's length.
@@ -72,10 +83,10 @@ class SeenTime:
         if before is None:
             return
         passed_ns = frame.predicted_display_time_ns - before.predicted_display_time_ns
-        if frame.discontinuity and not before.paused:  # no picture stood still meanwhile
-            shown_ns = min(passed_ns, before.period_ns) if passed_ns > 0 else before.period_ns
-            self.hidden_s += max(passed_ns - shown_ns, 0) / 1e9
-            passed_ns = shown_ns
+        if not before.paused:
+            seen_ns = seen_between_ns(before, frame)
+            self.hidden_s += max(passed_ns - seen_ns, 0) / 1e9
+            passed_ns = seen_ns
         self._count(before, passed_ns)
 
     def end(self) -> None:

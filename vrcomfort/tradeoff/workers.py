@@ -65,6 +65,9 @@ def _ctrl_c_later() -> Iterator[None]:
 
     Nor do they hear that the terminal was closed, which is told to all as Ctrl-C is.
     """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
         yield

@@ -316,6 +316,7 @@ class OpenXrHeadset:
         if not self._xr.lifecycle.running:
             return
         watched(xr.request_exit_session, self._xr.session)
+        self._presence.leaving = True
         self._presence.until(EXIT_S)
         for frame in islice(iter(self._next_frame, None), EXIT_FRAMES):
             self._submit(frame, None)

@@ -28,6 +28,8 @@ class Presence:
     ----------
     away
         Whether the participant sees nothing of the present frame.
+    leaving
+        Whether the session is being ended: a frame that is seen then earns no more patience.
     """
 
     def __init__(
@@ -37,7 +39,7 @@ class Presence:
         self._patience_s = patience_s
         self._notify = notify
         self._held = [True, True]
-        self.away = False
+        self.away = self.leaving = False
         self.allow(0.0)
 
     def allow(self, absence_s: float) -> None:
@@ -76,7 +78,8 @@ class Presence:
         """
         before, self.away = self.away, not (self._lifecycle.seen and located)
         if not self.away:
-            self.allow(0.0)
+            if not self.leaving:
+                self.allow(0.0)
         elif time.monotonic() > self._until_s:
             raise asleep(self._patience_s)
         if self._lifecycle.focused:  # else the runtime's own menu has the controllers

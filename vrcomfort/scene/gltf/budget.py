@@ -9,7 +9,17 @@ from typing import Literal
 
 from vrcomfort.errors import InputError
 
-Kind = Literal["nodes", "draws", "items", "numbers", "zeros", "pixels", "file_bytes", "json_bytes"]
+Kind = Literal[
+    "nodes",
+    "draws",
+    "items",
+    "numbers",
+    "zeros",
+    "pixels",
+    "file_bytes",
+    "json_bytes",
+    "json_marks",
+]
 
 
 @dataclass(frozen=True)
@@ -38,8 +48,8 @@ class SceneBudget:
         Of one image.
     file_bytes
         Of the file and everything that it refers to.
-    json_bytes
-        Of the JSON.
+    json_bytes, json_marks
+        Of the JSON: its length, and how many brackets, braces and commas it has.
     """
 
     nodes: int = 2**18
@@ -47,10 +57,11 @@ class SceneBudget:
     items: int = 2**20
     numbers: int = 2**27
     zeros: int = 2**22
-    pixels: int = 2**27
+    pixels: int = 2**28
     image_pixels: int = 2**26
     file_bytes: int = 2**30
     json_bytes: int = 2**27
+    json_marks: int = 2**24
 
 
 _WORDS = {
@@ -62,6 +73,7 @@ _WORDS = {
     "pixels": "pixels of images",
     "file_bytes": "bytes",
     "json_bytes": "bytes of JSON",
+    "json_marks": "brackets, braces and commas of JSON",
 }
 
 

@@ -114,8 +114,8 @@ class GltfFile:
             if target.is_relative_to(folder):
                 return target
         raise InputError(
-            f"{what} is {uri[:200]!r}, which is not in the scene's folder; "
-            "put the file beside the scene and name it without a path",
+            f"{what} is {uri[:200]!r}, which is not (or is a link to what is not) in the scene's "
+            "folder; put the file itself beside the scene and name it without a path",
             file=self.path,
         )
 
@@ -212,8 +212,15 @@ class GltfFile:
                     file=self.path,
                 )
             self.account.spend("pixels", width * height, what)
-            rgba = picture.convert("RGBA")
+            rgba = _in_8_bits(picture).convert("RGBA")
         return np.asarray(rgba)
+
+
+def _in_8_bits(picture: PillowImage.Image) -> PillowImage.Image:
+    """Return 16 bits of grey in 8: converted otherwise they would be clipped."""
+    if not picture.mode.startswith("I"):
+        return picture
+    return PillowImage.fromarray((np.asarray(picture) >> 8).astype(np.uint8))
 
 
 def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
@@ -232,6 +239,7 @@ def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
         raise InputError(f"cannot be read ({error.strerror}); check the path", file=path) from None
     text, binary = _unpack_glb(data, path) if data[:4] == _GLB_MAGIC else (data, None)
     account.spend("json_bytes", len(text), "the file")
+    account.spend("json_marks", sum(map(bytes(text).count, (b"[", b"{", b","))), "the file")
     try:
         root = json.loads(str(text, "utf-8-sig"))
     except ValueError:
