@@ -92,6 +92,7 @@ def test_an_undoing_is_told_once(tmp_path: Path):
     file = folder(tmp_path) / "manifest.json"
     content = json.loads(file.read_text())
     content["started_at"] = "2020-01-01T00:00:00+00:00"
+    content["withdrawals_undone"][0]["at"] = "2021-01-01T00:00:00+00:00"
     file.write_text(json.dumps(content))
     go(tmp_path, Scripted(interrupt_at_item="nausea"), resume=True)
     assert manifest(tmp_path)["status"] == "aborted"

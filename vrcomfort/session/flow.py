@@ -330,7 +330,7 @@ def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     """Return the withdrawals that were undone after the run that a manifest tells of."""
     began = datetime.fromisoformat(manifest["started_at"])
     undone = manifest.get("withdrawals_undone", [])
-    return [each for each in undone if datetime.fromisoformat(each["at"]) > began]
+    return [each for each in undone if datetime.fromisoformat(each["at"]) >= began]
 
 
 def _ended_by(error: BaseException) -> tuple[str, str] | None:

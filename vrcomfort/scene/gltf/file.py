@@ -114,8 +114,8 @@ class GltfFile:
             if target.is_relative_to(folder):
                 return target
         raise InputError(
-            f"{what} is {uri[:200]!r}, which is not (or is a link to what is not) in the scene's "
-            "folder; put the file itself beside the scene and name it without a path",
+            f"{what} is {uri[:200]!r}, which is not in the scene's folder, or links out of it; "
+            "put the file itself beside the scene and name it without a path",
             file=self.path,
         )
 
