@@ -9,13 +9,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
 
+from vrcomfort.headset.watchdog import TOGETHER_S
+
 SIGNALS = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
 )
 """Windows has no SIGHUP."""
-
-TOGETHER_S = 1.0
-"""A shutdown sends SIGTERM and SIGHUP at once: that is one wish, and files are closed meanwhile."""
 
 _last: tuple[int, float] = signal.SIGINT, -TOGETHER_S
 """The signal that came last, and when."""

@@ -26,8 +26,10 @@ PATIENCE_S = 600.0
 """So long a hung runtime is waited for where nobody presses Ctrl-C."""
 
 EXIT_RUNTIME_LOST = 3
+
 TOGETHER_S = 1.0
-"""SIGTERM and SIGHUP that come so close together are one shutdown's."""
+"""SIGTERM and SIGHUP that come so close together are those of one shutdown: one wish, and files are
+closed meanwhile."""
 
 POLL_S = 0.1
 STOPPING = {
