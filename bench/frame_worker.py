@@ -23,7 +23,6 @@ from pathlib import Path
 from typing import Any
 
 import moderngl
-
 from clocked import Clock, clocked_opengl
 
 SIZE_PX = (64, 80)
@@ -117,7 +116,7 @@ def timed(loop: Loop, clock: Clock, frames: int, recorder_s: Any) -> list[dict[s
 
 
 def counted(loop: Loop, clock: Clock) -> dict[str, int]:
-    """Count what one frame calls: functions of any kind, OpenGL by way of moderngl, draws, binds."""
+    """Count what one frame calls: functions of any kind, OpenGL among them, draws, binds."""
     profile = cProfile.Profile()
     clock.counts.clear()
     loop.show()
@@ -126,8 +125,11 @@ def counted(loop: Loop, clock: Clock) -> dict[str, int]:
     calls = pstats.Stats(profile).stats.items()  # type: ignore[attr-defined]
     rig = ("clocked.py", "thread_time")
     return {
-        "calls": sum(count for (file, _, name), (_, count, *_) in calls
-                     if not file.endswith(rig) and not name.endswith(f"{rig[1]}>")),
+        "calls": sum(
+            count
+            for (file, _, name), (_, count, *_) in calls
+            if not file.endswith(rig) and not name.endswith(f"{rig[1]}>")
+        ),
         "OpenGL calls": counts.total(),
         "scene draws": loop.draws,
         "draws": sum(count for name, count in counts.items() if name in DRAWS),

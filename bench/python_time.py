@@ -176,12 +176,13 @@ def _notes(frames: int, against: str | None) -> list[str]:
         "renderer, and the rows of frames.csv as a session writes them.",
         "CPU time of the thread that runs the loop; what is inside moderngl and inside OpenGL "
         "functions is taken away. A p99 is that of a round, the median of the rounds is shown.",
-        "Counted in one frame: calls of Python functions of any kind, OpenGL calls among them, draw "
-        "calls of the scene and in all, textures bound.",
+        "Counted in one frame: calls of Python functions of any kind, OpenGL calls among them, "
+        "draw calls of the scene and in all, textures bound.",
     ]
     if against is not None:
         notes.append(
-            f"The sides take turns every {BLOCK} frames. Ratios are to the p99 of {against} in the "
-            f"same round: median, least and most of {ROUNDS}; `{against} again` is the A/A of the run."
+            f"The sides take turns every {BLOCK} frames. Ratios are to the p99 of {against} in "
+            f"the same round: median, least and most of {ROUNDS}; `{against} again` is the A/A of "
+            "the run."
         )
     return notes
