@@ -76,9 +76,20 @@ def block_dtype(include: str, block: str) -> np.dtype[Any]:
     The GLSL text is the only declaration. Members must be `vec4`, `mat4` or arrays of them, which
     std140 packs without gaps. A `mat4` is (4, 4) with the matrix transposed: columns first.
     """
-    body = re.search(rf"uniform\s+{block}\s*\{{(.*?)\}}", source(f"include/{include}"), re.DOTALL)
+    return _members(include, f"uniform {block}")
+
+
+@cache
+def struct_dtype(include: str, struct: str) -> np.dtype[Any]:
+    """Return the memory layout of a struct that blocks hold; see :func:`block_dtype`."""
+    return _members(include, f"struct {struct}")
+
+
+def _members(include: str, what: str) -> np.dtype[Any]:
+    start = r"\s+".join(what.split())
+    body = re.search(rf"{start}\s*\{{(.*?)\}}", source(f"include/{include}"), re.DOTALL)
     if body is None:
-        raise RuntimeError(f"{include} declares no uniform block {block}")
+        raise RuntimeError(f"{include} declares no {what}")
     shapes = {"mat4": (4, 4), "vec4": (4,)}
     return np.dtype(
         [
@@ -86,6 +97,12 @@ def block_dtype(include: str, block: str) -> np.dtype[Any]:
             for kind, name, count in _MEMBER.findall(body[1])
         ]
     )
+
+
+def offset(block: np.dtype[Any], member: str) -> int:
+    """Return where a member begins in a block, in bytes."""
+    fields: Any = block.fields
+    return int(fields[member][1])
 
 
 def fullscreen(

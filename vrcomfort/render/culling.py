@@ -36,24 +36,23 @@ def visible(planes: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
     planes
         (k, 4) in the frame of the boxes, or (views, k, 4) for several frusta.
     centers, halves
-        (n, 3) centres and half extents. A box that only its corner planes would exclude is kept.
+        (n, 3) centres and half extents; centres may be (views, n, 3), each view's in its own
+        frame. A box that only its corner planes would exclude is kept.
 
     Returns
     -------
     ndarray
         (n,), or (views, n) for several frusta.
     """
-    flat = planes.reshape(-1, 4)
-    normals = flat[:, :3]
-    reach = normals @ centers.T
+    normals = planes[..., :3]
+    reach = normals @ centers.swapaxes(-1, -2)
     reach += np.abs(normals) @ halves.T
-    inside = (reach >= -flat[:, 3:]).reshape(*planes.shape[:-1], -1)
-    return np.asarray(inside.all(axis=-2))
+    return np.asarray((reach >= -planes[..., 3:]).all(axis=-2))
 
 
 def lengths(vectors: Array) -> Array:
-    """Return (n,) lengths of (n, 3) vectors."""
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+    """Return (...,) lengths of (..., 3) vectors."""
+    return np.asarray(np.sqrt(np.einsum("...j,...j->...", vectors, vectors)))
 
 
 def transformed_boxes(

@@ -10,13 +10,57 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl
-from vrcomfort.render import culling, lighting
+from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
+from vrcomfort.render.lighting import LampReach
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import NodePoses, relative_rows
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
+
+ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4/i"
+ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material")
+PREVIOUS_FORMAT = "4f4 4f4 4f4/i"
+PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
+_ROW, _MATRIX = 17, 12
+"""Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
+
+
+class RowBuffers:
+    """What the GPU reads of drawn things: a row and an indirect command for each.
+
+    Parameters
+    ----------
+    rows
+        As many as are likely to be drawn at once.
+    previous
+        Whether rows of the frame before are needed.
+    """
+
+    def __init__(self, ctx: moderngl.Context, rows: int, *, previous: bool) -> None:
+        most = max(rows, 1)
+        self.rows = gl.dynamic_buffer(ctx, most * _ROW * 4)
+        self.previous = gl.dynamic_buffer(ctx, most * _MATRIX * 4) if previous else None
+        self.commands = gl.dynamic_buffer(ctx, most * COMMAND.itemsize)
+
+    def write(
+        self,
+        rows: NDArray[np.float32],
+        commands: NDArray[np.void],
+        previous: NDArray[np.float32] | None = None,
+    ) -> None:
+        """Put things in drawing order; row i belongs to command i."""
+        commands["base_instance"] = np.arange(len(commands))
+        _replace(self.rows, rows)
+        _replace(self.commands, commands)
+        if self.previous is not None and previous is not None:
+            _replace(self.previous, previous)
+
+
+def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
+    buffer.orphan(data.nbytes)  # what is being drawn from it stays as it is
+    buffer.write(data)
 
 
 class SceneRows:
@@ -29,22 +73,15 @@ class SceneRows:
 
     Attributes
     ----------
-    buffer, previous_buffer, commands
-        What vertex arrays and indirect draws read.
     in_use
         (rows,) bool, the level of detail for where the head is.
     """
 
-    def __init__(
-        self, ctx: moderngl.Context, scene: Scene, table: DrawList, *, velocity: bool
-    ) -> None:
+    def __init__(self, scene: Scene, table: DrawList) -> None:
         self._scene = scene
         self._list = table
         self._poses = NodePoses(scene)
-        rows = max(len(table.node), 1)
-        self.buffer = gl.dynamic_buffer(ctx, rows * 64)
-        self.previous_buffer = gl.dynamic_buffer(ctx, rows * 48) if velocity else None
-        self.commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
+        self._reach = LampReach(scene.environment.point_lights)
         self._prepare()
 
     def _prepare(self) -> None:
@@ -52,15 +89,23 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
+        self._chosen: dict[Movement, NDArray[np.bool_] | bool] = {
+            "all": True,
+            "static": ~self._moving,
+            "moving": self._moving,
+        }
         self._moving_rows = np.flatnonzero(self._moving)
         self.shadow = table.casts_shadow & ~self._locked
-        self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
-        self._thing[:, 0] = table.ambient
-        self._thing[:, 1] = self._locked
-        self._thing[:, 3] = table.semantic_weight
         world = self._poses.world_from_node(0.0, Pose())
         self.centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
-        self._thing[:, 2] = lighting.lamp_bits(self._scene, self.centers, self._halves)
+        self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
+        self._rows[:, _MATRIX] = table.ambient
+        self._rows[:, _MATRIX + 1] = self._locked
+        self._rows[:, _MATRIX + 2] = self._reach.bits(self.centers, self._halves)
+        self._rows[:, _MATRIX + 3] = table.semantic_weight
+        self._rows[:, _MATRIX + 4] = table.material
+        self._node_centers = table.node_centers(self.centers, self._halves, len(self._scene.nodes))
+        self._levels_move = bool((self._moving & table.has_levels).any())
         self._world = self._previous_world = world
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
@@ -68,7 +113,7 @@ class SceneRows:
     @property
     def moves(self) -> bool:
         """Return whether anything in the scene moves by itself (not with the head)."""
-        return bool(self._poses.moving.any())
+        return self._poses.any_moving
 
     def update(self, time_s: float, head: Pose, before_s: float) -> None:
         """Move everything to where it is at a time; doing it again for the other eye is free."""
@@ -80,47 +125,53 @@ class SceneRows:
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
         self._update_moving()
-        nodes = len(self._scene.nodes)
-        self._node_centers = self._list.node_centers(self.centers, self._halves, nodes)
+        if self._levels_move:
+            nodes = len(self._scene.nodes)
+            self._node_centers = self._list.node_centers(self.centers, self._halves, nodes)
         self.in_use = self.level_in_use(head.position)
 
     def _update_moving(self) -> None:
         rows = self._moving_rows
         if not len(rows):
             return
-        self.centers[rows], self._halves[rows] = self._list.world_boxes(self._world, rows)
-        bits = lighting.lamp_bits(self._scene, self.centers[rows], self._halves[rows])
-        self._thing[rows, 2] = bits
+        centers, halves = self._list.world_boxes(self._world, rows)
+        self.centers[rows], self._halves[rows] = centers, halves
+        self._rows[rows, _MATRIX + 2] = self._reach.bits(centers, halves)
 
     def level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
         return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
 
-    def seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
-        """Return (..., rows) whether a thing's box is within the planes around `origin_m`."""
-        return culling.visible(planes, self.centers - origin_m, self._halves)
+    def seen(self, planes: Array, from_origin: Array) -> NDArray[np.bool_]:
+        """Return (..., rows) whether a thing's box is within planes.
 
-    def chosen(self, movement: Movement) -> NDArray[np.bool_]:
+        Parameters
+        ----------
+        from_origin
+            (rows, 3), or (views, rows, 3): `centers` less the origins of the planes.
+        """
+        return culling.visible(planes, from_origin, self._halves)
+
+    def chosen(self, movement: Movement) -> NDArray[np.bool_] | bool:
         """Return (rows,) what moves, what does not, or all."""
-        if movement == "all":
-            return np.ones_like(self._moving)
-        return self._moving if movement == "moving" else ~self._moving
+        return self._chosen[movement]
 
-    def upload(self, order: Rows, origin_m: Array, *, previous: bool) -> None:
-        """Write rows and commands in drawing order; row i belongs to command i."""
+    def write(self, buffers: RowBuffers, order: Rows, origin_m: Array) -> None:
+        """Write things in drawing order.
+
+        Parameters
+        ----------
+        order
+            Rows; a thing that is drawn in several views is there several times.
+        origin_m
+            (3,), or (len(order), 3): the viewpoint that each is drawn from.
+        """
         if not len(order):
             return
         nodes = self._list.node[order]
-        rows = np.empty((len(order), 4, 4), dtype=np.float32)
-        rows[:, :3] = relative_rows(self._world, nodes, origin_m)
-        rows[:, 3] = self._thing[order]
-        self.buffer.orphan(rows.nbytes)
-        self.buffer.write(rows)
-        if previous and self.previous_buffer is not None:
+        rows = self._rows[order]
+        rows[:, :_MATRIX] = relative_rows(self._world, nodes, origin_m).reshape(-1, _MATRIX)
+        before = None
+        if buffers.previous is not None:
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
-            self.previous_buffer.orphan(before.nbytes)
-            self.previous_buffer.write(before)
-        commands = self._list.commands[order]
-        commands["base_instance"] = np.arange(len(order))
-        self.commands.orphan(commands.nbytes)
-        self.commands.write(commands)
+        buffers.write(rows, self._list.commands[order], before)

@@ -25,6 +25,7 @@ class NodePoses:
         self.locked = _locked(scene)
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._walk = np.flatnonzero(self.moving).tolist()
+        self.any_moving = bool(self._walk)
         self._any_locked = bool(self.locked.any())
         self._placed: dict[float, Array] = {}
 
