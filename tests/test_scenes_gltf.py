@@ -148,7 +148,7 @@ def test_materials_and_textures(tmp_path):
     assert read.emissive == (4.0, 2.0, 0.0)
     image = scene.images[read.base_color_image]
     np.testing.assert_array_equal(image.pixels, [[[255, 0, 0, 128]]])
-    assert image.repeat == (False, True)
+    assert image.wrap == ("clamp_to_edge", "repeat")
     assert scene.warnings == ()
 
 

@@ -5,6 +5,10 @@
 // Output: position in any reverse-Z clip space; ALPHA_MASK, SEMANTIC: what depth.frag needs.
 in vec3 in_position;
 in vec2 in_uv;
+#ifdef UV_1
+in vec2 in_uv_1;
+out vec2 uv_1;
+#endif
 in vec4 in_color;
 in vec4 in_relative_x;
 in vec4 in_relative_y;
@@ -30,6 +34,9 @@ void main() {
     gl_Position = clip_from_relative * vec4(relative, 1.0);
 #ifdef ALPHA_MASK
     uv = in_uv;
+#ifdef UV_1
+    uv_1 = in_uv_1;
+#endif
     alpha = in_color.a;
     material_index = int(in_material);
 #endif

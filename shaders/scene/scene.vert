@@ -13,6 +13,10 @@
 in vec3 in_position;
 in vec4 in_normal;
 in vec2 in_uv;
+#ifdef UV_1
+in vec2 in_uv_1;
+out vec2 uv_1;
+#endif
 in vec4 in_color;
 in vec4 in_relative_x;
 in vec4 in_relative_y;
@@ -49,6 +53,9 @@ void main() {
                     dot(in_relative_z, position));
     normal = cofactor(in_normal.xyz);
     uv = in_uv;
+#ifdef UV_1
+    uv_1 = in_uv_1;
+#endif
 #ifdef VERTEX_COLORS
     color = in_color;
 #endif

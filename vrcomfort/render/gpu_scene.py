@@ -34,9 +34,12 @@ from vrcomfort.render.scene_rows import (
 from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
 from vrcomfort.render.textures import TextureStore
 from vrcomfort.render.vertex_data import (
+    SECOND_UV_FORMAT,
+    SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
     index_bytes,
+    second_uv_bytes,
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
@@ -106,11 +109,13 @@ class GpuScene:
     def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
         vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
         indices = gl.buffer(self._ctx, index_bytes(self.scene.primitives))
-        of_vertices = (vertices, VERTEX_FORMAT, *VERTEX_NAMES)
+        of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
+        if (uvs := second_uv_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, uvs), SECOND_UV_FORMAT, *SECOND_UV_NAMES))
 
         def arrays(buffers: RowBuffers) -> Callable[[moderngl.Program], moderngl.VertexArray]:
             # Not a method of this object: buffers must go with it, not when cycles are collected.
-            content: list[tuple[Any, ...]] = [of_vertices, (buffers.rows, ROW_FORMAT, *ROW_NAMES)]
+            content = [*of_vertices, (buffers.rows, ROW_FORMAT, *ROW_NAMES)]
             if buffers.previous is not None:
                 content.append((buffers.previous, PREVIOUS_FORMAT, *PREVIOUS_NAMES))
             return partial(_vertex_array, self._ctx, content, indices)

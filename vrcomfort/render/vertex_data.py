@@ -16,6 +16,8 @@ _VERTEX = np.dtype(
     ]
 )
 VERTEX_FORMAT = "3f4 4f2 2f4 4f2"
+SECOND_UV_FORMAT = "2f4"
+SECOND_UV_NAMES = ("in_uv_1",)
 VERTEX_NAMES = ("in_position", "in_normal", "in_uv", "in_color")
 
 
@@ -31,6 +33,16 @@ def _packed(primitive: Primitive) -> NDArray[np.void]:
     vertices["uv"] = primitive.uvs
     vertices["color"] = 1 if primitive.colors is None else primitive.colors
     return vertices
+
+
+def second_uv_bytes(primitives: tuple[Primitive, ...]) -> bytes | None:
+    """Return the second texture coordinates of all vertices, or None where no primitive has any."""
+    if all(primitive.uvs_1 is None for primitive in primitives):
+        return None
+    return b"".join(
+        np.asarray(np.zeros_like(p.uvs) if p.uvs_1 is None else p.uvs_1, np.float32).tobytes()
+        for p in primitives
+    )
 
 
 def index_bytes(primitives: tuple[Primitive, ...]) -> bytes:

@@ -17,6 +17,7 @@ from vrcomfort.scene.animation import Animation, sample_all
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
+Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
 Rgb: TypeAlias = tuple[float, float, float]
 
 
@@ -29,34 +30,59 @@ class Image:
     pixels
         (height, width, 4) uint8; row 0 is at v = 0 (glTF: the upper edge of the picture).
         Base colour and emission are sRGB-encoded; normals and metal-roughness are linear.
-    repeat
-        Wraps in (u, v), else clamps to the edge.
+    wrap
+        How it goes on outside, in u and in v.
     """
 
     pixels: NDArray[np.uint8]
-    repeat: tuple[bool, bool] = (True, True)
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+
+
+@dataclass(frozen=True)
+class UvMap:
+    """Where on an image a vertex is: which of its texture coordinates, scaled, turned and moved.
+
+    Source: Khronos KHR_texture_transform. The sense of the rotation is that of its example.
+    """
+
+    uv_set: Literal[0, 1] = 0
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation_rad: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    def matrix(self) -> Array:
+        """Return (2, 3): image coordinates = matrix @ (u, v, 1)."""
+        c, s = np.cos(self.rotation_rad), np.sin(self.rotation_rad)
+        turn = np.array([[c, s], [-s, c]])
+        return np.column_stack([turn * self.scale, self.offset])
 
 
 @dataclass(frozen=True)
 class Material:
     """A metallic-roughness surface of glTF 2.0; factors multiply their image.
 
-    `metallic_roughness_image` holds roughness in green and metallic in blue.
+    `metallic_roughness_image` holds roughness in green and metallic in blue. An `unlit` surface
+    shows its base colour as radiance, whatever the light (KHR_materials_unlit).
     """
 
     name: str = ""
     base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     base_color_image: int | None = None
+    base_color_uv: UvMap = UvMap()
     normal_image: int | None = None
+    normal_uv: UvMap = UvMap()
     normal_scale: float = 1.0
     metallic: float = 0.0
     roughness: float = 0.9
     metallic_roughness_image: int | None = None
+    metallic_roughness_uv: UvMap = UvMap()
     emissive: Rgb = (0.0, 0.0, 0.0)
     emissive_image: int | None = None
+    emissive_uv: UvMap = UvMap()
     alpha_mode: AlphaMode = "OPAQUE"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    unlit: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +101,8 @@ class Primitive:
         (m, 3) uint32, counter-clockwise seen from the front.
     material
         Index into `Scene.materials`.
+    uvs_1
+        (n, 2) float32 second texture coordinates, or None.
     """
 
     positions: Float32
@@ -83,6 +111,7 @@ class Primitive:
     colors: Float32 | None
     indices: NDArray[np.uint32]
     material: int
+    uvs_1: Float32 | None = None
 
     @property
     def bounds(self) -> tuple[Array, Array]:

@@ -20,7 +20,8 @@ Graph = tuple[
     tuple[Node, ...], tuple[Animation, ...], tuple[PointLight, ...], dict[str, tuple[int, ...]]
 ]
 _HANDLED = {
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization",
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
+    "KHR_mesh_quantization", "KHR_texture_transform",
 }  # fmt: skip
 _COMPRESSED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}
 #: A lamp without a range ends where it gives this irradiance (W/m², our units).

@@ -145,11 +145,26 @@ class _Texture(_Part):
     extensions: Extensions = ABSENT
 
 
+UvSet: TypeAlias = Literal[0, 1]
+Pair: TypeAlias = Annotated[list[Placing], Field(min_length=2, max_length=2)]
+
+
+class _TextureTransform(_Part):
+    offset: Pair = ABSENT
+    rotation: Placing = ABSENT
+    scale: Pair = ABSENT
+    tex_coord: UvSet = ABSENT
+
+
+class _TextureInfoExtensions(_Part):
+    KHR_texture_transform: _TextureTransform = ABSENT
+
+
 class _TextureInfo(_Part):
     index: TextureIndex
-    tex_coord: Size = ABSENT
+    tex_coord: UvSet = ABSENT
     scale: Number = ABSENT
-    extensions: Extensions = ABSENT
+    extensions: _TextureInfoExtensions = ABSENT
 
 
 class _Surface(_Part):
@@ -166,6 +181,7 @@ class _Glow(_Part):
 
 class _MaterialExtensions(_Part):
     KHR_materials_emissive_strength: _Glow = ABSENT
+    KHR_materials_unlit: dict[str, Any] = ABSENT
 
 
 class _Material(_Part):
