@@ -304,6 +304,17 @@ def test_an_unknown_extension_that_the_file_requires_is_refused(tmp_path, name):
         load_scene(path)
 
 
+def test_an_unknown_extension_that_the_file_requires_is_told_with_its_place(tmp_path):
+    file = Gltf()
+    file.root["extensionsRequired"] = ["EXT_meshopt_compression"]
+    packed = {**file.triangle(), "extensions": {"EXT_meshopt_compression": {}}}
+    meshes = [{"primitives": [file.triangle()]}, {"name": "bush", "primitives": [packed]}]
+    path = file.save(tmp_path / "scene.gltf", meshes=meshes)
+    place = r"\(first in meshes\[1\] \('bush'\)\.primitives\[0\]\)"
+    with pytest.raises(InputError, match=f"{place}, which cannot be read; .* mesh compression"):
+        load_scene(path)
+
+
 def test_a_fault_deep_in_a_long_list_is_told_with_its_place(tmp_path):
     path = grid(tmp_path / "scene.gltf", 9000)
     root = json.loads(path.read_text())

@@ -183,7 +183,7 @@ def test_what_is_not_supported_is_named_in_one_warning(tmp_path):
 
 def test_lamps_are_where_their_nodes_are(tmp_path):
     file = Gltf()
-    lights = [{"type": "point", "intensity": 4.0, "color": [1, 0.5, 0]}, {"type": "spot"}]
+    lights = [{"type": "point", "intensity": 4.0, "color": [1, 0.5, 0]}, {"type": "area"}]
     nodes = [
         {"mesh": 0, "children": [1, 2], "translation": [0, 1, 0]},
         {"translation": [2, 0, 0], "extensions": {"KHR_lights_punctual": {"light": 0}}},

@@ -145,10 +145,23 @@ void main() {
     while (lamps != 0u) {
         int lamp = findLSB(lamps);
         lamps &= lamps - 1u;
-        vec3 to_lamp = lamp_position[lamp].xyz - relative;
+        vec4 place = lamp_position[lamp];
+#ifdef FAR_LAMPS
+        vec3 to_lamp = place.w > 0.0 ? place.xyz - relative : place.xyz;
+#else
+        vec3 to_lamp = place.xyz - relative;
+#endif
         float range_m = length(to_lamp);
         vec3 l = to_lamp / max(range_m, 1e-4);
-        float received = max(dot(n, l), 0.0) * lamp_falloff(range_m, lamp_position[lamp].w);
+        float received = max(dot(n, l), 0.0);
+#ifdef FAR_LAMPS
+        received *= place.w > 0.0 ? lamp_falloff(range_m, place.w) : 1.0;
+#else
+        received *= lamp_falloff(range_m, place.w);
+#endif
+#ifdef CONES
+        received *= cone(l, lamp_direction[lamp], lamp_intensity[lamp].a);
+#endif
         sum += lamp_intensity[lamp].rgb * received
              * (diffuse * INV_PI + specular(n, v, l, f0, alpha));
     }

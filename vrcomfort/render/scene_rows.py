@@ -81,7 +81,7 @@ class SceneRows:
         self._scene = scene
         self._list = table
         self._poses = NodePoses(scene)
-        self._reach = LampReach(scene.environment.point_lights)
+        self._reach = LampReach(scene.environment)
         self._prepare()
 
     def _prepare(self) -> None:

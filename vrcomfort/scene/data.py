@@ -194,6 +194,43 @@ class PointLight:
     range_m: float
 
 
+@dataclass(frozen=True)
+class SpotLight(PointLight):
+    """A lamp that shines into a cone, full within the inner angle, nothing beyond the outer one.
+
+    Parameters
+    ----------
+    direction
+        Unit vector along which it shines.
+    inner_cone_rad, outer_cone_rad
+        Between the direction and the rim of the cone; the outer one is the greater.
+    """
+
+    direction: Rgb
+    inner_cone_rad: float
+    outer_cone_rad: float
+
+
+@dataclass(frozen=True)
+class DirectionalLight:
+    """Light from infinitely far away, without shadows.
+
+    Parameters
+    ----------
+    direction
+        Unit vector along which it shines.
+    irradiance
+        On a surface that faces it.
+    """
+
+    direction: Rgb
+    irradiance: Rgb
+
+
+MOST_LAMPS = 16
+"""Point, spot and directional lights of a scene besides its sun, all together."""
+
+
 @dataclass(frozen=True, eq=False)
 class Environment:
     """Light from outside, air and exposure.
@@ -231,6 +268,9 @@ class Environment:
     shadow_distance_m: float = 40.0
     ambient_in_vertex_alpha: bool = False
     point_lights: tuple[PointLight, ...] = ()
+    """Spot lights among them."""
+    directional_lights: tuple[DirectionalLight, ...] = ()
+    """Besides the sun."""
 
 
 @dataclass(frozen=True, eq=False)

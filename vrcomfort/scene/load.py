@@ -9,7 +9,13 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
-from vrcomfort.scene.data import Scene
+from vrcomfort.scene.data import (
+    MOST_LAMPS,
+    DirectionalLight,
+    Environment,
+    PointLight,
+    Scene,
+)
 from vrcomfort.scene.defaults import with_defaults
 from vrcomfort.scene.gltf.budget import SceneBudget
 from vrcomfort.scene.gltf.file import STRUCTURE_ERRORS, read_gltf_file
@@ -46,7 +52,9 @@ def load_scene(name_or_path: str | Path, *, budget: SceneBudget | None = None) -
         ) from error
     scene = with_defaults(scene)
     side_car = path.with_suffix(".toml")
-    return apply_side_car(scene, stand_ins, side_car) if side_car.is_file() else scene
+    if side_car.is_file():
+        scene = apply_side_car(scene, stand_ins, side_car)
+    return _check_lamps(scene, path)
 
 
 def find_scene(name_or_path: str | Path) -> Path:
@@ -84,8 +92,32 @@ def _read(path: Path, budget: SceneBudget | None) -> tuple[Scene, dict[str, tupl
     nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
     scene = Scene(path.stem, nodes, primitives, materials, images, animations)
     _check_places(scene, path)
-    scene = replace(scene, environment=replace(scene.environment, point_lights=lights))
+    scene = replace(scene, environment=_lit(scene.environment, *lights))
     return replace(scene, warnings=_warning(path, unsupported)), stand_ins
+
+
+def _lit(
+    environment: Environment, lamps: tuple[PointLight, ...], far: tuple[DirectionalLight, ...]
+) -> Environment:
+    """Return the environment with a file's lights; the first directional one is the sun."""
+    environment = replace(environment, point_lights=lamps, directional_lights=far[1:])
+    if not far:
+        return environment
+    to_sun = -np.array(far[0].direction)
+    return replace(environment, sun_direction=to_sun, sun_irradiance=far[0].irradiance)
+
+
+def _check_lamps(scene: Scene, path: Path) -> Scene:
+    """Refuse more lamps than can be drawn."""
+    environment = scene.environment
+    lamps = len(environment.point_lights) + len(environment.directional_lights)
+    if lamps > MOST_LAMPS:
+        raise InputError(
+            f"has {lamps} lamps besides the sun, its own and those of its side-car; "
+            f"{MOST_LAMPS} are the most: remove some",
+            file=path,
+        )
+    return scene
 
 
 def _check_places(scene: Scene, path: Path) -> None:

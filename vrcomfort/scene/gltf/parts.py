@@ -263,8 +263,20 @@ class _Animation(_Part):
         return self
 
 
+class _Cone(_Part):
+    inner_cone_angle: Annotated[float, Field(ge=0, le=math.pi / 2)] = 0.0
+    outer_cone_angle: Annotated[float, Field(gt=0, le=math.pi / 2 + 1e-6)] = math.pi / 4
+
+    @model_validator(mode="after")
+    def _opens(self) -> Self:
+        if self.inner_cone_angle >= self.outer_cone_angle:
+            raise PydanticCustomError("cone", "has an inner cone that is not within its outer one")
+        return self
+
+
 class _Lamp(_Part):
     type: str
+    spot: _Cone = ABSENT
     color: Color = ABSENT
     intensity: Light = ABSENT
     range: Annotated[float, Field(gt=0, le=1e18, allow_inf_nan=False)] = ABSENT

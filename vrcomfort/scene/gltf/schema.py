@@ -102,6 +102,20 @@ def place(root: dict[str, Any], location: tuple[int | str, ...]) -> str:
     return words
 
 
+def places_of(root: dict[str, Any], extension: str) -> Iterator[str]:
+    """Yield the places in the JSON that use an extension, in words."""
+    waiting: list[tuple[tuple[int | str, ...], Any]] = [((), root)]
+    while waiting:
+        location, value = waiting.pop()
+        if isinstance(value, dict):
+            if location and extension in (value.get("extensions") or {}):
+                yield place(root, location)
+            inner = list(value.items())
+        else:
+            inner = list(enumerate(value)) if isinstance(value, list) else []
+        waiting += [((*location, key), each) for key, each in reversed(inner)]
+
+
 def _in_words(detail: ErrorDetails) -> str:
     context = detail.get("ctx", {})
     if detail["type"] == "missing":
