@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from tests.oracles.gaussian import gaussian_weights
-from tests.support.effects import rgb_of, square_pixels, textures
+from tests.support.effects import rgb_of, seen, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics.gaussian import sigma_px
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
@@ -94,7 +94,7 @@ def blurred(ctx, rgb, step=FULL, fov=None, **settings):
     colour, _ = textures(ctx, rgb, 1.0)
     wanted = SpeedBlur(moving=MOVING, **settings)
     effect = SpeedBlurPass(ctx, colour=colour, settings=wanted, size_px=size_px)
-    effect.render(fov=fov or square_pixels(size_px), step=step)
+    effect.render(seen(fov or square_pixels(size_px), step=step))
     return rgb_of(effect.target)
 
 

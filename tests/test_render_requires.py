@@ -37,7 +37,7 @@ NOTHING_TO_BLUR = {
     "no blur at any speed": {"speed_blur": SpeedBlur(max_sigma_arcmin=0, turning=ZERO_TURN)},
     "no speed counts": {"speed_blur": SpeedBlur()},
     "focus of nothing": {"focus": Focus(method="autofocus_zone")},
-    "order of nothing": {"effect_order": "motion_blur_first"},
+    "order of nothing": {"effect_order": ("motion_blur", "depth_of_field")},
     "level of nothing": {"quality": "reference"},
 }
 

@@ -6,9 +6,9 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.protocol.quality_levels import Quality, filled
@@ -28,6 +28,16 @@ ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
+
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur"]
+EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
+"""In the order in which they come where a condition does not say otherwise."""
+
+_FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
+    "depth_of_field_first": ("depth_of_field", "motion_blur"),
+    "motion_blur_first": ("motion_blur", "depth_of_field"),
+}
+"""Words of the first version, which protocols of recorded studies have."""
 
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
@@ -256,10 +266,30 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
-    effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
-    """Says something where both are there; speed blur comes after either."""
+    effect_order: tuple[EffectName, ...] = EFFECTS
+    """Which effect comes first; those that are not named come last, in their usual order."""
 
     @model_validator(mode="before")
     @classmethod
     def _take_what_the_level_says(cls, data: Any) -> Any:
         return filled(data)
+
+    @field_validator("effect_order", mode="before")
+    @classmethod
+    def _name_former_orders(cls, value: Any) -> Any:
+        return _FORMER_ORDERS.get(value, value) if isinstance(value, str) else value
+
+    @field_validator("effect_order")
+    @classmethod
+    def _name_each_once(cls, value: tuple[EffectName, ...]) -> tuple[EffectName, ...]:
+        for name in value:
+            if value.count(name) > 1:
+                message = "`{name}` is named more than once; name each effect once"
+                raise PydanticCustomError("effect_twice", message, {"name": name})
+        return (*value, *(name for name in EFFECTS if name not in value))
+
+    @property
+    def effects(self) -> dict[EffectName, Settings]:
+        """Return the settings of the effects that the condition names, in their order."""
+        named = {name: getattr(self, name) for name in self.effect_order}
+        return {name: settings for name, settings in named.items() if settings is not None}
