@@ -237,20 +237,27 @@ class MotionBlur(Settings):
     blur scale when the head is rotating", Chapman 2020, who gives no speeds)."""
 
 
-class SpeedBlur(Settings):
-    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+class SpeedRamps(Settings):
+    """How much of an effect the participant's speed brings.
 
-    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
-    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
-    here it is an angle. Both ramps may be there: the larger wins; one that is absent does not
-    count. It comes after the other effects.
+    The larger ramp wins; one that is absent does not count.
     """
 
     speed_of: Literal["head", "avatar", "both"] = "both"
     """`head`: of the tracked head in its room; `avatar`: of locomotion alone, as in Budhiraja et
-    al.; `both`: of the head in the scene."""
+    al. 2017; `both`: of the head in the scene."""
     turning: TurnRamp | None = None
     moving: MoveRamp | None = None
+
+
+class SpeedBlur(SpeedRamps):
+    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+
+    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
+    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
+    here it is an angle.
+    """
+
     max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
 

@@ -10,10 +10,9 @@ from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.gaussian import sigma_px
-from vrcomfort.optics.motion import ramp
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
 from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
-from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.head_step import speed_share
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -45,16 +44,6 @@ def build(inputs: EffectInputs) -> SpeedBlurPass:
     )
 
 
-def strength(settings: SpeedBlur, step: HeadStep | None) -> float:
-    """Return 0 (at rest, or after a cut) to 1 (at full speed), the same for both eyes."""
-    if step is None:
-        return 0.0
-    turning, moving, of = settings.turning, settings.moving, settings.speed_of
-    by_turning = turning and ramp(step.turn_deg_s(of), turning.from_deg_s, turning.to_deg_s)
-    by_moving = moving and ramp(step.speed_m_s(of), moving.from_m_s, moving.to_m_s)
-    return max(by_turning or 0.0, by_moving or 0.0)
-
-
 class SpeedBlurPass:
     """Blurs `colour` (linear HDR RGBA16F) into `target`; at rest the copy is exact."""
 
@@ -77,7 +66,7 @@ class SpeedBlurPass:
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the present image as fast as the head goes; after a cut it does not."""
-        sigma_arcmin = self._settings.max_sigma_arcmin * strength(self._settings, eye.step)
+        sigma_arcmin = self._settings.max_sigma_arcmin * speed_share(self._settings, eye.step)
         focal_px = focal_length_px(eye.camera.fov, self._size_px)
         x_px, y_px = (sigma_px(sigma_arcmin, each) for each in focal_px)
         if min(x_px, y_px) < LEAST_PX:
