@@ -29,7 +29,7 @@ Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
 
-EffectName = Literal["depth_of_field", "motion_blur", "speed_blur"]
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
@@ -262,6 +262,35 @@ class SpeedBlur(SpeedRamps):
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
 
 
+class Vignette(SpeedRamps):
+    """A field-of-view restrictor that closes with the participant's speed, alike in both eyes.
+
+    After Fernandes & Feiner 2016, who darken the border of the view while the user moves. Angles
+    are degrees of visual angle across the field, centred on the head's forward axis. Without ramps
+    the field is `open_deg` wide all the time.
+    """
+
+    open_deg: Annotated[float, Field(gt=0, le=180)] = 110.0
+    """Diameter of the clear field at rest. One that is wider than the headset's cannot be seen."""
+    restricted_deg: Annotated[float, Field(ge=0, le=180)] = 60.0
+    """Diameter of the clear field at full speed."""
+    feather_deg: Annotated[float, Field(ge=0.01, le=90)] = 10.0
+    """Width of the border, outside the clear field, in which the cover begins."""
+    attack_s: Annotated[float, Field(ge=0, le=3600)] = 0.3
+    """Time in which the field closes from `open_deg` to `restricted_deg`, at a constant rate."""
+    release_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
+    """Time in which it opens again."""
+    colour: Literal["black", "scene"] = "black"
+    """Of the cover; `scene` is the mean colour of what the left eye sees, for both eyes."""
+
+    @model_validator(mode="after")
+    def _narrows(self) -> Self:
+        if self.restricted_deg > self.open_deg:
+            message = "`restricted_deg` must not be more than `open_deg`"
+            raise PydanticCustomError("vignette_order", message)
+        return self
+
+
 class Condition(Settings):
     """One way of rendering that participants are exposed to."""
 
@@ -273,6 +302,7 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
+    vignette: Vignette | None = None
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""
 
