@@ -12,7 +12,7 @@ import moderngl
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Array, Gaze, Pose, View, rotation_matrix
+from vrcomfort.geometry import Array, Gaze, Pose, View
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.optics.focus import RAYS, gaze_tangents, ray_tangents
 from vrcomfort.protocol.conditions import Focus
@@ -128,7 +128,7 @@ class NineRays:
         self.rays.clear(depth=0.0)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        head_from_relative = rotation_only(rotation_matrix(world_from_head.orientation).T)
+        head_from_relative = rotation_only(world_from_head.rotation.T)
         self.triangles = self._gpu.draw_depth_views(
             clips_from_head @ head_from_relative, world_from_head.position, self._aim
         )

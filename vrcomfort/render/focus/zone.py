@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from vrcomfort.geometry import Fov, clip_from_view, rotation_matrix
+from vrcomfort.geometry import Fov, clip_from_view
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone
@@ -112,7 +112,7 @@ class AutofocusZone:
         x, y = np.arctan(self._settings.zone_ratio * np.array(sight.screen_tangents)).tolist()
         head = sight.world_from_head
         clip_from_relative = clip_from_view(Fov(-x, x, y, -y), self._near_m) @ rotation_only(
-            rotation_matrix(head.orientation).T
+            head.rotation.T
         )
         self._zone.use()
         self._zone.clear(self._settings.semantic_min, depth=0.0)  # the sky
