@@ -20,6 +20,7 @@ from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
+from vrcomfort.render.joint_buffer import JointBuffer
 from vrcomfort.render.materials import ImageArrays
 from vrcomfort.render.scene_rows import (
     PREVIOUS_FORMAT,
@@ -34,10 +35,13 @@ from vrcomfort.render.scene_rows import (
 from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
 from vrcomfort.render.textures import TextureStore
 from vrcomfort.render.vertex_data import (
+    BENDING_FORMAT,
+    BENDING_NAMES,
     SECOND_UV_FORMAT,
     SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
+    bending_bytes,
     index_bytes,
     second_uv_bytes,
     vertex_bytes,
@@ -95,6 +99,8 @@ class GpuScene:
         self._materials = MaterialBuffer(ctx, scene, images)
         self._textures = TextureStore(ctx, scene, images)
         self._clips = _ClipBlocks(ctx)
+        joints = scene.all_skins.count
+        self._joints = JointBuffer(ctx, joints) if joints else None
         factory = self._factory(defines or {})
         self._surfaces = [factory.color(key) for key in table.keys]
         self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
@@ -112,6 +118,8 @@ class GpuScene:
         of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
         if (uvs := second_uv_bytes(self.scene.primitives)) is not None:
             of_vertices.append((gl.buffer(self._ctx, uvs), SECOND_UV_FORMAT, *SECOND_UV_NAMES))
+        if (bending := bending_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, bending), BENDING_FORMAT, *BENDING_NAMES))
 
         def arrays(buffers: RowBuffers) -> Callable[[moderngl.Program], moderngl.VertexArray]:
             # Not a method of this object: buffers must go with it, not when cycles are collected.
@@ -136,6 +144,8 @@ class GpuScene:
             world-from-head: decides levels of detail and places head-locked nodes.
         """
         self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
+        if self._joints is not None:
+            self._joints.write(self._rows.joints, self._rows.previous_joints)
 
     @property
     def moves(self) -> bool:
@@ -286,6 +296,8 @@ class GpuScene:
         cull: bool = True,
     ) -> None:
         """Draw batches, and change only that OpenGL state that differs from one to the next."""
+        if self._joints is not None:
+            self._joints.bind()
         faces: str | None = "not set"
         masked, block = False, -1
         for batch in drawn:

@@ -157,14 +157,21 @@ class BatchKey(NamedTuple):
         """Return what matters of it where only depth is drawn: holes, and which way it faces."""
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
-            return BatchKey((), plain, self.double_sided, self.mirrored, 0)
-        of_alpha = ("ALPHA_MASK", "BASE_COLOR_IMAGE", "UV_MAPS", "UV_1")
+            skin = ("SKIN",) if "SKIN" in self.features else ()
+            return BatchKey(skin, plain, self.double_sided, self.mirrored, 0)
+        of_alpha = ("ALPHA_MASK", "BASE_COLOR_IMAGE", "UV_MAPS", "UV_1", "SKIN")
         kept = [name for name in of_alpha if name in self.features]
         return self._replace(features=tuple(kept), arrays=(self.arrays[0], *plain[1:]))
 
 
 def batch_key(
-    scene: Scene, images: ImageArrays, material: int, *, vertex_colors: bool, mirrored: bool
+    scene: Scene,
+    images: ImageArrays,
+    material: int,
+    *,
+    vertex_colors: bool,
+    skinned: bool,
+    mirrored: bool,
 ) -> BatchKey:
     """Return what a draw of one material needs."""
     surface = scene.materials[material]
@@ -180,6 +187,7 @@ def batch_key(
         "ALPHA_BLEND": surface.alpha_mode == "BLEND",
         "DOUBLE_SIDED": surface.double_sided,
         "VERTEX_COLORS": vertex_colors,
+        "SKIN": skinned,
         "AMBIENT_IN_ALPHA": vertex_colors and ambient,
     }
     return BatchKey(

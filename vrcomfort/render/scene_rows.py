@@ -19,11 +19,12 @@ from vrcomfort.scene.node_poses import NodePoses, relative_rows
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
 
-ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4/i"
-ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material")
+ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4 1f4/i"
+ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material",
+             "in_first_joint")  # fmt: skip
 PREVIOUS_FORMAT = "4f4 4f4 4f4/i"
 PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
-_ROW, _MATRIX = 17, 12
+_ROW, _MATRIX = 18, 12
 """Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
 
 
@@ -75,6 +76,8 @@ class SceneRows:
     ----------
     in_use
         (rows,) bool, the level of detail for where the head is.
+    joints, previous_joints
+        (joints, 4, 4) place-from-bind of all skins.
     """
 
     def __init__(self, scene: Scene, table: DrawList) -> None:
@@ -97,13 +100,16 @@ class SceneRows:
         self._moving_rows = np.flatnonzero(self._moving)
         self.shadow = table.casts_shadow & ~self._locked
         world = self._poses.world_from_node(0.0, Pose())
+        self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
         self.centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
+        self._box_skinned(world)
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
         self._rows[:, _MATRIX] = table.ambient
         self._rows[:, _MATRIX + 1] = self._locked
         self._rows[:, _MATRIX + 2] = self._reach.bits(self.centers, self._halves)
         self._rows[:, _MATRIX + 3] = table.semantic_weight
         self._rows[:, _MATRIX + 4] = table.material
+        self._rows[:, _MATRIX + 5] = table.first_joint
         self._node_centers = table.node_centers(self.centers, self._halves, len(self._scene.nodes))
         self._levels_move = bool((self._moving & table.has_levels).any())
         self._world = self._previous_world = world
@@ -124,6 +130,8 @@ class SceneRows:
         self._previous_world = (
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
+        self.joints = self._poses.place_from_bind(time_s)
+        self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
         if self._levels_move:
             nodes = len(self._scene.nodes)
@@ -136,7 +144,14 @@ class SceneRows:
             return
         centers, halves = self._list.world_boxes(self._world, rows)
         self.centers[rows], self._halves[rows] = centers, halves
-        self._rows[rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._box_skinned(self._world)
+        self._rows[rows, _MATRIX + 2] = self._reach.bits(self.centers[rows], self._halves[rows])
+
+    def _box_skinned(self, world: Array) -> None:
+        boxes = self._list.skin_boxes
+        if len(boxes.rows):
+            found = boxes.world_boxes(world, self.joints)
+            self.centers[boxes.rows], self._halves[boxes.rows] = found
 
     def level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""

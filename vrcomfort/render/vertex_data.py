@@ -45,6 +45,26 @@ def second_uv_bytes(primitives: tuple[Primitive, ...]) -> bytes | None:
     )
 
 
+_BENDING = np.dtype([("joints", np.uint16, 4), ("weights", np.float32, 4)])
+BENDING_FORMAT = "4u2 4f4"
+BENDING_NAMES = ("in_joints", "in_weights")
+
+
+def bending_bytes(primitives: tuple[Primitive, ...]) -> bytes | None:
+    """Return joints and weights of all vertices, or None where no primitive has any."""
+    if all(primitive.bending is None for primitive in primitives):
+        return None
+    return b"".join(_bending(primitive).tobytes() for primitive in primitives)
+
+
+def _bending(primitive: Primitive) -> NDArray[np.void]:
+    vertices = np.zeros(len(primitive.positions), _BENDING)
+    if primitive.bending is not None:
+        vertices["joints"] = primitive.bending.joints
+        vertices["weights"] = primitive.bending.weights
+    return vertices
+
+
 def index_bytes(primitives: tuple[Primitive, ...]) -> bytes:
     """Return the indices of all primitives, each counting from its own first vertex."""
     return b"".join(np.asarray(p.indices, dtype=np.uint32).tobytes() for p in primitives) or bytes(

@@ -7,6 +7,7 @@ Indices into the scene's lists are plain integers; `None` or -1 means "there is 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, rotation_matrix
 from vrcomfort.scene.animation import Animation, sample_all
+from vrcomfort.scene.skinning import Bending, Skin, Skins, bent
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
@@ -103,6 +105,8 @@ class Primitive:
         Index into `Scene.materials`.
     uvs_1
         (n, 2) float32 second texture coordinates, or None.
+    bending
+        Which joints of the node's skin bend each vertex; None where they bend none.
     """
 
     positions: Float32
@@ -112,6 +116,7 @@ class Primitive:
     indices: NDArray[np.uint32]
     material: int
     uvs_1: Float32 | None = None
+    bending: Bending | None = None
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -160,6 +165,9 @@ class Node:
         Share of the sky's and ground's light that reaches the node (0 in a closed room).
     casts_shadow
         False for things finer than a texel of the shadow map: they would darken themselves.
+    skin
+        Index into `Scene.skins` of what bends the mesh, or None. Such a node stands where its
+        skin's first joint is, not turned, whatever it says itself (scene/skinning.py).
     """
 
     name: str
@@ -175,6 +183,7 @@ class Node:
     moving: bool = False
     ambient: float = 1.0
     casts_shadow: bool = True
+    skin: int | None = None
 
     def mesh_at(self, distance_m: float) -> tuple[int, ...]:
         """Return the primitives to draw when the node is `distance_m` from the head."""
@@ -307,9 +316,31 @@ class Scene:
     """world-from-stage at the start: a floor point and a turn about +Y."""
     walkable: tuple[WalkableArea, ...] = ()
     warnings: tuple[str, ...] = ()
+    skins: tuple[Skin, ...] = ()
+
+    @cached_property
+    def all_skins(self) -> Skins:
+        """Return the joints of all skins in one list."""
+        return Skins(self.skins, [node.skin for node in self.nodes])
 
     def world_from_node(self, time_s: float) -> Array:
         """Return (n, 4, 4) world-from-node of all nodes (head-from-node where head-locked)."""
+        return self.all_skins.stand(self.world_from_joint(time_s))
+
+    def positions(self, node: int, primitive: int, time_s: float) -> Array:
+        """Return (n, 3) positions of a node's primitive, bent where it has a skin."""
+        surface, skin = self.primitives[primitive], self.nodes[node].skin
+        if skin is None or surface.bending is None:
+            return surface.positions.astype(np.float64)
+        matrices = self.all_skins.place_from_bind(self.world_from_joint(time_s))
+        mine = matrices[self.all_skins.first[skin] :]
+        return bent(mine, surface.positions, surface.bending)
+
+    def world_from_joint(self, time_s: float) -> Array:
+        """Return (n, 4, 4) as `world_from_node`, but nodes with a skin are where the file has them.
+
+        Joints, and nodes below those with a skin, go by that.
+        """
         world = parent_from_node(self.nodes, self.animations, time_s)
         for index, node in enumerate(self.nodes):
             if node.parent >= 0:

@@ -54,6 +54,7 @@ def load_scene(name_or_path: str | Path, *, budget: SceneBudget | None = None) -
     side_car = path.with_suffix(".toml")
     if side_car.is_file():
         scene = apply_side_car(scene, stand_ins, side_car)
+        _check_skins(scene, path)
     return _check_lamps(scene, path)
 
 
@@ -89,8 +90,9 @@ def _read(path: Path, budget: SceneBudget | None) -> tuple[Scene, dict[str, tupl
             + (f" (it needs {', '.join(sorted(unsupported))})" if unsupported else ""),
             file=path,
         )
-    nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
-    scene = Scene(path.stem, nodes, primitives, materials, images, animations)
+    nodes, animations, skins, lights, stand_ins = read_graph(file, meshes, unsupported)
+    scene = Scene(path.stem, nodes, primitives, materials, images, animations, skins=skins)
+    _check_skins(scene, path)
     _check_places(scene, path)
     scene = replace(scene, environment=_lit(scene.environment, *lights))
     return replace(scene, warnings=_warning(path, unsupported)), stand_ins
@@ -120,16 +122,38 @@ def _check_lamps(scene: Scene, path: Path) -> Scene:
     return scene
 
 
+def _check_skins(scene: Scene, path: Path) -> None:
+    """Refuse a skin on a mesh, or a level of detail, that its joints cannot bend."""
+    for node in scene.nodes:
+        if node.skin is None:
+            continue
+        count = len(scene.skins[node.skin].joints)
+        for index in (*node.mesh, *(item for level in node.lod for item in level.mesh)):
+            bending = scene.primitives[index].bending
+            if bending is None:
+                wrong = "has no JOINTS_0 and WEIGHTS_0"
+            elif bending.joints.max() >= count:
+                wrong = f"has joint {bending.joints.max()} of {count}"
+            else:
+                continue
+            message = f"node {node.name!r} has a skin, but a mesh of it {wrong}"
+            raise InputError(f"{message}; export the file again", file=path)
+
+
 def _check_places(scene: Scene, path: Path) -> None:
     """Refuse what single precision cannot place: matrices multiply along a branch."""
     with np.errstate(over="ignore", invalid="ignore"):
-        world = scene.world_from_node(0.0)
+        world = scene.world_from_joint(0.0)
+        bends = np.abs(scene.all_skins.place_from_bind(world)).max(initial=0.0)
         placed = (np.abs(world) <= FARTHEST).all(axis=(1, 2))
     for node in np.array(scene.nodes)[~placed][:1]:
         message = (
             f"node {node.name!r} is scaled or moved by more than {FARTHEST:g} with those above"
         )
         raise InputError(f"{message} it; export the file again in metres", file=path)
+    if not bends <= FARTHEST:
+        message = f"a skin moves or scales its mesh by more than {FARTHEST:g}"
+        raise InputError(f"{message}; export the file again in metres", file=path)
 
 
 def _warning(path: Path, unsupported: set[str]) -> tuple[str, ...]:

@@ -23,9 +23,12 @@ from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.gltf.mesh import Meshes
 from vrcomfort.scene.gltf.parts import FARTHEST, SHORTEST_QUATERNION
 from vrcomfort.scene.gltf.schema import places_of
+from vrcomfort.scene.skinning import Skin
 
 Lights = tuple[tuple[PointLight, ...], tuple[DirectionalLight, ...]]
-Graph = tuple[tuple[Node, ...], tuple[Animation, ...], Lights, dict[str, tuple[int, ...]]]
+Graph = tuple[
+    tuple[Node, ...], tuple[Animation, ...], tuple[Skin, ...], Lights, dict[str, tuple[int, ...]]
+]
 _HANDLED = {
     "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
     "KHR_mesh_quantization", "KHR_texture_transform",
@@ -37,12 +40,12 @@ _FAINTEST = 0.01
 
 
 def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
-    """Return nodes (parents first), animations, lamps, and the meshes of nodes outside the scene.
+    """Return nodes (parents first), animations, skins, lights, and the meshes of other nodes.
 
     Nodes outside the default scene are not drawn; a side-car may name them as coarser
     levels of detail.
     """
-    unsupported.update(name for name in ("skins", "cameras") if file.items(name))
+    unsupported.update(name for name in ("cameras",) if file.items(name))
     file.account.spend("nodes", len(file.items("nodes")), "the file")
     order = list(_walk(file))
     place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
@@ -54,14 +57,15 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     file.account.spend("draws", sum(len(node.mesh) for node in nodes), "the scene graph")
     animations = _animations(file, place, unsupported)
     moving = {channel.node for animation in animations for channel in animation.channels}
-    marked = _mark_moving(nodes, moving)
+    skins = _skins(file, place)
+    marked = _mark_moving(nodes, moving, skins)
     lights = _lights(file, place, marked, unsupported)
     stand_ins = {
         item.get("name", f"node {index}"): _mesh(meshes, item)
         for index, item in enumerate(items)
         if index not in place and "mesh" in item
     }
-    return marked, animations, lights, stand_ins
+    return marked, animations, skins, lights, stand_ins
 
 
 def refuse_unknown(file: GltfFile) -> None:
@@ -114,15 +118,45 @@ def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node
         # Column-major in the file.
         matrix=None if matrix is None else np.array(matrix, np.float64).reshape(4, 4).T,
         mesh=_mesh(meshes, item),
+        skin=item.get("skin") if "mesh" in item else None,
     )
 
 
-def _mark_moving(nodes: list[Node], moving: set[int]) -> tuple[Node, ...]:
+def _skins(file: GltfFile, place: dict[int, int]) -> tuple[Skin, ...]:
+    return tuple(
+        _skin(file, item, f"skin {item.get('name', index)!r}", place)
+        for index, item in enumerate(file.items("skins"))
+    )
+
+
+def _skin(file: GltfFile, item: dict[str, Any], what: str, place: dict[int, int]) -> Skin:
+    count = len(item["joints"])
+    file.account.spend("joints", count, what)
+    if any(joint not in place for joint in item["joints"]):
+        raise file.fault(what, "has a joint that is no node of the scene")
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    if "inverseBindMatrices" in item:
+        rows = file.accessor(item["inverseBindMatrices"], what, ["MAT4"]).astype(np.float64)
+        if len(rows) < count:
+            raise file.fault(what, f"has {len(rows)} inverse bind matrices for {count} joints")
+        if np.abs(rows).max() > FARTHEST:
+            raise file.fault(what, f"has a number of more than {FARTHEST:g} in a matrix")
+        matrices = rows[:count].reshape(-1, 4, 4).swapaxes(1, 2)  # column-major in the file
+        matrices[:, 3] = [0.0, 0.0, 0.0, 1.0]
+    return Skin(what, tuple(place[joint] for joint in item["joints"]), matrices)
+
+
+def _mark_moving(nodes: list[Node], moving: set[int], skins: tuple[Skin, ...]) -> tuple[Node, ...]:
+    """Mark what moves: below an animated node, or bent by a joint that moves."""
     marked: list[Node] = []
     for index, node in enumerate(nodes):
         inherited = node.parent >= 0 and marked[node.parent].moving
         marked.append(replace(node, moving=inherited or index in moving))
-    return tuple(marked)
+    bends = [any(marked[joint].moving for joint in skin.joints) for skin in skins]
+    return tuple(
+        replace(node, moving=True) if node.skin is not None and bends[node.skin] else node
+        for node in marked
+    )
 
 
 def _animations(

@@ -10,17 +10,20 @@ from numpy.typing import NDArray
 from vrcomfort.scene.data import Image, Material, Primitive, UvMap, Wrap
 from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.gltf.parts import FARTHEST
+from vrcomfort.scene.skinning import Bending
 
 Meshes = list[tuple[int, ...]]
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _UNSIGNED = (5121, 5123, 5125)
 _MOST_HALF = 65_504.0
 """Greatest number of half precision, in which the GPU has normals and colours."""
-_OF_CORNER = 3 + 3 + 2 + 2 + 4
-"""Numbers of a corner that no other triangle shares: position, normal, uv twice, colour."""
+_OF_CORNER = 3 + 3 + 2 + 2 + 4 + 4 + 4
+"""Numbers of a corner that no other triangle shares: position, normal, uv twice, colour, joints and
+weights."""
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp_to_edge", 33648: "mirrored_repeat"}
-_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0"}
+_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0",
+                    "JOINTS_0", "WEIGHTS_0"}  # fmt: skip
 #: Material extensions that are honoured here; any other is named as unsupported.
 _MATERIAL_EXTENSIONS = {"KHR_materials_emissive_strength", "KHR_materials_unlit"}
 _TRANSFORM = "KHR_texture_transform"
@@ -150,9 +153,6 @@ def _primitive(
 
 
 def _name_unsupported(item: dict[str, Any], unsupported: set[str]) -> None:
-    extra = set(item["attributes"]) - _USED_ATTRIBUTES
-    if any(name.startswith(("JOINTS", "WEIGHTS")) for name in extra):
-        unsupported.add("skins")
     if "targets" in item:
         unsupported.add("morph targets")
     unsupported.update(item.get("extensions", {}))
@@ -211,6 +211,7 @@ def _assembled(
     uvs = read("TEXCOORD_0", "VEC2", most=FARTHEST)
     uvs_1 = read("TEXCOORD_1", "VEC2", most=FARTHEST)
     colors = read("COLOR_0", "VEC3", "VEC4", most=_MOST_HALF)
+    bending = _bending(file, attributes, what, read("WEIGHTS_0", "VEC4", most=_MOST_HALF))
     if uvs is None:
         uvs = np.zeros((len(positions), 2), np.float32)
     if colors is not None and colors.shape[1] == 3:
@@ -222,9 +223,33 @@ def _assembled(
         positions, uvs = positions[corners], uvs[corners]
         uvs_1 = None if uvs_1 is None else uvs_1[corners]
         colors = None if colors is None else colors[corners]
+        if bending is not None:
+            bending = Bending(bending.joints[corners], bending.weights[corners])
         indices = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
         normals = _flat_normals(positions)
-    return Primitive(positions, normals, uvs, colors, indices, material, uvs_1)
+    return Primitive(positions, normals, uvs, colors, indices, material, uvs_1, bending)
+
+
+def _bending(
+    file: GltfFile,
+    attributes: dict[str, int],
+    what: str,
+    weights: NDArray[np.float32] | None,
+) -> Bending | None:
+    if "JOINTS_1" in attributes:
+        raise file.fault(what, "has JOINTS_1: 4 joints may bend a vertex, not more")
+    if "JOINTS_0" not in attributes or weights is None:
+        return None
+    accessor = file.item("accessors", attributes["JOINTS_0"])
+    if accessor["componentType"] not in _UNSIGNED[:2] or accessor.get("normalized"):
+        raise file.fault(what, "has joints that are not unsigned whole numbers of 8 or 16 bits")
+    joints = file.accessor(attributes["JOINTS_0"], what, ["VEC4"]).astype(np.uint16)
+    if len(joints) != len(weights):
+        raise file.fault(what, f"has {len(joints)} JOINTS_0 for {len(weights)} WEIGHTS_0")
+    total = weights.sum(axis=1, keepdims=True)
+    if (weights < 0).any() or not (total > 0).all():
+        raise file.fault(what, "has a vertex whose weights are negative, or all 0")
+    return Bending(np.where(weights > 0, joints, 0).astype(np.uint16), weights / total)
 
 
 def _flat_normals(corners: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -64,6 +64,7 @@ NodeIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("nodes"))]
 SamplerIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("samplers"))]
 SceneIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("scenes"))]
 TextureIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("textures"))]
+SkinIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("skins"))]
 LampIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("lights"))]
 Quaternion: TypeAlias = Annotated[
     list[Placing], Field(min_length=4, max_length=4), AfterValidator(_turns)
@@ -221,11 +222,18 @@ class _Node(_Part):
     name: str = ABSENT
     children: list[NodeIndex] = ABSENT
     mesh: MeshIndex = ABSENT
+    skin: SkinIndex = ABSENT
     matrix: Annotated[list[Placing], Field(min_length=16, max_length=16)] = ABSENT
     translation: Triple = ABSENT
     rotation: Quaternion = ABSENT
     scale: Triple = ABSENT
     extensions: _NodeExtensions = ABSENT
+
+
+class _Skin(_Part):
+    name: str = ABSENT
+    inverse_bind_matrices: Accessor = ABSENT
+    joints: Annotated[list[NodeIndex], Field(min_length=1)]
 
 
 class _Scene(_Part):
@@ -307,5 +315,5 @@ class Root(_Part):
     samplers: list[_Sampler] = ABSENT
     scene: SceneIndex = ABSENT
     scenes: list[_Scene] = ABSENT
-    skins: list[dict[str, Any]] = ABSENT
+    skins: list[_Skin] = ABSENT
     textures: list[_Texture] = ABSENT

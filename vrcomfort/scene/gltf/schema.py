@@ -16,9 +16,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.scene.gltf.parts import Root
 
 _LISTS = ("accessors", "buffers", "bufferViews", "images", "materials", "meshes", "nodes",
-          "samplers", "scenes", "textures")  # fmt: skip
+          "samplers", "scenes", "skins", "textures")  # fmt: skip
 _LAMPS = "KHR_lights_punctual"
-_INNER = {"primitives", "children", "nodes", "channels", "samplers"}
+_INNER = {"primitives", "children", "nodes", "channels", "samplers", "joints"}
 _AT_ONCE = 4096
 
 
