@@ -32,7 +32,7 @@ REFRESH_HZ = 90
 WARM_UP = 20
 """Frames before the first that counts."""
 
-TEXTURE_BINDS = ("Texture.use", "TextureArray.use")
+TEXTURE_BINDS = ("Texture.use", "TextureArray.use", "glBindTextures")
 DRAWS = ("VertexArray.render", "VertexArray.render_indirect", "glMultiDrawElementsIndirect")
 
 

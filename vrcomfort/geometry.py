@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NoReturn
 
 import numpy as np
@@ -264,15 +264,17 @@ def interpolate_pose(a: Pose, b: Pose, t: float) -> Pose:
     return Pose(a.position + (b.position - a.position) * t, slerp(a.orientation, b.orientation, t))
 
 
+@lru_cache(maxsize=16)
 def clip_from_view(fov: Fov, near_m: float) -> Array:
     """Return the (4, 4) reverse-Z projection with infinite far plane and clip depth [0, 1].
 
     Depth is ``near_m / distance``: 1 on the near plane, 0 at infinity, so ``1 / distance`` is
-    linear in depth and the sky needs no special case.
+    linear in depth and the sky needs no special case. The array is kept, hence read-only: a
+    headset's frusta stay the same.
     """
     left, right, up, down = fov.tangents
     width, height = right - left, up - down
-    return np.array(
+    matrix = np.array(
         [
             [2 / width, 0.0, (right + left) / width, 0.0],
             [0.0, 2 / height, (up + down) / height, 0.0],
@@ -280,6 +282,8 @@ def clip_from_view(fov: Fov, near_m: float) -> Array:
             [0.0, 0.0, -1.0, 0.0],
         ]
     )
+    matrix.setflags(write=False)
+    return matrix
 
 
 def focal_length_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float]:

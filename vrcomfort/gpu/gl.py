@@ -129,6 +129,22 @@ def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Textur
     return copy_texture
 
 
+def binder(
+    ctx: moderngl.Context,
+    textures: Sequence[moderngl.Texture | moderngl.TextureArray],
+    first_unit: int = 0,
+) -> Callable[[], None]:
+    """Return a function that puts textures on units that follow each other, with one call."""
+    kept = tuple(textures)
+    names = (ctypes.c_uint * len(kept))(*(texture.glo for texture in kept))
+    bind = function(ctx, "glBindTextures", ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+
+    def bind_all() -> None:
+        bind(first_unit, len(kept), names)
+
+    return bind_all
+
+
 def color_texture(
     ctx: moderngl.Context,
     size_px: tuple[int, int],

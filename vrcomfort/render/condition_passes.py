@@ -184,7 +184,8 @@ class ConditionPasses:
         lens: Lens | None = None,
     ) -> None:
         previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
-        self.scene.render(replace(eye.camera, lens=lens), scene_time_s, previous)
+        camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
+        self.scene.render(camera, scene_time_s, previous)
         self.triangles += self.scene.triangles
         seen = eye._replace(still=self.scene.still)
         for effect in effects:

@@ -6,7 +6,6 @@ what the GPU reads: rows of ``DrawElementsIndirectCommand``.
 
 from __future__ import annotations
 
-import operator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -125,10 +124,15 @@ class DrawList:
             world_from_node[self.node[rows]], self.centers[rows], self.halves[rows]
         )
 
-    def level_in_use(self, node_distance_m: Array) -> NDArray[np.bool_]:
-        """Return (items,) True where a row's level of detail is the one for its node's distance."""
-        distance = node_distance_m[self.node]
-        return (distance >= self.from_m) & (distance < self.until_m)
+    def level_in_use(self, distance_m: Array) -> NDArray[np.bool_]:
+        """Return (items,) True where a row's level of detail is the one for its distance.
+
+        Parameters
+        ----------
+        distance_m
+            (items,) of what `node_centers` gives a row's node.
+        """
+        return (distance_m >= self.from_m) & (distance_m < self.until_m)
 
     def node_centers(self, centers: Array, halves: Array, nodes: int) -> Array:
         """Return (nodes, 3) centres of the world boxes around the finest level of each node."""
@@ -157,27 +161,19 @@ def batches(keys: NDArray[np.intp]) -> list[Batch]:
     """Cut the keys of ordered rows into runs of equal ones."""
     if not len(keys):
         return []
-    starts = [0, *(np.flatnonzero(keys[1:] != keys[:-1]) + 1).tolist()]
-    ends = [*starts[1:], len(keys)]
-    return list(map(Batch, keys[starts].tolist(), starts, map(operator.sub, ends, starts)))
+    starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    lengths = np.diff(starts, append=len(keys))
+    return list(map(Batch, keys[starts].tolist(), starts.tolist(), lengths.tolist()))
 
 
-def front_to_back(
-    view: NDArray[np.intp], key: NDArray[np.intp], distance_m: Array
-) -> NDArray[np.intp]:
-    """Return the order of rows: by view, then by key, and the rows of a key by distance.
+def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:
+    """Return the order of rows: keys by their nearest row, and the rows of a key by distance.
 
-    The keys of a view are ordered by their nearest row. Near things first: the depth test then
-    spares most of the shading behind them.
-
-    Parameters
-    ----------
-    view, key, distance_m
-        (n,) of each row; equal keys of different views are not the same key.
+    Near things first: the depth test then spares most of the shading behind them.
     """
     nearest = np.full(int(key.max(initial=0)) + 1, np.inf)
     np.minimum.at(nearest, key, distance_m)
-    return np.lexsort((distance_m, key, nearest[key], view))
+    return np.lexsort((distance_m, key, nearest[key]))
 
 
 def _first_joint(scene: Scene, node: Node) -> int:

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
-from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
@@ -158,23 +157,33 @@ class GpuScene:
         Opaque and masked surfaces are drawn front to back, blended ones back to front.
         """
         origins = np.array([view.position_m for view in views])
-        from_origins = self._rows.centers - origins[:, None]
         planes = culling.planes(np.array([view.clip_from_relative for view in views]))
-        seen = self._rows.seen(planes, from_origins) & self._rows.in_use
-        view, row = np.nonzero(seen)
-        distance = culling.lengths(from_origins[view, row])
+        seen = self._rows.seen(planes, origins)
+        order = self._order(np.flatnonzero(seen.any(axis=0)))
+        view, place = np.nonzero(seen[:, order])
+        row = self._rows.in_use[order[place]]
         layer = view * 2 + self._list.blended[row]
         run = layer * len(self._surfaces) + self._list.key[row]
-        order = front_to_back(layer, run, distance)
-        if self.has_blended:
-            order = _blended_back_to_front(order, layer, distance)
-        row, layer, run = row[order], layer[order], run[order]
-        self._rows.write(self._color_rows, row, origins[view[order]])
+        self._rows.write(self._color_rows, row, origins[view])
         triangles = np.bincount(layer, self._triangles_of_row[row], minlength=2 * len(views))
         self._layers = [_Layer([], int(count)) for count in triangles]
         for batch in batches(run):
             number, key = divmod(batch.key, len(self._surfaces))
-            self._layers[number].batches.append(batch._replace(key=key))
+            self._layers[number].batches.append(Batch(key, batch.first, batch.length))
+
+    def _order(self, seen: Rows) -> Rows:
+        """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
+
+        Blended things come last, and from back to front.
+        """
+        rows, distance = self._rows.in_use[seen], self._rows.distance_m[seen]
+        order = seen[front_to_back(self._list.key[rows], distance)]
+        if not self.has_blended:
+            return order
+        blended = self._list.blended[self._rows.in_use[order]]
+        over = order[blended]
+        back_to_front = np.argsort(-self._rows.distance_m[over], kind="stable")
+        return np.concatenate([order[~blended], over[back_to_front]])
 
     def draw(self, view: int, *, blended: bool) -> int:
         """Draw what a view of the last `see` sees, and return the number of triangles.
@@ -207,42 +216,45 @@ class GpuScene:
             (4, 4) any reverse-Z projection; relative = world axes with `origin_m` as origin.
         origin_m
             (3,) world metres: the viewpoint.
-        movement
-            Leave out what moves (or what does not).
         shadow
             Draw for a shadow map: what casts one only, back faces too, levels of detail by the
             distance from `origin_m`, no near plane (the target must clamp depth).
+        movement
+            Leave out of a shadow map what moves (or what does not).
         """
         planes = culling.planes(clip_from_relative, near=not shadow)
-        wanted = self._rows.seen(planes, self._rows.centers - origin_m)
-        wanted &= self._rows.chosen(movement)
-        wanted &= (
-            self._rows.level_in_use(origin_m) & self._rows.shadow if shadow else self._rows.in_use
+        rows = (
+            self._rows.casting(planes, origin_m, movement)
+            if shadow
+            else self._seen_from(planes, origin_m)
         )
         return self._draw_depth_rows(
-            wanted, clip_from_relative, origin_m, self._depth_surfaces, cull=not shadow
+            rows, clip_from_relative, origin_m, self._depth_surfaces, cull=not shadow
         )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
         if self._semantic_surfaces is None:
             self._semantic_surfaces = self._semantic()
-        planes = culling.planes(clip_from_relative)
-        wanted = self._rows.seen(planes, self._rows.centers - origin_m) & self._rows.in_use
+        rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
         return self._draw_depth_rows(
-            wanted, clip_from_relative, origin_m, self._semantic_surfaces, cull=True
+            rows, clip_from_relative, origin_m, self._semantic_surfaces, cull=True
         )
+
+    def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
+        """Return what writes depth within planes around a point."""
+        rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
+        return rows[~self._list.blended[rows]] if self.has_blended else rows
 
     def _draw_depth_rows(
         self,
-        wanted: NDArray[np.bool_],
+        rows: Rows,
         clip_from_relative: Array,
         origin_m: Array,
         surfaces: list[Surface],
         *,
         cull: bool,
     ) -> int:
-        rows = np.flatnonzero(wanted & ~self._list.blended)
         if not len(rows):
             return 0
         key = self._list.depth_key[rows]
@@ -267,8 +279,11 @@ class GpuScene:
             Called with the number of each view before it is drawn, to set its viewport.
         """
         planes = culling.planes(clips_from_relative)
-        seen = self._rows.seen(planes, self._rows.centers - origin_m)
-        view, row = np.nonzero(seen & (self._rows.in_use & ~self._list.blended))
+        seen = self._rows.seen(planes, np.broadcast_to(origin_m, (len(planes), 3)))
+        if self.has_blended:
+            seen &= ~self._list.blended[self._rows.in_use]
+        view, place = np.nonzero(seen)
+        row = self._rows.in_use[place]
         key = self._list.depth_key[row] + view * len(self._depth_surfaces)
         order = np.argsort(key, kind="stable")
         self._rows.write(self._depth_rows, row[order], origin_m)
@@ -276,7 +291,7 @@ class GpuScene:
         views: dict[int, list[Batch]] = {}
         for batch in batches(key[order]):
             number, surface = divmod(batch.key, len(self._depth_surfaces))
-            views.setdefault(number, []).append(batch._replace(key=surface))
+            views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
         self._textures.bind()
         for number, of_view in views.items():
             begin_view(number)
@@ -344,13 +359,6 @@ class _ClipBlocks:
         """Make a view's matrix the one that shaders see."""
         offset = view * self._stride
         self._buffer.bind_to_uniform_block(CLIP_BINDING, offset=offset, size=64)
-
-
-def _blended_back_to_front(order: Rows, layer: Rows, distance_m: Array) -> Rows:
-    """Turn the order of blended rows around, whatever their surfaces."""
-    layer = layer[order]
-    depth = np.where(layer % 2, -distance_m[order], 0.0)
-    return order[np.lexsort((depth, layer))]
 
 
 def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:

@@ -24,6 +24,9 @@ ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_
              "in_first_joint")  # fmt: skip
 PREVIOUS_FORMAT = "4f4 4f4 4f4/i"
 PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
+_BASE_INSTANCE = 4
+"""Place in a command."""
+
 _ROW, _MATRIX = 18, 12
 """Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
 
@@ -48,11 +51,11 @@ class RowBuffers:
     def write(
         self,
         rows: NDArray[np.float32],
-        commands: NDArray[np.void],
+        commands: NDArray[np.uint32],
         previous: NDArray[np.float32] | None = None,
     ) -> None:
         """Put things in drawing order; row i belongs to command i."""
-        commands["base_instance"] = np.arange(len(commands))
+        commands[:, _BASE_INSTANCE] = np.arange(len(commands))
         _replace(self.rows, rows)
         _replace(self.commands, commands)
         if self.previous is not None and previous is not None:
@@ -75,7 +78,9 @@ class SceneRows:
     Attributes
     ----------
     in_use
-        (rows,) bool, the level of detail for where the head is.
+        Rows at the level of detail for where the head is.
+    distance_m
+        Of each of them from the head.
     joints, previous_joints
         (joints, 4, 4) place-from-bind of all skins.
     """
@@ -92,25 +97,26 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
-        self._chosen: dict[Movement, NDArray[np.bool_] | bool] = {
-            "all": True,
-            "static": ~self._moving,
-            "moving": self._moving,
-        }
         self._moving_rows = np.flatnonzero(self._moving)
-        self.shadow = table.casts_shadow & ~self._locked
+        casts = table.casts_shadow & ~self._locked & ~table.blended
+        self._casting: dict[Movement, NDArray[np.bool_]] = {
+            "all": casts,
+            "static": casts & ~self._moving,
+            "moving": casts & self._moving,
+        }
+        self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
         self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
-        self.centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
-        self._box_skinned(world)
+        centers, halves = self._world_boxes(world, np.arange(len(table.node)))
+        self._boxes = culling.boxes(centers, halves)
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
         self._rows[:, _MATRIX] = table.ambient
         self._rows[:, _MATRIX + 1] = self._locked
-        self._rows[:, _MATRIX + 2] = self._reach.bits(self.centers, self._halves)
+        self._rows[:, _MATRIX + 2] = self._reach.bits(centers, halves)
         self._rows[:, _MATRIX + 3] = table.semantic_weight
         self._rows[:, _MATRIX + 4] = table.material
         self._rows[:, _MATRIX + 5] = table.first_joint
-        self._node_centers = table.node_centers(self.centers, self._halves, len(self._scene.nodes))
+        self._level_centers = self._centers_of_levels()
         self._levels_move = bool((self._moving & table.has_levels).any())
         self._world = self._previous_world = world
         self._updated: tuple[float, float, Pose] | None = None
@@ -130,46 +136,67 @@ class SceneRows:
         self._previous_world = (
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
-        self.joints = self._poses.place_from_bind(time_s)
-        self.previous_joints = self._poses.place_from_bind(before_s)
+        if self._scene.skins:
+            self.joints = self._poses.place_from_bind(time_s)
+            self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
         if self._levels_move:
-            nodes = len(self._scene.nodes)
-            self._node_centers = self._list.node_centers(self.centers, self._halves, nodes)
-        self.in_use = self.level_in_use(head.position)
+            self._level_centers = self._centers_of_levels()
+        self._head_m = head.position
+        self._from_head = self._boxes.copy()
+        self._from_head[:3] -= self._head_m[:, None]
+        self.in_use = np.flatnonzero(self._level_in_use(self._head_m))
+        self._in_use_from_head = self._from_head[:, self.in_use]
+        self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
     def _update_moving(self) -> None:
         rows = self._moving_rows
         if not len(rows):
             return
-        centers, halves = self._list.world_boxes(self._world, rows)
-        self.centers[rows], self._halves[rows] = centers, halves
-        self._box_skinned(self._world)
-        self._rows[rows, _MATRIX + 2] = self._reach.bits(self.centers[rows], self._halves[rows])
+        centers, halves = self._world_boxes(self._world, rows)
+        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
+        self._rows[rows, _MATRIX + 2] = self._reach.bits(centers, halves)
 
-    def _box_skinned(self, world: Array) -> None:
-        boxes = self._list.skin_boxes
-        if len(boxes.rows):
-            found = boxes.world_boxes(world, self.joints)
-            self.centers[boxes.rows], self._halves[boxes.rows] = found
+    def _world_boxes(self, world: Array, rows: Rows) -> tuple[Array, Array]:
+        """Return centres and half extents of the boxes of (ascending) rows, bent ones as bent."""
+        centers, halves = self._list.world_boxes(world, rows)
+        bent = self._list.skin_boxes
+        if len(bent.rows):
+            among = np.isin(bent.rows, rows)
+            at = np.searchsorted(rows, bent.rows[among])
+            found = bent.world_boxes(world, self.joints)
+            centers[at], halves[at] = found[0][among], found[1][among]
+        return centers, halves
 
-    def level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
+    def _centers_of_levels(self) -> Array:
+        """Return (3, rows): where from the distance counts that decides a row's level."""
+        nodes = len(self._scene.nodes)
+        found = self._list.node_centers(self._boxes[:3].T, self._boxes[3:6].T, nodes)
+        return np.ascontiguousarray(found[self._list.node].T)
+
+    def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
-        return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
+        return self._list.level_in_use(culling.lengths(self._level_centers - viewpoint_m[:, None]))
 
-    def seen(self, planes: Array, from_origin: Array) -> NDArray[np.bool_]:
-        """Return (..., rows) whether a thing's box is within planes.
+    def seen(self, planes: Array, origins_m: Array) -> NDArray[np.bool_]:
+        """Return (views, rows in use) whether a thing's box is within the planes of each view.
 
         Parameters
         ----------
-        from_origin
-            (rows, 3), or (views, rows, 3): `centers` less the origins of the planes.
+        planes
+            (views, k, 4) around
+        origins_m
+            (views, 3) world.
         """
-        return culling.visible(planes, from_origin, self._halves)
+        around_head = culling.from_origins(planes, origins_m - self._head_m)
+        return culling.visible(around_head, self._in_use_from_head)
 
-    def chosen(self, movement: Movement) -> NDArray[np.bool_] | bool:
-        """Return (rows,) what moves, what does not, or all."""
-        return self._chosen[movement]
+    def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
+        """Return what casts a shadow from within planes, levels by the distance from `origin_m`."""
+        rows = np.flatnonzero(self._casting[movement] & self._level_in_use(origin_m))
+        around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
+        seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
+        return seen
 
     def write(self, buffers: RowBuffers, order: Rows, origin_m: Array) -> None:
         """Write things in drawing order.
@@ -189,4 +216,4 @@ class SceneRows:
         before = None
         if buffers.previous is not None:
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
-        buffers.write(rows, self._list.commands[order], before)
+        buffers.write(rows, self._commands[order], before)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-
 import moderngl
 
 from vrcomfort.errors import InputError
@@ -41,18 +39,13 @@ class TextureStore:
                 f"colour spaces); at most {UNITS - FIRST_UNIT} are drawn: give them equal sizes"
             )
         most = anisotropy(ctx)
-        self._arrays = [
+        uploaded = [
             _upload(ctx, kind, [scene.images[index] for index in images], anisotropy=most)
             for kind, images in zip(arrays.kinds, arrays.layers, strict=True)
         ]
 
-        self._names = (ctypes.c_uint * len(self._arrays))(*(each.glo for each in self._arrays))
-        names = ctypes.POINTER(ctypes.c_uint)
-        self._bind = gl.function(ctx, "glBindTextures", ctypes.c_uint, ctypes.c_int, names)
-
-    def bind(self) -> None:
-        """Put every array on its unit, with one call."""
-        self._bind(FIRST_UNIT, len(self._names), self._names)
+        self.bind = gl.binder(ctx, uploaded, FIRST_UNIT)
+        """Puts every array on its unit."""
 
 
 def unit(array: int) -> int:

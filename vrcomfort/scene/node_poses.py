@@ -15,6 +15,9 @@ KEPT = 2
 """Times whose matrices are kept: this frame's and the one before."""
 
 
+_NO_JOINTS = np.zeros((0, 4, 4))
+
+
 class Placed(NamedTuple):
     """Where things are at a time: (nodes, 4, 4), and (joints, 4, 4) of all skins."""
 
@@ -46,7 +49,8 @@ class NodePoses:
         placed = self._placed.get(time_s)
         if placed is None:
             world, skins = self._place(time_s), self._scene.all_skins
-            placed = Placed(skins.stand(world), skins.place_from_bind(world))
+            joints = skins.place_from_bind(world) if skins.count else _NO_JOINTS
+            placed = Placed(skins.stand(world), joints)
             self._placed = dict([*self._placed.items(), (time_s, placed)][-KEPT:])
         return placed
 

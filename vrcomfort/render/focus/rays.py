@@ -79,8 +79,9 @@ class Probe(Protocol):
 
 def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
     """Return half width and half height of the image as tangents: the mean of both eyes."""
-    left, right, up, down = np.mean([view.fov.tangents for view in views], axis=0)
-    return float(right - left) / 2, float(up - down) / 2
+    pairs = zip(*(view.fov.tangents for view in views), strict=True)
+    left, right, up, down = ((one + other) / 2 for one, other in pairs)
+    return (right - left) / 2, (up - down) / 2
 
 
 class NineRays:
