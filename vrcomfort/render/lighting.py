@@ -94,7 +94,7 @@ class LampReach:
     """Which lamps reach which boxes."""
 
     def __init__(self, lamps: tuple[PointLight, ...]) -> None:
-        self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 1, 3)
+        self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3).T[:, :, None]
         self._squares = np.array([lamp.range_m for lamp in lamps])[:, None] ** 2
         self._powers = 2.0 ** np.arange(len(lamps))
 
@@ -103,9 +103,11 @@ class LampReach:
 
         A float holds 16 bits exactly, and travels as an ordinary instance attribute.
         """
-        beyond = np.maximum(np.abs(self._positions - centers) - halves, 0.0)
-        near = np.einsum("lni,lni->ln", beyond, beyond) < self._squares
-        return np.asarray(self._powers @ near)
+        if not len(self._powers):
+            return np.zeros(len(centers))
+        beyond = np.abs(self._positions - centers.T[:, None]) - halves.T[:, None]
+        x, y, z = np.maximum(beyond, 0.0)
+        return np.asarray(self._powers @ (x * x + y * y + z * z < self._squares))
 
 
 def _write_environment(block: NDArray[np.void], environment: Environment) -> None:

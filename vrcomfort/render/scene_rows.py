@@ -13,6 +13,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
 from vrcomfort.render.lighting import LampReach
+from vrcomfort.render.moving_rows import MovingRows
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import NodePoses, relative_rows
 
@@ -94,7 +95,7 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
-        self._moving_rows = np.flatnonzero(self._moving)
+        self._moves = MovingRows(table, self._moving)
         casts = table.casts_shadow & ~self._locked & ~table.blended
         self._casting: dict[Movement, NDArray[np.bool_]] = {
             "all": casts,
@@ -111,8 +112,8 @@ class SceneRows:
         self._rows[:, _MATRIX + 2] = self._reach.bits(centers, halves)
         self._rows[:, _MATRIX + 3] = table.semantic_weight
         self._rows[:, _MATRIX + 4] = table.material
-        self._level_centers = self._centers_of_levels()
-        self._levels_move = bool((self._moving & table.has_levels).any())
+        of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
+        self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
         self._world = self._previous_world = world
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
@@ -132,8 +133,6 @@ class SceneRows:
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
         self._update_moving()
-        if self._levels_move:
-            self._level_centers = self._centers_of_levels()
         self._head_m = head.position
         self._from_head = self._boxes.copy()
         self._from_head[:3] -= self._head_m[:, None]
@@ -142,18 +141,13 @@ class SceneRows:
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
     def _update_moving(self) -> None:
-        rows = self._moving_rows
-        if not len(rows):
+        moves = self._moves
+        if not len(moves.rows):
             return
-        centers, halves = self._list.world_boxes(self._world, rows)
-        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
-        self._rows[rows, _MATRIX + 2] = self._reach.bits(centers, halves)
-
-    def _centers_of_levels(self) -> Array:
-        """Return (3, rows): where from the distance counts that decides a row's level."""
-        nodes = len(self._scene.nodes)
-        found = self._list.node_centers(self._boxes[:3].T, self._boxes[3:6].T, nodes)
-        return np.ascontiguousarray(found[self._list.node].T)
+        centers, halves = moves.boxes(self._world)
+        self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
+        self._rows[moves.rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
