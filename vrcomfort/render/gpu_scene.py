@@ -9,6 +9,7 @@ thing. Textures and materials are bound once.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -64,6 +65,15 @@ class _Layer(NamedTuple):
 
     batches: list[Batch]
     triangles: int
+
+
+@dataclass
+class _State:
+    """What of OpenGL's state the last batch has left."""
+
+    faces: str | None = "not known"
+    covers: bool = False
+    block: int | None = None
 
 
 class GpuScene:
@@ -144,8 +154,8 @@ class GpuScene:
         origins = np.array([view.position_m for view in views])
         planes = culling.planes(np.array([view.clip_from_relative for view in views]))
         seen = self._rows.seen(planes, origins)
-        order = self._order(np.flatnonzero(seen.any(axis=0)))
-        view, place = np.nonzero(seen[:, order])
+        order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
+        view, place = seen[:, order].nonzero()
         row = self._rows.in_use[order[place]]
         layer = view * 2 + self._list.blended[row]
         run = layer * len(self._surfaces) + self._list.key[row]
@@ -264,10 +274,10 @@ class GpuScene:
             Called with the number of each view before it is drawn, to set its viewport.
         """
         planes = culling.planes(clips_from_relative)
-        seen = self._rows.seen(planes, np.broadcast_to(origin_m, (len(planes), 3)))
+        seen = self._rows.seen(planes, origin_m[None])
         if self.has_blended:
             seen &= ~self._list.blended[self._rows.in_use]
-        view, place = np.nonzero(seen)
+        view, place = seen.nonzero()
         row = self._rows.in_use[place]
         key = self._list.depth_key[row] + view * len(self._depth_surfaces)
         order = np.argsort(key, kind="stable")
@@ -278,10 +288,11 @@ class GpuScene:
             number, surface = divmod(batch.key, len(self._depth_surfaces))
             views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
         self._textures.bind()
+        state = _State()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
-            self._draw(of_view, self._depth_surfaces, self._depth_rows)
+            self._draw(of_view, self._depth_surfaces, self._depth_rows, state=state)
         return self._triangles(row)
 
     def _triangles(self, rows: Rows) -> int:
@@ -294,25 +305,26 @@ class GpuScene:
         buffers: RowBuffers,
         *,
         cull: bool = True,
+        state: _State | None = None,
     ) -> None:
         """Draw batches, and change only that OpenGL state that differs from one to the next."""
-        faces: str | None = "not set"
-        masked, block = False, -1
+        state = state or _State()
         for batch in drawn:
             surface = surfaces[batch.key]
-            if surface.block != block:
-                block = surface.block
-                self._materials.bind(block)
-            wanted = surface.faces if cull else None
-            if wanted != faces:
-                faces = wanted
-                self._cull(wanted)
-            if surface.covers != masked:
-                masked = surface.covers
-                toggle = self._ctx.enable_direct if masked else self._ctx.disable_direct
+            if surface.block is not None and surface.block != state.block:
+                state.block = surface.block
+                self._materials.bind(surface.block)
+            faces = surface.faces if cull else None
+            if faces != state.faces:
+                state.faces = faces
+                self._cull(faces)
+            if surface.covers != state.covers:
+                state.covers = surface.covers
+                toggle = self._ctx.enable_direct if surface.covers else self._ctx.disable_direct
                 toggle(_ALPHA_TO_COVERAGE)
             surface.array.render_indirect(buffers.commands, count=batch.length, first=batch.first)
-        if masked:
+        if state.covers:
+            state.covers = False
             self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
         self.draws += len(drawn)
 

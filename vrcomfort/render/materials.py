@@ -124,14 +124,14 @@ class BatchKey(NamedTuple):
     double_sided, mirrored
         Whether back faces are seen; whether front faces are clockwise.
     block
-        Which block of materials.
+        Which block of materials; None where they do not matter.
     """
 
     features: Features
     arrays: tuple[int | None, ...]
     double_sided: bool
     mirrored: bool
-    block: int
+    block: int | None
 
     @property
     def masked(self) -> bool:
@@ -148,7 +148,7 @@ class BatchKey(NamedTuple):
         """Return what matters of it where only depth is drawn: holes, and which way it faces."""
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
-            return BatchKey((), plain, self.double_sided, self.mirrored, 0)
+            return BatchKey((), plain, self.double_sided, self.mirrored, None)
         kept = [name for name in ("ALPHA_MASK", "BASE_COLOR_IMAGE") if name in self.features]
         return self._replace(features=tuple(kept), arrays=(self.arrays[0], *plain[1:]))
 

@@ -136,7 +136,7 @@ class SceneRows:
         self._head_m = head.position
         self._from_head = self._boxes.copy()
         self._from_head[:3] -= self._head_m[:, None]
-        self.in_use = np.flatnonzero(self._level_in_use(self._head_m))
+        self.in_use = self._level_in_use(self._head_m).nonzero()[0]
         self._in_use_from_head = self._from_head[:, self.in_use]
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
@@ -168,7 +168,7 @@ class SceneRows:
 
     def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
         """Return what casts a shadow from within planes, levels by the distance from `origin_m`."""
-        rows = np.flatnonzero(self._casting[movement] & self._level_in_use(origin_m))
+        rows = (self._casting[movement] & self._level_in_use(origin_m)).nonzero()[0]
         around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
         seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
         return seen
