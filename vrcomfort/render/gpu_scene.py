@@ -9,7 +9,6 @@ thing. Textures and materials are bound once.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple
 
@@ -19,6 +18,8 @@ import numpy as np
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
+from vrcomfort.render.batch_drawer import BatchDrawer
+from vrcomfort.render.clip_blocks import ClipBlocks
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.materials import ImageArrays
 from vrcomfort.render.scene_rows import (
@@ -31,8 +32,7 @@ from vrcomfort.render.scene_rows import (
     Rows,
     SceneRows,
 )
-from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
-from vrcomfort.render.textures import TextureStore
+from vrcomfort.render.surfaces import Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
     VERTEX_FORMAT,
     VERTEX_NAMES,
@@ -40,9 +40,6 @@ from vrcomfort.render.vertex_data import (
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
-
-CLIP_BINDING = 3
-_ALPHA_TO_COVERAGE = 0x809E
 
 
 class Viewpoint(NamedTuple):
@@ -67,15 +64,6 @@ class _Layer(NamedTuple):
     triangles: int
 
 
-@dataclass
-class _State:
-    """What of OpenGL's state the last batch has left."""
-
-    faces: str | None = "not known"
-    covers: bool = False
-    block: int | None = None
-
-
 class GpuScene:
     """Draws a scene into whatever framebuffer is in use.
 
@@ -98,9 +86,8 @@ class GpuScene:
         self._rows = SceneRows(scene, table)
         self._color_rows = RowBuffers(ctx, 2 * len(table.node), previous=velocity)
         self._depth_rows = RowBuffers(ctx, len(table.node), previous=False)
-        self._materials = MaterialBuffer(ctx, scene, images)
-        self._textures = TextureStore(ctx, scene, images)
-        self._clips = _ClipBlocks(ctx)
+        self._drawer = BatchDrawer(ctx, scene, images)
+        self._clips = ClipBlocks(ctx)
         factory = self._factory(defines or {})
         self._surfaces = [factory.color(key) for key in table.keys]
         self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
@@ -189,8 +176,9 @@ class GpuScene:
             False: opaque and masked surfaces. True: blended ones.
         """
         layer = self._layers[2 * view + blended]
-        self._textures.bind()
-        self._draw(layer.batches, self._surfaces, self._color_rows)
+        self._drawer.begin()
+        self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
+        self.draws += len(layer.batches)
         return layer.triangles
 
     def draw_depth(
@@ -257,8 +245,10 @@ class GpuScene:
         self._rows.write(self._depth_rows, rows[order], origin_m)
         self._clips.write(clip_from_relative[None])
         self._clips.bind(0)
-        self._textures.bind()
-        self._draw(batches(key[order]), surfaces, self._depth_rows, cull=cull)
+        drawn = batches(key[order])
+        self._drawer.begin()
+        self._drawer.draw(drawn, surfaces, self._depth_rows.commands, cull=cull)
+        self.draws += len(drawn)
         return self._triangles(rows)
 
     def draw_depth_views(
@@ -287,73 +277,16 @@ class GpuScene:
         for batch in batches(key[order]):
             number, surface = divmod(batch.key, len(self._depth_surfaces))
             views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
-        self._textures.bind()
-        state = _State()
+        self._drawer.begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
-            self._draw(of_view, self._depth_surfaces, self._depth_rows, state=state)
+            self._drawer.draw(of_view, self._depth_surfaces, self._depth_rows.commands)
+            self.draws += len(of_view)
         return self._triangles(row)
 
     def _triangles(self, rows: Rows) -> int:
         return int(self._triangles_of_row[rows].sum())
-
-    def _draw(
-        self,
-        drawn: list[Batch],
-        surfaces: list[Surface],
-        buffers: RowBuffers,
-        *,
-        cull: bool = True,
-        state: _State | None = None,
-    ) -> None:
-        """Draw batches, and change only that OpenGL state that differs from one to the next."""
-        state = state or _State()
-        for batch in drawn:
-            surface = surfaces[batch.key]
-            if surface.block is not None and surface.block != state.block:
-                state.block = surface.block
-                self._materials.bind(surface.block)
-            faces = surface.faces if cull else None
-            if faces != state.faces:
-                state.faces = faces
-                self._cull(faces)
-            if surface.covers != state.covers:
-                state.covers = surface.covers
-                toggle = self._ctx.enable_direct if surface.covers else self._ctx.disable_direct
-                toggle(_ALPHA_TO_COVERAGE)
-            surface.array.render_indirect(buffers.commands, count=batch.length, first=batch.first)
-        if state.covers:
-            state.covers = False
-            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
-        self.draws += len(drawn)
-
-    def _cull(self, faces: str | None) -> None:
-        if faces is None:
-            self._ctx.disable(moderngl.CULL_FACE)
-            return
-        self._ctx.front_face = faces
-        self._ctx.enable(moderngl.CULL_FACE)
-
-
-class _ClipBlocks:
-    """The uniform block of ``depth.vert``, for several views."""
-
-    def __init__(self, ctx: moderngl.Context) -> None:
-        self._stride = gl.uniform_stride(64)
-        self._buffer = gl.dynamic_buffer(ctx, self._stride)
-
-    def write(self, clips_from_relative: Array) -> None:
-        """Take (views, 4, 4) matrices."""
-        blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
-        blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
-        self._buffer.orphan(blocks.nbytes)
-        self._buffer.write(blocks)
-
-    def bind(self, view: int) -> None:
-        """Make a view's matrix the one that shaders see."""
-        offset = view * self._stride
-        self._buffer.bind_to_uniform_block(CLIP_BINDING, offset=offset, size=64)
 
 
 def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:
