@@ -11,8 +11,9 @@ from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
 from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.passes import FocusPass
-from vrcomfort.render.focus.rays import screen_tangents
+from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rule import Sight
+from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.data import Material
 
@@ -68,9 +69,11 @@ def test_the_mean_by_hand():
 def sample(ctx, content, settings, *, head=None, tangents=(1.0, 0.8)):
     head = head or Pose()
     gpu = GpuScene(ctx, content)
-    focus = FocusPass(ctx, gpu, settings, near_m=NEAR_M)
+    focus = make_focus_pass(ctx, gpu, settings, near_m=NEAR_M)
     gpu.update(0.0, head)
-    focus.render(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
+    focus.render(
+        Sight(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
+    )
     (found,) = focus.drain()
     return found, focus
 

@@ -6,6 +6,7 @@
 // Twin:   tests/oracles/focus.py. MEAN_DIOPTRES and GAZE select variants at compile time.
 // Source: Carnegie & Rhee 2015, p. 36, where the outlier rule (median absolute deviation) is ours;
 //         GAZE: Mantiuk et al. 2011, section 4, where the median is ours.
+#include "refocus_law.glsl"
 #include "refocus.glsl"
 
 uniform sampler2D depth;

@@ -4,6 +4,7 @@
 // Input:  means: 1x1, x = mean of weight * value, y = mean weight (focus_weights.frag).
 // Output: include/refocus.glsl; no rays.
 // Source: Hillaire et al. 2008, Eq. 3.
+#include "refocus_law.glsl"
 #include "refocus.glsl"
 
 uniform sampler2D means;

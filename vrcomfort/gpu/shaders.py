@@ -17,6 +17,7 @@ import numpy as np
 from vrcomfort.resources import data_folder
 
 Defines = Mapping[str, int | float | str]
+Chosen = Mapping[str, str]
 
 _INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
 _MEMBER = re.compile(r"^\s*(mat4|vec4)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
@@ -33,6 +34,7 @@ def program(
     fragment: str | None,
     vertex: str = "common/fullscreen.vert",
     defines: Defines | None = None,
+    chosen: Chosen | None = None,
 ) -> moderngl.Program:
     """Compile and link a pair of files; `fragment=None` draws depth only.
 
@@ -40,6 +42,8 @@ def program(
     ----------
     defines
         ``#define`` lines for both files; a boolean feature is a key with the value 1.
+    chosen
+        Which file an ``#include`` means that names none: a choice that is left to who compiles.
 
     Raises
     ------
@@ -49,7 +53,7 @@ def program(
     stages = [name for name in (vertex, fragment) if name is not None]
     texts = tuple(_with_defines(source(name), defines or {}) for name in stages)
     for text in texts:
-        _register_includes(ctx, text)
+        _register_includes(ctx, text, chosen or {})
     try:
         return ctx.program(texts[0], texts[1] if fragment else None)
     except moderngl.Error as error:
@@ -64,9 +68,9 @@ def _with_defines(text: str, defines: Defines) -> str:
     return "\n".join([version, *lines, "#line 2", rest])
 
 
-def _register_includes(ctx: moderngl.Context, text: str) -> None:
+def _register_includes(ctx: moderngl.Context, text: str, chosen: Chosen) -> None:
     for name in _INCLUDE.findall(text):
-        ctx.includes[name] = source(f"include/{name}")
+        ctx.includes[name] = source(f"include/{chosen.get(name, name)}")
 
 
 @cache
@@ -89,7 +93,10 @@ def block_dtype(include: str, block: str) -> np.dtype[Any]:
 
 
 def fullscreen(
-    ctx: moderngl.Context, fragment: str, defines: Defines | None = None
+    ctx: moderngl.Context,
+    fragment: str,
+    defines: Defines | None = None,
+    chosen: Chosen | None = None,
 ) -> moderngl.VertexArray:
     """Return a full-screen triangle with its program: ``.render(vertices=3)`` draws it."""
-    return ctx.vertex_array(program(ctx, fragment, defines=defines), [])
+    return ctx.vertex_array(program(ctx, fragment, defines=defines, chosen=chosen), [])

@@ -33,6 +33,12 @@ EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
+FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed"]
+
+RefocusLawName = Literal[
+    "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
+]
+
 _FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
     "depth_of_field_first": ("depth_of_field", "motion_blur"),
     "motion_blur_first": ("motion_blur", "depth_of_field"),
@@ -57,7 +63,7 @@ class Focus(Settings):
     al. 2011 (`gaze`).
     """
 
-    method: Literal["nine_ray", "autofocus_zone", "gaze", "fixed"] = "nine_ray"
+    method: FocusRuleName = "nine_ray"
     fixed_m: Distance = 2.0
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
@@ -87,10 +93,8 @@ class Focus(Settings):
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
     without_gaze: Literal["stop", "nine_ray"] = "stop"
     """What `gaze` does with a headset that has no eye tracker."""
-    law: Literal[
-        "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
-    ] = "linear"
-    """How focus moves to its target: see `vrcomfort.optics.refocus`."""
+    law: RefocusLawName = "linear"
+    """How focus moves to its target: one file of `vrcomfort.optics.refocus` for each."""
     refocus_s: Seconds = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
     cutoff_hz: Annotated[float, Field(ge=0.001, le=10_000)] = 5.0

@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from vrcomfort.optics.refocus.laws import LAWS
 from vrcomfort.protocol.conditions import Condition, Settings
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.settings_file import Problem
@@ -18,7 +19,11 @@ _GAZE: _Needs = {"method": ("gaze",)}
 _RAYS_AHEAD: _Needs = {"method": ("nine_ray",)}
 _THIN_LENS: _Needs = {"law": ("thin_lens",)}
 _FOLLOWING: _Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
-_DURATION: _Needs = {**_FOLLOWING, "law": ("duration",)}
+_LAWS_THAT_TAKE = {
+    key: tuple(name for name, law in LAWS.items() if key in law.settings)
+    for key in sorted(set().union(*(law.settings for law in LAWS.values())))
+    if key != "infinity_m"  # which is also where the sky is
+}
 
 NEEDS: dict[str, dict[str, _Needs]] = {
     "focus": {
@@ -38,10 +43,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "gaze_radius_deg": _GAZE,
         "without_gaze": _GAZE,
         "law": _FOLLOWING,
-        "refocus_s": {**_FOLLOWING, "law": ("linear", "linear_dioptre")},
-        "cutoff_hz": {**_FOLLOWING, "law": ("low_pass", "low_pass_backward_euler")},
-        "duration_s": _DURATION,
-        "refixation_dioptre": _DURATION,
+        **{key: {**_FOLLOWING, "law": laws} for key, laws in _LAWS_THAT_TAKE.items()},
     },
     "depth_of_field": {
         "full_blur_m": {"law": ("linear",)},

@@ -52,3 +52,10 @@ class Readback:
     def _metres(self, depths: Array) -> Array:
         sky = depths * self._infinity_m <= self._near_m
         return np.asarray(self._near_m / np.where(sky, self._near_m / self._infinity_m, depths))
+
+
+def focus_texture(ctx: moderngl.Context, focus_m: float) -> moderngl.Texture:
+    """Return a 1×1 RGBA32F texture: x = focus, y = its target (m), z = bits of the rays used."""
+    texture = gl.color_texture(ctx, (1, 1), dtype="f4")
+    texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))
+    return texture

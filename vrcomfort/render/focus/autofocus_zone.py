@@ -1,4 +1,4 @@
-"""Focus by the autofocus zone: a weighted mean over the middle of the image, on the GPU.
+"""`autofocus_zone`: a weighted mean over the middle of the image, on the GPU.
 
 ::
 
@@ -11,19 +11,34 @@ Source: Hillaire et al. 2008, Eq. 2 and 3.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from vrcomfort.geometry import Fov, clip_from_view, rotation_matrix
+from vrcomfort.geometry import Fov, View, clip_from_view, rotation_matrix
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.camera import rotation_only
-from vrcomfort.render.focus.rays import Sight
-from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
+from vrcomfort.render.focus.search import FocusSearch, Look
+from vrcomfort.render.planned_pass import PlannedPass
+
+
+def plan(settings: Focus) -> PlannedPass:
+    """Plan the zone."""
+    share = f"{settings.zone_ratio:g} of the image's sides"
+    where = settings.zone_mean_on.upper()
+    reason = f"depth of field follows what is in the middle: {share}, averaged by the {where}"
+    return PlannedPass("focus", True, reason)
+
+
+def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
+    """Return half width and half height of the image as tangents: the mean of both eyes."""
+    left, right, up, down = np.mean([view.fov.tangents for view in views], axis=0)
+    return float(right - left) / 2, float(up - down) / 2
 
 
 class _Weights(NamedTuple):
@@ -41,15 +56,10 @@ class AutofocusZone:
     """
 
     fragment = "focus/focus_zone.frag"
-    rays = None
 
-    def __init__(
-        self, ctx: moderngl.Context, gpu: GpuScene, settings: Focus, *, near_m: float
-    ) -> None:
-        self._ctx = ctx
-        self._gpu = gpu
-        self._settings = settings
-        self._near_m = near_m
+    def __init__(self, inputs: FocusInputs) -> None:
+        ctx, self._gpu, settings, self._near_m = inputs
+        self._ctx, self._settings = ctx, settings
         size_px = settings.zone_size_px
         self._depth = gl.depth_texture(ctx, size_px)
         self._semantic = gl.color_texture(ctx, size_px, components=1, dtype="f4")
@@ -97,7 +107,7 @@ class AutofocusZone:
             )
         return tuple(passes)
 
-    def look(self, sight: Sight) -> dict[str, Any]:
+    def look(self, sight: Sight) -> Look:
         """Draw the zone, average it, and bind the means."""
         self._draw(sight)
         for each in self._passes:
@@ -105,7 +115,7 @@ class AutofocusZone:
         if not self._passes:
             self._average_on_cpu()
         self._means.use(2)
-        return {}
+        return Look({})
 
     def _draw(self, sight: Sight) -> None:
         ctx = self._ctx
@@ -132,3 +142,11 @@ class AutofocusZone:
         )
         weighted = autofocus_zone.weighted(depth, semantic, self._near_m, self._settings)
         self._means.write(weighted.mean(axis=(0, 1)).astype(np.float32))
+
+
+def build(inputs: FocusInputs) -> FocusSearch:
+    """Build the search in the zone."""
+    return FocusSearch(inputs, AutofocusZone(inputs))
+
+
+RULE = FocusRule("autofocus_zone", plan, build)
