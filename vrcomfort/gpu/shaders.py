@@ -1,7 +1,7 @@
 """Compiles the GLSL files of the `shaders` folder.
 
 Files are named by what they do; shared functions are in ``shaders/include`` (one level deep).
-Variants are made with defines, never by pasting text.
+Variants are made with defines, or by choosing an include file; never by pasting text.
 """
 
 from __future__ import annotations
@@ -51,9 +51,10 @@ def program(
         If the driver rejects the code; the message starts with the names of the files.
     """
     stages = [name for name in (vertex, fragment) if name is not None]
-    texts = tuple(_with_defines(source(name), defines or {}) for name in stages)
+    files = (_with_chosen(source(name), chosen or {}) for name in stages)
+    texts = tuple(_with_defines(text, defines or {}) for text in files)
     for text in texts:
-        _register_includes(ctx, text, chosen or {})
+        _register_includes(ctx, text)
     try:
         return ctx.program(texts[0], texts[1] if fragment else None)
     except moderngl.Error as error:
@@ -68,9 +69,13 @@ def _with_defines(text: str, defines: Defines) -> str:
     return "\n".join([version, *lines, "#line 2", rest])
 
 
-def _register_includes(ctx: moderngl.Context, text: str, chosen: Chosen) -> None:
+def _with_chosen(text: str, chosen: Chosen) -> str:
+    return _INCLUDE.sub(lambda line: f'#include "{chosen.get(line[1], line[1])}"', text)
+
+
+def _register_includes(ctx: moderngl.Context, text: str) -> None:
     for name in _INCLUDE.findall(text):
-        ctx.includes[name] = source(f"include/{chosen.get(name, name)}")
+        ctx.includes[name] = source(f"include/{name}")
 
 
 @cache
