@@ -56,8 +56,8 @@ for kernel in get_args(Kernel):
 for taps in (2, 6):
     few = DepthOfField(taps=taps, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))
-for method in get_args(FocusRuleName):
-    rule = Focus(method=method, without_gaze="nine_ray")
+rules = [Focus(method=method, without_gaze="nine_ray") for method in get_args(FocusRuleName)]
+for rule in (*rules, Focus(method="autofocus_zone", zone_statistic="minimum")):
     condition = Condition(name="rule", focus=rule, depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 for law in get_args(RefocusLawName):

@@ -68,7 +68,7 @@ class Focus(Settings):
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
-    """In which unit distances are averaged (nine rays and autofocus zone)."""
+    """In which unit distances are averaged (nine rays, and the mean of the autofocus zone)."""
     outlier_mad: Annotated[float, Field(ge=0.001, le=1e6)] = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
     outlier_floor_fraction: Annotated[float, Field(ge=0, le=1000)] = 0.02
@@ -79,8 +79,11 @@ class Focus(Settings):
     """Side of the autofocus zone over that of the image: its area is the square of it."""
     zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
+    zone_statistic: Literal["mean", "minimum", "maximum"] = "mean"
+    """What the zone's distances come to: their weighted mean, or the nearest or farthest of what
+    weighs more than `semantic_min`; where nothing there does, of everything."""
     zone_mean_on: Literal["gpu", "cpu"] = "gpu"
-    """Where the zone is averaged; the CPU waits for the GPU in every frame."""
+    """Where the zone is averaged or searched; the CPU waits for the GPU in every frame."""
     semantic_min: Weight = 0.004
     """W_S,min: least weight of anything, and that of the sky."""
     semantic_max: Weight = 1.0

@@ -15,6 +15,7 @@ _Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""
 
 _ZONE: _Needs = {"method": ("autofocus_zone",)}
+_ZONE_MEAN: _Needs = {**_ZONE, "zone_statistic": ("mean",)}
 _GAZE: _Needs = {"method": ("gaze",)}
 _RAYS_AHEAD: _Needs = {"method": ("nine_ray",)}
 _THIN_LENS: _Needs = {"law": ("thin_lens",)}
@@ -29,17 +30,18 @@ NEEDS: dict[str, dict[str, _Needs]] = {
     "focus": {
         "fixed_m": {"method": ("fixed",)},
         "ring_deg": _RAYS_AHEAD,
-        "mean": {"method": ("nine_ray", "autofocus_zone")},
+        "mean": {"method": ("nine_ray", "autofocus_zone"), "zone_statistic": ("mean",)},
         "outlier_mad": _RAYS_AHEAD,
         "outlier_floor_fraction": {**_RAYS_AHEAD, "mean": ("metres",)},
         "outlier_floor_dioptre": {**_RAYS_AHEAD, "mean": ("dioptres",)},
         "zone_ratio": _ZONE,
         "zone_size_px": _ZONE,
+        "zone_statistic": _ZONE,
         "zone_mean_on": _ZONE,
         "semantic_min": _ZONE,
         "semantic_max": _ZONE,
-        "gauss_centre": _ZONE,
-        "gauss_border": _ZONE,
+        "gauss_centre": _ZONE_MEAN,
+        "gauss_border": _ZONE_MEAN,
         "gaze_radius_deg": _GAZE,
         "without_gaze": _GAZE,
         "law": _FOLLOWING,

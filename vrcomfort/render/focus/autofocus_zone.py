@@ -1,17 +1,18 @@
-"""`autofocus_zone`: a weighted mean over the middle of the image, on the GPU.
+"""`autofocus_zone`: what is in the middle of the image, weighted, on the GPU or on the CPU.
 
 ::
 
     depth, semantic weight ─► weight · value, weight ─► ½ ─► ½ ─► ... ─► 1×1 ─► focus
     (the zone's own frustum,   focus_weights.frag        focus_downsample.frag
-     from the head centre)
+     from the head centre)     or, for an extreme,       or
+                               focus_candidates.frag     focus_extreme.frag
 
 Source: Hillaire et al. 2008, Eq. 2 and 3.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -31,7 +32,12 @@ def plan(settings: Focus) -> PlannedPass:
     """Plan the zone."""
     share = f"{settings.zone_ratio:g} of the image's sides"
     where = settings.zone_mean_on.upper()
-    reason = f"depth of field follows what is in the middle: {share}, averaged by the {where}"
+    found = {
+        "mean": f"averaged by the {where}",
+        "minimum": f"the nearest there found by the {where}",
+        "maximum": f"the farthest there found by the {where}",
+    }[settings.zone_statistic]
+    reason = f"depth of field follows what is in the middle: {share}, {found}"
     return PlannedPass("focus", True, reason)
 
 
@@ -41,6 +47,12 @@ def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
     return float(right - left) / 2, float(up - down) / 2
 
 
+class _Candidates(NamedTuple):
+    near_m: float
+    infinity_m: float
+    semantic_limits: tuple[float, float]
+
+
 class _Weights(NamedTuple):
     near_m: float
     infinity_m: float
@@ -48,8 +60,12 @@ class _Weights(NamedTuple):
     gauss_limits: tuple[float, float]
 
 
+class _HalfTangents(NamedTuple):
+    half_tangents: tuple[float, float]
+
+
 class AutofocusZone:
-    """Draws depth and semantic weights of the zone and averages them.
+    """Draws depth and semantic weights of the zone and reduces them to one texel.
 
     The zone is a rectangle around the head's forward axis with `zone_ratio` times the sides of the
     eyes' images; it covers the square of that of their area.
@@ -58,49 +74,62 @@ class AutofocusZone:
     fragment = "focus/focus_zone.frag"
 
     def __init__(self, inputs: FocusInputs) -> None:
-        ctx, self._gpu, settings, self._near_m = inputs
-        self._ctx, self._settings = ctx, settings
-        size_px = settings.zone_size_px
-        self._depth = gl.depth_texture(ctx, size_px)
-        self._semantic = gl.color_texture(ctx, size_px, components=1, dtype="f4")
-        self._zone = ctx.framebuffer([self._semantic], self._depth)
+        self._ctx, self._gpu, self._settings, self._near_m, self._along_ray = inputs
+        settings, size_px = inputs.settings, inputs.settings.zone_size_px
+        self._depth = gl.depth_texture(inputs.ctx, size_px)
+        self._semantic = gl.color_texture(inputs.ctx, size_px, components=1, dtype="f4")
+        self._zone = inputs.ctx.framebuffer([self._semantic], self._depth)
         self.triangles = 0
-        dioptres = settings.mean == "dioptres"
-        self.defines = {"MEAN_DIOPTRES": 1} if dioptres else {}
-        self.constants = {"means": 2, **({} if dioptres else {"infinity_m": settings.infinity_m})}
-        self._passes = () if settings.zone_mean_on == "cpu" else self._averaging(size_px)
-        self._means = (
+        self.defines, distance = _how_it_is_read(settings, inputs.near_m)
+        self.constants: dict[str, Any] = {"reduced": 2, **distance}
+        self._passes = () if settings.zone_mean_on == "cpu" else self._reduction()
+        self._reduced = (
             self._passes[-1].target
             if self._passes
-            else gl.color_texture(ctx, (1, 1), components=2, dtype="f4")
+            else gl.color_texture(inputs.ctx, (1, 1), components=2, dtype="f4")
         )
 
-    def _averaging(self, size_px: tuple[int, int]) -> tuple[FullscreenPass, ...]:
+    def _reduction(self) -> tuple[FullscreenPass, ...]:
+        """Return the passes from the zone to one texel, each a half of the one before."""
         settings = self._settings
-        weigh = FullscreenPass(
+        limits = settings.semantic_min, settings.semantic_max
+        candidates = _Candidates(self._near_m, settings.infinity_m, limits)
+        along_ray = {"ALONG_RAY": 1} if self._along_ray else {}
+        if settings.zone_statistic == "mean":
+            weights = _Weights(*candidates, (settings.gauss_border, settings.gauss_centre))
+            first = self._pass("focus/focus_weights.frag", weights, {**self.defines, **along_ray})
+            return self._halved(first, "focus/focus_downsample.frag", {})
+        first = self._pass("focus/focus_candidates.frag", candidates, along_ray)
+        farthest = {"FARTHEST": 1} if settings.zone_statistic == "maximum" else {}
+        return self._halved(first, "focus/focus_extreme.frag", farthest)
+
+    def _pass(
+        self, fragment: str, constants: _Candidates | _Weights, defines: dict[str, int]
+    ) -> FullscreenPass:
+        return FullscreenPass(
             self._ctx,
-            "focus/focus_weights.frag",
-            size_px=size_px,
+            fragment,
+            size_px=self._settings.zone_size_px,
             inputs={"depth": self._depth, "semantic": self._semantic},
-            constants=_Weights(
-                self._near_m,
-                settings.infinity_m,
-                (settings.semantic_min, settings.semantic_max),
-                (settings.gauss_border, settings.gauss_centre),
-            ),
-            defines=self.defines,
+            constants=constants,
+            defines=defines,
             components=2,
             dtype="f4",
         )
-        passes = [weigh]
+
+    def _halved(
+        self, first: FullscreenPass, fragment: str, defines: dict[str, int]
+    ) -> tuple[FullscreenPass, ...]:
+        passes = [first]
         while passes[-1].target.size != (1, 1):
             width, height = passes[-1].target.size
             passes.append(
                 FullscreenPass(
                     self._ctx,
-                    "focus/focus_downsample.frag",
+                    fragment,
                     size_px=((width + 1) // 2, (height + 1) // 2),
                     inputs={"source": passes[-1].target},
+                    defines=defines,
                     components=2,
                     dtype="f4",
                 )
@@ -108,18 +137,21 @@ class AutofocusZone:
         return tuple(passes)
 
     def look(self, sight: Sight) -> Look:
-        """Draw the zone, average it, and bind the means."""
-        self._draw(sight)
-        for each in self._passes:
-            each.render()
+        """Draw the zone, reduce it, and bind the texel."""
+        width, height = sight.screen_tangents
+        tangents = width * self._settings.zone_ratio, height * self._settings.zone_ratio
+        self._draw(sight, tangents)
+        along_ray = _HalfTangents(tangents) if self._along_ray else None
+        for index, each in enumerate(self._passes):
+            each.render(along_ray if index == 0 else None)
         if not self._passes:
-            self._average_on_cpu()
-        self._means.use(2)
+            self._reduce_on_cpu(tangents if self._along_ray else None)
+        self._reduced.use(2)
         return Look({})
 
-    def _draw(self, sight: Sight) -> None:
+    def _draw(self, sight: Sight, half_tangents: tuple[float, float]) -> None:
         ctx = self._ctx
-        x, y = np.arctan(self._settings.zone_ratio * np.array(sight.screen_tangents)).tolist()
+        x, y = np.arctan(half_tangents).tolist()
         head = sight.world_from_head
         clip_from_relative = clip_from_view(Fov(-x, x, y, -y), self._near_m) @ rotation_only(
             rotation_matrix(head.orientation).T
@@ -131,8 +163,8 @@ class AutofocusZone:
         self.triangles = self._gpu.draw_semantic(clip_from_relative, head.position)
         ctx.enable_only(moderngl.NOTHING)
 
-    def _average_on_cpu(self) -> None:
-        """Wait for the GPU, and average in NumPy."""
+    def _reduce_on_cpu(self, half_tangents: tuple[float, float] | None) -> None:
+        """Wait for the GPU, and reduce in NumPy."""
         width, height = self._settings.zone_size_px
         depth, semantic = (
             np.frombuffer(
@@ -140,8 +172,19 @@ class AutofocusZone:
             ).reshape(height, width)
             for attachment in (-1, 0)
         )
-        weighted = autofocus_zone.weighted(depth, semantic, self._near_m, self._settings)
-        self._means.write(weighted.mean(axis=(0, 1)).astype(np.float32))
+        reduced = autofocus_zone.reduced(
+            depth, semantic, self._near_m, self._settings, half_tangents
+        )
+        self._reduced.write(reduced.astype(np.float32))
+
+
+def _how_it_is_read(settings: Focus, near_m: float) -> tuple[dict[str, int], dict[str, float]]:
+    """Return the variant and the uniform with which one texel is a distance."""
+    if settings.zone_statistic != "mean":
+        return {"EXTREME": 1}, {"near_m": near_m}
+    if settings.mean == "dioptres":
+        return {"MEAN_DIOPTRES": 1}, {}
+    return {}, {"infinity_m": settings.infinity_m}
 
 
 def build(inputs: FocusInputs) -> FocusSearch:

@@ -51,12 +51,15 @@ class FocusInputs(NamedTuple):
         The scene; `GpuScene.update` must have been called for the frame that is rendered.
     near_m
         Nearer than this nothing is drawn, for the search as for the eyes.
+    along_ray
+        Whether distances are those along each ray, or those along the head's forward axis.
     """
 
     ctx: moderngl.Context
     gpu: GpuScene
     settings: Focus
     near_m: float
+    along_ray: bool = False
 
 
 class FocusPass(Protocol):
