@@ -23,6 +23,8 @@ THROUGH = {
     "zone_depth": "focus_weights.frag and focus_candidates.frag (test_focus_zone.py)",
     "refocused": "focus.frag, with every law (test_focus_pass.py)",
     "unlimited_radius_at": "colour_and_coc.frag (test_effects_lens_laws.py)",
+    "distance_times_depth": "colour_and_coc.frag (test_focus_along_ray.py)",
+    "nearest_uv": "coc_tile_min_max.frag (test_focus_along_ray.py)",
     "widest_px": "the shaders that look around (test_effects_tile_classes.py)",
     "reaches": "the same",
     "matters": "the same",

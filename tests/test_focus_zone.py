@@ -148,8 +148,12 @@ def test_the_gpu_and_the_cpu_find_what_is_worked_out_by_hand(ctx, mean, size_px,
 @pytest.mark.parametrize("size_px", [(64, 64), (63, 37), (5, 7), (40, 32)])
 @pytest.mark.parametrize(
     ("statistic", "weight", "expected_m"),
-    [("minimum", 0.004, 2.0), ("maximum", 0.004, 10.0), ("minimum", 1.0, 2.0)]
-    + [("maximum", 0.5, 2.0)],
+    [
+        ("minimum", 0.004, 2.0),
+        ("maximum", 0.004, 10.0),
+        ("minimum", 1.0, 2.0),
+        ("maximum", 0.5, 2.0),
+    ],
 )
 def test_the_gpu_and_the_cpu_find_the_extremes(ctx, size_px, statistic, weight, expected_m):
     content = target_before_a_wall(semantic_weight=weight)

@@ -4,8 +4,9 @@
 // refocus_law.glsl, and vrcomfort/optics/refocus says which one that is.
 // Twin: tests/oracles/refocus.py.
 uniform sampler2D before;  // `focus` one frame ago
-layout(location = 0) out vec4 focus;  // x: focus distance, y: target, both metres along the head's
-                                      // forward axis; z: rays used, bit k = ray k; w: 1
+layout(location = 0) out vec4 focus;  // x: focus distance, y: target, both metres from the head centre
+                                      // along its forward axis, or with ALONG_RAY along a ray;
+                                      // z: rays used, bit k = ray k; w: 1
 
 void refocus(float target, int rays_used) {
     float current = texelFetch(before, ivec2(0), 0).x;

@@ -61,7 +61,10 @@ class ConditionPasses:
         )
         self.focus: FocusPass | None = None
         if any("focus" in kind.reads for kind in kinds):
-            self.focus = make_focus_pass(ctx, self.scene.gpu, condition.focus, near_m=near_m)
+            along_ray = blur is not None and blur.distance_along == "ray"
+            self.focus = make_focus_pass(
+                ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
+            )
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour

@@ -6,7 +6,6 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.narrow_rays import ray_projections
 from vrcomfort.render.focus.nine_ray import NineRays
 from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
 from vrcomfort.render.focus.search import FocusSearch, Look
@@ -38,7 +37,6 @@ class GazeRays:
     def __init__(self, inputs: FocusInputs) -> None:
         self._ahead = NineRays(inputs)
         self._settings = inputs.settings
-        self._near_m = inputs.near_m
         self._has_target = False
         self.fragment = self._ahead.fragment
         self.defines = {**self._ahead.defines, "GAZE": 1}
@@ -60,8 +58,7 @@ class GazeRays:
         if sight.gaze is None:
             if self._settings.without_gaze == "stop":
                 raise InputError(NO_EYE_TRACKER)
-            uniforms, image = self._ahead.look(sight)
-            return Look({**uniforms, "estimate": self.MEAN}, image)
+            return _estimated(self.MEAN, self._ahead.look(sight))
         tangents = self._around(sight.gaze.pose) if sight.gaze.valid else None
         cut = sight.discontinuity
         self._has_target = tangents is not None or (self._has_target and not cut)
@@ -70,12 +67,15 @@ class GazeRays:
         if tangents is None:
             tangents = self._around(Pose())
         assert tangents is not None  # noqa: S101 - straight ahead is always within reach
-        narrow = self._ahead.narrow
-        narrow.draw(ray_projections(tangents, self._near_m), sight.world_from_head)
-        return Look({"estimate": self.MEDIAN}, narrow.image)
+        look = self._ahead.look_along(self._ahead.aimed(tangents), sight.world_from_head)
+        return _estimated(self.MEDIAN, look)
 
     def _around(self, head_from_gaze: Pose) -> Array | None:
         return gaze_tangents(head_from_gaze, self._settings.gaze_radius_deg)
+
+
+def _estimated(estimate: int, look: Look) -> Look:
+    return look._replace(uniforms={**look.uniforms, "estimate": estimate})
 
 
 def build(inputs: FocusInputs) -> FocusSearch:

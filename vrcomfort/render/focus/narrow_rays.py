@@ -68,3 +68,9 @@ def ray_projections(tangents: Array, near_m: float) -> Array:
     clips[:, 2, 3] = near_m
     clips[:, 3, 2] = -1.0
     return clips
+
+
+def ray_lengths(tangents: Array) -> Array:
+    """Return (9,) metres along each ray per metre along the head's forward axis."""
+    lengths: Array = np.sqrt(1 + (tangents**2).sum(axis=1))
+    return lengths

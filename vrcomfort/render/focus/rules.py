@@ -15,7 +15,12 @@ RULES = {each.name: each for each in _RULES}
 
 
 def make_focus_pass(
-    ctx: moderngl.Context, gpu: GpuScene, settings: Focus, *, near_m: float = 0.02
+    ctx: moderngl.Context,
+    gpu: GpuScene,
+    settings: Focus,
+    *,
+    near_m: float = 0.02,
+    along_ray: bool = False,
 ) -> FocusPass:
     """Return the pass that `settings.method` asks for: :class:`FocusInputs` says what it takes."""
-    return RULES[settings.method].build(FocusInputs(ctx, gpu, settings, near_m))
+    return RULES[settings.method].build(FocusInputs(ctx, gpu, settings, near_m, along_ray))

@@ -13,9 +13,12 @@ from __future__ import annotations
 from typing import Any, NamedTuple, Protocol
 
 import moderngl
+import numpy as np
 
 from vrcomfort.frame import FocusSample
+from vrcomfort.geometry import Array
 from vrcomfort.gpu import shaders
+from vrcomfort.optics.focus import RAYS
 from vrcomfort.optics.refocus.law import AT_ONCE
 from vrcomfort.optics.refocus.laws import LAWS
 from vrcomfort.render.focus.readback import Readback, focus_texture
@@ -31,10 +34,13 @@ class Look(NamedTuple):
         Those of this frame.
     rays
         The 9 × 1 depth image to be recorded, if there is one.
+    ray_lengths
+        (9,) metres of each ray's distance per metre along the head's forward axis.
     """
 
     uniforms: dict[str, Any]
     rays: moderngl.Framebuffer | None = None
+    ray_lengths: Array = np.ones(RAYS)
 
 
 class Probe(Protocol):
@@ -99,7 +105,7 @@ class FocusSearch:
         step = AT_ONCE if sight.discontinuity else self._law.step_size(self._settings, dt_s)
         look = self._probe.look(sight)
         self._decide({**look.uniforms, "step_size": step})
-        return self._readback.record(sight.frame_index, look.rays, self._target)
+        return self._readback.record(sight.frame_index, look.rays, look.ray_lengths, self._target)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return the samples that are still on their way."""
