@@ -9,11 +9,12 @@ from hypothesis.extra.numpy import arrays
 from tests.oracles.autofocus_zone import halved, zone_focus_m
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rule import Sight
-from vrcomfort.render.focus.rules import make_focus_pass
+from vrcomfort.render.focus.rules import RULES, make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.data import Material
 
@@ -96,6 +97,20 @@ def test_an_extreme_is_one_of_the_pixels_and_none_goes_beyond_it(image, weighs):
     if not weighs:
         slack = 1 + 1e-9
         assert found["minimum"] / slack <= found["mean"] <= found["maximum"] * slack
+
+
+@pytest.mark.parametrize("statistic", ["mean", "minimum", "maximum"])
+@pytest.mark.parametrize("size_px", [(1, 1), (64, 64), (63, 17), (2, 5)])
+def test_the_plan_counts_the_passes_that_are_drawn(ctx, statistic, size_px):
+    content = target_before_a_wall()
+    settings = SETTINGS.model_copy(update={"zone_statistic": statistic, "zone_size_px": size_px})
+    focus = make_focus_pass(ctx, GpuScene(ctx, content), settings, near_m=NEAR_M)
+    drawn = []
+    render = FullscreenPass.render
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(FullscreenPass, "render", lambda *a: (drawn.append(1), render(*a)))
+        focus.render(Sight(0, 0, Pose()))
+    assert f"by the GPU in {len(drawn)} pass" in RULES["autofocus_zone"].plan(settings).reason
 
 
 def sample(ctx, content, settings, *, head=None, tangents=(1.0, 0.8)):

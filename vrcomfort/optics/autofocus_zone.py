@@ -47,6 +47,15 @@ class ZoneSettings(Protocol):
         """Return the distance taken for the sky."""
 
 
+def halvings(size_px: tuple[int, int]) -> list[tuple[int, int]]:
+    """Return the sizes from a zone to one texel: each half of the one before, rounded up."""
+    sizes = [size_px]
+    while sizes[-1] != (1, 1):
+        width, height = sizes[-1]
+        sizes.append(((width + 1) // 2, (height + 1) // 2))
+    return sizes
+
+
 def _half_sides(size_px: tuple[int, int]) -> tuple[Array, Array]:
     """Return (1, w) and (h, 1) places of the pixels' middles, −1 to 1."""
     x, y = ((2 * np.arange(side) + 1) / side - 1 for side in size_px)

@@ -30,14 +30,21 @@ from vrcomfort.render.planned_pass import PlannedPass
 
 def plan(settings: Focus) -> PlannedPass:
     """Plan the zone."""
-    share = f"{settings.zone_ratio:g} of the image's sides"
-    where = settings.zone_mean_on.upper()
-    found = {
-        "mean": f"averaged by the {where}",
-        "minimum": f"the nearest there found by the {where}",
-        "maximum": f"the farthest there found by the {where}",
+    width, height = settings.zone_size_px
+    done = {
+        "mean": "averaged",
+        "minimum": "searched for what is nearest",
+        "maximum": "searched for what is farthest",
     }[settings.zone_statistic]
-    reason = f"depth of field follows what is in the middle: {share}, {found}"
+    passes = len(autofocus_zone.halvings(settings.zone_size_px))
+    how = {
+        "gpu": f"by the GPU in {passes} pass{'es' if passes > 1 else ''}",
+        "cpu": "by the CPU, which waits for the GPU in every frame",
+    }[settings.zone_mean_on]
+    reason = (
+        f"depth of field follows what is in the middle: {settings.zone_ratio:g} of the image's "
+        f"sides, drawn in {width}×{height} px and {done} {how}"
+    )
     return PlannedPass("focus", True, reason)
 
 
@@ -121,13 +128,13 @@ class AutofocusZone:
         self, first: FullscreenPass, fragment: str, defines: dict[str, int]
     ) -> tuple[FullscreenPass, ...]:
         passes = [first]
-        while passes[-1].target.size != (1, 1):
-            width, height = passes[-1].target.size
+        _, *smaller = autofocus_zone.halvings(first.target.size)
+        for size_px in smaller:
             passes.append(
                 FullscreenPass(
                     self._ctx,
                     fragment,
-                    size_px=((width + 1) // 2, (height + 1) // 2),
+                    size_px=size_px,
                     inputs={"source": passes[-1].target},
                     defines=defines,
                     components=2,

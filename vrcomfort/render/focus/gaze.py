@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.optics.focus import gaze_tangents
+from vrcomfort.optics.focus import RAYS, gaze_tangents
 from vrcomfort.protocol.conditions import Focus
 from vrcomfort.render.focus.nine_ray import NineRays
 from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
@@ -21,7 +21,8 @@ def plan(settings: Focus) -> PlannedPass:
     """Plan rays around the line of sight."""
     nine = settings.without_gaze == "nine_ray"
     instead = "nine rays ahead without one" if nine else "the session stops without one"
-    reason = f"depth of field follows the gaze: needs an eye tracker; {instead}"
+    reason = f"depth of field follows the gaze: {RAYS} rays, a texel each; needs an eye tracker"
+    reason += f"; {instead}"
     return PlannedPass("focus", True, reason)
 
 

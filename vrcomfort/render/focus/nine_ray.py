@@ -17,7 +17,8 @@ from vrcomfort.render.planned_pass import PlannedPass
 
 def plan(_: Focus) -> PlannedPass:
     """Plan nine rays."""
-    return PlannedPass("focus", True, "depth of field follows what is in front of the head")
+    reason = f"depth of field follows what is in front of the head: {RAYS} rays, a texel each"
+    return PlannedPass("focus", True, reason)
 
 
 class Aim(NamedTuple):
