@@ -10,7 +10,7 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -79,8 +79,10 @@ class Worker:
         self._process.communicate()  # the end of its input ends it
 
 
-def measure(*, frames: int, against: str | None, folder: Path) -> Result:
-    """Play each shipped walk, plain and with both effects, with the code of each side.
+def measure(
+    *, frames: int, against: str | None, folder: Path, scenes: Sequence[str] = SCENES
+) -> Result:
+    """Play the walks of shipped scenes, plain and with both effects, with the code of each side.
 
     Parameters
     ----------
@@ -101,7 +103,7 @@ def measure(*, frames: int, against: str | None, folder: Path) -> Result:
         files = sides[0].checkout / "scenes"  # the older code need not read newer scenes
         rows = [
             row
-            for scene in SCENES
+            for scene in scenes
             for condition in CONDITIONS
             for row in _rows(sides, files, scene, condition, frames)
         ]
