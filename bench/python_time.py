@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -117,6 +118,7 @@ def checked_out(revision: str, folder: Path) -> Iterator[Path]:
     def git(*words: str) -> None:
         subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True)
 
+    shutil.rmtree(folder, ignore_errors=True)  # of a run that was stopped
     git("worktree", "prune")
     git("worktree", "add", "--force", "--detach", str(folder.resolve()), revision)
     try:
