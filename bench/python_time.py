@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import TracebackType
@@ -79,8 +80,10 @@ class Worker:
         self._process.communicate()  # the end of its input ends it
 
 
-def measure(*, frames: int, against: str | None, folder: Path) -> Result:
-    """Play each shipped walk, plain and with both effects, with the code of each side.
+def measure(
+    *, frames: int, against: str | None, folder: Path, scenes: Sequence[str] = SCENES
+) -> Result:
+    """Play the walks of shipped scenes, plain and with both effects, with the code of each side.
 
     Parameters
     ----------
@@ -101,7 +104,7 @@ def measure(*, frames: int, against: str | None, folder: Path) -> Result:
         files = sides[0].checkout / "scenes"  # the older code need not read newer scenes
         rows = [
             row
-            for scene in SCENES
+            for scene in scenes
             for condition in CONDITIONS
             for row in _rows(sides, files, scene, condition, frames)
         ]
@@ -115,6 +118,7 @@ def checked_out(revision: str, folder: Path) -> Iterator[Path]:
     def git(*words: str) -> None:
         subprocess.run(["git", *words], cwd=ROOT, check=True, capture_output=True)
 
+    shutil.rmtree(folder, ignore_errors=True)  # of a run that was stopped
     git("worktree", "prune")
     git("worktree", "add", "--force", "--detach", str(folder.resolve()), revision)
     try:

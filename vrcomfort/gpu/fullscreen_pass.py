@@ -97,7 +97,7 @@ class FullscreenPass:
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
             self._framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
-        self._scope = ctx.scope(self._framebuffer, flags)
+        self._triangle.scope = ctx.scope(self._framebuffer, flags)
         self._bind = gl.binder(ctx, [texture for _, texture in named])
 
     def render(self, uniforms: Uniforms | None = None) -> None:
@@ -107,8 +107,7 @@ class FullscreenPass:
         self._bind()
         for unit, sampler in self._samplers:
             sampler.use(unit)
-        with self._scope:
-            self._triangle.render(self._mode, vertices=self._vertices)
+        self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
             sampler.clear(unit)
 

@@ -284,4 +284,5 @@ def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:
         return track.pose(sample.index)
     a, b = sample.index, sample.index + 1
     position = track.positions[a] + (track.positions[b] - track.positions[a]) * sample.fraction
-    return Pose(position, slerp(track.orientations[a], track.orientations[b], sample.fraction))
+    turn = slerp(track.orientations[a], track.orientations[b], sample.fraction)
+    return Pose.of(position.tolist(), turn.tolist())

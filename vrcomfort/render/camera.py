@@ -80,7 +80,8 @@ class EyeCamera:
 
     def clip_from_relative(self) -> Array:
         """Return (4, 4) clip-from-relative; relative = world axes, with the eye as origin."""
-        matrix: Array = self.clip_from_view() @ self.view_from_relative()
+        matrix = self.clip_from_view().copy()
+        matrix[:, :3] = matrix[:, :3] @ self.world_from_eye.rotation.T
         return matrix
 
 

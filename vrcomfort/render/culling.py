@@ -29,7 +29,7 @@ def planes(clip_from_source: Array, *, near: bool = True) -> Array:
 
 
 def from_origins(planes: Array, origins: Array) -> Array:
-    """Return (views, k, 4) planes around (views, 3) origins for boxes in one frame for all."""
+    """Return (views, k, 4) planes around (views or 1, 3) origins for boxes in one frame for all."""
     moved = planes.copy()
     moved[..., 3] -= np.einsum("vkj,vj->vk", planes[..., :3], origins)
     return moved
@@ -56,9 +56,11 @@ def visible(planes: Array, boxes: Array) -> NDArray[np.bool_]:
         (n,), or (views, n) for several frusta.
     """
     flat = planes.reshape(-1, 4)
-    normals = flat[:, :3]
+    weights = np.empty((len(flat), 7))
+    weights[:, :3], weights[:, 6] = flat[:, :3], flat[:, 3]
+    np.abs(flat[:, :3], out=weights[:, 3:6])
     # How far the corner that is furthest inside of a plane lies inside of it.
-    reach = np.concatenate([normals, np.abs(normals), flat[:, 3:]], axis=1) @ boxes
+    reach = weights @ boxes
     return np.asarray(reach.reshape(*planes.shape[:-1], -1).min(axis=-2) >= 0)
 
 

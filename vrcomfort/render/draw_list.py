@@ -6,6 +6,7 @@ what the GPU reads: rows of ``DrawElementsIndirectCommand``.
 
 from __future__ import annotations
 
+import operator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -161,9 +162,11 @@ def batches(keys: NDArray[np.intp]) -> list[Batch]:
     """Cut the keys of ordered rows into runs of equal ones."""
     if not len(keys):
         return []
-    starts = np.flatnonzero(np.diff(keys, prepend=-1))
-    lengths = np.diff(starts, append=len(keys))
-    return list(map(Batch, keys[starts].tolist(), starts.tolist(), lengths.tolist()))
+    changes = (keys[1:] != keys[:-1]).nonzero()[0] + 1  # hot: functions of NumPy's take longer
+    starts = [0, *changes.tolist()]
+    ends = [*starts[1:], len(keys)]
+    found = [int(keys[0]), *keys[changes].tolist()]
+    return list(map(Batch, found, starts, map(operator.sub, ends, starts)))
 
 
 def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:

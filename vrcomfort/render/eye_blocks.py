@@ -37,6 +37,10 @@ class EyeBlocks:
         self._view = self._bytes[: view.itemsize].view(view).reshape(())
         self._light = Light(scene, self._bytes[self._light_offset :].view(light).reshape(()))
         self._view["image_size_px"][:2] = size_px
+        self._clip_from_view = self._view["clip_from_view"]
+        self._view_from_relative = self._view["view_from_relative"][:3, :3]
+        self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
+        self._eye_delta_m = self._view["eye_delta_m"][:3]
         self._ndc_per_px = 2 / np.array(size_px)
         self._lens = lens
         self._focus_offset = shaders.offset(view, "lens_focus")
@@ -56,13 +60,12 @@ class EyeBlocks:
         lens_focus
             1×1, x = where lenses focus (m); None where each lens says so itself.
         """
-        view = self._view
         motion = camera_motion(camera.world_from_eye, previous.world_from_eye)
-        view["clip_from_view"] = camera.clip_from_view().T
-        # The transpose of view-from-relative: GLSL stores columns.
-        view["view_from_relative"][:3, :3] = motion.view_from_world.T
-        view["previous_view_from_relative"][:3, :3] = motion.previous_view_from_world.T
-        view["eye_delta_m"][:3] = motion.eye_delta_m
+        # Transposed: GLSL stores columns.
+        self._clip_from_view[...] = camera.clip_from_view().T
+        self._view_from_relative[...] = motion.view_from_world.T
+        self._previous_view_from_relative[...] = motion.previous_view_from_world.T
+        self._eye_delta_m[...] = motion.eye_delta_m
         if self._lens and camera.lens is not None:
             self._write_lens(camera, camera.lens)
         self._light.look_from(camera.world_from_eye.position, shadow)

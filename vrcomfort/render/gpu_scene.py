@@ -18,6 +18,8 @@ import numpy as np
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
+from vrcomfort.render.batch_drawer import BatchDrawer
+from vrcomfort.render.clip_blocks import ClipBlocks
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
 from vrcomfort.render.joint_buffer import JointBuffer
 from vrcomfort.render.materials import ImageArrays
@@ -31,8 +33,7 @@ from vrcomfort.render.scene_rows import (
     Rows,
     SceneRows,
 )
-from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
-from vrcomfort.render.textures import TextureStore
+from vrcomfort.render.surfaces import Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
     BENDING_FORMAT,
     BENDING_NAMES,
@@ -46,9 +47,6 @@ from vrcomfort.render.vertex_data import (
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
-
-CLIP_BINDING = 3
-_ALPHA_TO_COVERAGE = 0x809E
 
 
 class Viewpoint(NamedTuple):
@@ -95,9 +93,8 @@ class GpuScene:
         self._rows = SceneRows(scene, table)
         self._color_rows = RowBuffers(ctx, 2 * len(table.node), previous=velocity)
         self._depth_rows = RowBuffers(ctx, len(table.node), previous=False)
-        self._materials = MaterialBuffer(ctx, scene, images)
-        self._textures = TextureStore(ctx, scene, images)
-        self._clips = _ClipBlocks(ctx)
+        self._drawer = BatchDrawer(ctx, scene, images)
+        self._clips = ClipBlocks(ctx)
         joints = scene.all_skins.count
         self._joints = JointBuffer(ctx, joints) if joints else None
         factory = self._factory(defines or {})
@@ -159,8 +156,8 @@ class GpuScene:
         origins = np.array([view.position_m for view in views])
         planes = culling.planes(np.array([view.clip_from_relative for view in views]))
         seen = self._rows.seen(planes, origins)
-        order = self._order(np.flatnonzero(seen.any(axis=0)))
-        view, place = np.nonzero(seen[:, order])
+        order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
+        view, place = seen[:, order].nonzero()
         row = self._rows.in_use[order[place]]
         layer = view * 2 + self._list.blended[row]
         run = layer * len(self._surfaces) + self._list.key[row]
@@ -194,8 +191,9 @@ class GpuScene:
             False: opaque and masked surfaces. True: blended ones.
         """
         layer = self._layers[2 * view + blended]
-        self._textures.bind()
-        self._draw(layer.batches, self._surfaces, self._color_rows)
+        self._begin()
+        self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
+        self.draws += len(layer.batches)
         return layer.triangles
 
     def draw_depth(
@@ -262,8 +260,10 @@ class GpuScene:
         self._rows.write(self._depth_rows, rows[order], origin_m)
         self._clips.write(clip_from_relative[None])
         self._clips.bind(0)
-        self._textures.bind()
-        self._draw(batches(key[order]), surfaces, self._depth_rows, cull=cull)
+        drawn = batches(key[order])
+        self._begin()
+        self._drawer.draw(drawn, surfaces, self._depth_rows.commands, cull=cull)
+        self.draws += len(drawn)
         return self._triangles(rows)
 
     def draw_depth_views(
@@ -279,10 +279,10 @@ class GpuScene:
             Called with the number of each view before it is drawn, to set its viewport.
         """
         planes = culling.planes(clips_from_relative)
-        seen = self._rows.seen(planes, np.broadcast_to(origin_m, (len(planes), 3)))
+        seen = self._rows.seen(planes, origin_m[None])
         if self.has_blended:
             seen &= ~self._list.blended[self._rows.in_use]
-        view, place = np.nonzero(seen)
+        view, place = seen.nonzero()
         row = self._rows.in_use[place]
         key = self._list.depth_key[row] + view * len(self._depth_surfaces)
         order = np.argsort(key, kind="stable")
@@ -292,73 +292,22 @@ class GpuScene:
         for batch in batches(key[order]):
             number, surface = divmod(batch.key, len(self._depth_surfaces))
             views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
-        self._textures.bind()
+        self._begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
-            self._draw(of_view, self._depth_surfaces, self._depth_rows)
+            self._drawer.draw(of_view, self._depth_surfaces, self._depth_rows.commands)
+            self.draws += len(of_view)
         return self._triangles(row)
+
+    def _begin(self) -> None:
+        """Bind what all draws of this scene read."""
+        self._drawer.begin()
+        if self._joints is not None:
+            self._joints.bind()
 
     def _triangles(self, rows: Rows) -> int:
         return int(self._triangles_of_row[rows].sum())
-
-    def _draw(
-        self,
-        drawn: list[Batch],
-        surfaces: list[Surface],
-        buffers: RowBuffers,
-        *,
-        cull: bool = True,
-    ) -> None:
-        """Draw batches, and change only that OpenGL state that differs from one to the next."""
-        if self._joints is not None:
-            self._joints.bind()
-        faces: str | None = "not set"
-        masked, block = False, -1
-        for batch in drawn:
-            surface = surfaces[batch.key]
-            if surface.block != block:
-                block = surface.block
-                self._materials.bind(block)
-            wanted = surface.faces if cull else None
-            if wanted != faces:
-                faces = wanted
-                self._cull(wanted)
-            if surface.covers != masked:
-                masked = surface.covers
-                toggle = self._ctx.enable_direct if masked else self._ctx.disable_direct
-                toggle(_ALPHA_TO_COVERAGE)
-            surface.array.render_indirect(buffers.commands, count=batch.length, first=batch.first)
-        if masked:
-            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
-        self.draws += len(drawn)
-
-    def _cull(self, faces: str | None) -> None:
-        if faces is None:
-            self._ctx.disable(moderngl.CULL_FACE)
-            return
-        self._ctx.front_face = faces
-        self._ctx.enable(moderngl.CULL_FACE)
-
-
-class _ClipBlocks:
-    """The uniform block of ``depth.vert``, for several views."""
-
-    def __init__(self, ctx: moderngl.Context) -> None:
-        self._stride = gl.uniform_stride(64)
-        self._buffer = gl.dynamic_buffer(ctx, self._stride)
-
-    def write(self, clips_from_relative: Array) -> None:
-        """Take (views, 4, 4) matrices."""
-        blocks = np.zeros((len(clips_from_relative), self._stride // 64, 4, 4), dtype=np.float32)
-        blocks[:, 0] = clips_from_relative.swapaxes(-1, -2)  # GLSL stores columns
-        self._buffer.orphan(blocks.nbytes)
-        self._buffer.write(blocks)
-
-    def bind(self, view: int) -> None:
-        """Make a view's matrix the one that shaders see."""
-        offset = view * self._stride
-        self._buffer.bind_to_uniform_block(CLIP_BINDING, offset=offset, size=64)
 
 
 def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:

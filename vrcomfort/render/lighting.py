@@ -99,7 +99,7 @@ class LampReach:
         lamps, far = environment.point_lights, environment.directional_lights
         positions = [lamp.position for lamp in lamps] + [(0.0, 0.0, 0.0)] * len(far)
         ranges_m = [lamp.range_m for lamp in lamps] + [np.inf] * len(far)
-        self._positions = np.array(positions).reshape(-1, 1, 3)
+        self._positions = np.array(positions).reshape(-1, 3).T[:, :, None]
         self._squares = np.array(ranges_m)[:, None] ** 2
         self._powers = 2.0 ** np.arange(len(ranges_m))
 
@@ -108,9 +108,11 @@ class LampReach:
 
         A float holds 16 bits exactly, and travels as an ordinary instance attribute.
         """
-        beyond = np.maximum(np.abs(self._positions - centers) - halves, 0.0)
-        near = np.einsum("lni,lni->ln", beyond, beyond) < self._squares
-        return np.asarray(self._powers @ near)
+        if not len(self._powers):
+            return np.zeros(len(centers))
+        beyond = np.abs(self._positions - centers.T[:, None]) - halves.T[:, None]
+        x, y, z = np.maximum(beyond, 0.0)
+        return np.asarray(self._powers @ (x * x + y * y + z * z < self._squares))
 
 
 def _write_environment(block: NDArray[np.void], environment: Environment) -> None:

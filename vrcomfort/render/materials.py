@@ -133,14 +133,14 @@ class BatchKey(NamedTuple):
     double_sided, mirrored
         Whether back faces are seen; whether front faces are clockwise.
     block
-        Which block of materials.
+        Which block of materials; None where they do not matter.
     """
 
     features: Features
     arrays: tuple[int | None, ...]
     double_sided: bool
     mirrored: bool
-    block: int
+    block: int | None
 
     @property
     def masked(self) -> bool:
@@ -158,7 +158,7 @@ class BatchKey(NamedTuple):
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
             skin = ("SKIN",) if "SKIN" in self.features else ()
-            return BatchKey(skin, plain, self.double_sided, self.mirrored, 0)
+            return BatchKey(skin, plain, self.double_sided, self.mirrored, None)
         of_alpha = ("ALPHA_MASK", "BASE_COLOR_IMAGE", "UV_MAPS", "UV_1", "SKIN")
         kept = [name for name in of_alpha if name in self.features]
         return self._replace(features=tuple(kept), arrays=(self.arrays[0], *plain[1:]))

@@ -124,19 +124,19 @@ class ScenePass:
         self.still = before.world_from_eye == camera.world_from_eye and (
             before.time_s == time_s or not self.gpu.moves
         )
-        if self._placed != (time_s, before.time_s, camera.head) or self._view(camera) is None:
+        view = self._view(camera)
+        if view is None or self._placed != (time_s, before.time_s, camera.head):
             self.update(time_s, camera.head, before.time_s, [camera])
+            view = 0
         self._blocks.update(camera, before, self._shadow, self.lens_focus)
-        self._draw(self._view(camera) or 0)
+        self._draw(view)
         self.triangles += self._shadow_triangles
         self._shadow_triangles = 0  # the next eye reads the same map
 
     def _view(self, camera: EyeCamera) -> int | None:
         """Return which of the eyes of `update` a camera is, whatever its lens."""
-        for number, eye in enumerate(self._eyes):
-            if _place(eye) == _place(camera):
-                return number
-        return None
+        place = _place(camera)
+        return next((view for view, eye in enumerate(self._eyes) if _place(eye) == place), None)
 
     def _draw(self, view: int) -> None:
         ctx = self._ctx
@@ -207,6 +207,7 @@ class _Targets:
         self._many = ctx.framebuffer(many, many_depth)
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
+        self._bind = gl.binder(ctx, self._sources)
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
         self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
         self.count = 2 * len(self._sources)
@@ -227,8 +228,7 @@ class _Targets:
         self._resolved.use()
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "1"
-        for unit, texture in enumerate(self._sources):
-            texture.use(unit)
+        self._bind()
         self._resolve.render(vertices=3)
         self._ctx.enable_only(moderngl.NOTHING)
 

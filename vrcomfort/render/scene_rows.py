@@ -13,6 +13,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
 from vrcomfort.render.lighting import LampReach
+from vrcomfort.render.moving_rows import MovingRows
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import NodePoses, relative_rows
 
@@ -97,7 +98,7 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
-        self._moving_rows = np.flatnonzero(self._moving)
+        self._moves = MovingRows(table, self._moving)
         casts = table.casts_shadow & ~self._locked & ~table.blended
         self._casting: dict[Movement, NDArray[np.bool_]] = {
             "all": casts,
@@ -107,7 +108,9 @@ class SceneRows:
         self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
         self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
-        centers, halves = self._world_boxes(world, np.arange(len(table.node)))
+        self._world = self._previous_world = world
+        every = np.arange(len(table.node))
+        centers, halves = self._bent(every, *table.world_boxes(world, every))
         self._boxes = culling.boxes(centers, halves)
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
         self._rows[:, _MATRIX] = table.ambient
@@ -116,9 +119,8 @@ class SceneRows:
         self._rows[:, _MATRIX + 3] = table.semantic_weight
         self._rows[:, _MATRIX + 4] = table.material
         self._rows[:, _MATRIX + 5] = table.first_joint
-        self._level_centers = self._centers_of_levels()
-        self._levels_move = bool((self._moving & table.has_levels).any())
-        self._world = self._previous_world = world
+        of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
+        self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
 
@@ -140,39 +142,31 @@ class SceneRows:
             self.joints = self._poses.place_from_bind(time_s)
             self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
-        if self._levels_move:
-            self._level_centers = self._centers_of_levels()
         self._head_m = head.position
         self._from_head = self._boxes.copy()
         self._from_head[:3] -= self._head_m[:, None]
-        self.in_use = np.flatnonzero(self._level_in_use(self._head_m))
+        self.in_use = self._level_in_use(self._head_m).nonzero()[0]
         self._in_use_from_head = self._from_head[:, self.in_use]
         self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
     def _update_moving(self) -> None:
-        rows = self._moving_rows
-        if not len(rows):
+        moves = self._moves
+        if not len(moves.rows):
             return
-        centers, halves = self._world_boxes(self._world, rows)
-        self._boxes[:3, rows], self._boxes[3:6, rows] = centers.T, halves.T
-        self._rows[rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        centers, halves = self._bent(moves.rows, *moves.boxes(self._world))
+        self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
+        self._rows[moves.rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
 
-    def _world_boxes(self, world: Array, rows: Rows) -> tuple[Array, Array]:
-        """Return centres and half extents of the boxes of (ascending) rows, bent ones as bent."""
-        centers, halves = self._list.world_boxes(world, rows)
+    def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
+        """Return the boxes of (ascending) rows, of skinned ones as their joints bend them."""
         bent = self._list.skin_boxes
         if len(bent.rows):
             among = np.isin(bent.rows, rows)
             at = np.searchsorted(rows, bent.rows[among])
-            found = bent.world_boxes(world, self.joints)
+            found = bent.world_boxes(self._world, self.joints)
             centers[at], halves[at] = found[0][among], found[1][among]
         return centers, halves
-
-    def _centers_of_levels(self) -> Array:
-        """Return (3, rows): where from the distance counts that decides a row's level."""
-        nodes = len(self._scene.nodes)
-        found = self._list.node_centers(self._boxes[:3].T, self._boxes[3:6].T, nodes)
-        return np.ascontiguousarray(found[self._list.node].T)
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
@@ -193,7 +187,7 @@ class SceneRows:
 
     def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
         """Return what casts a shadow from within planes, levels by the distance from `origin_m`."""
-        rows = np.flatnonzero(self._casting[movement] & self._level_in_use(origin_m))
+        rows = (self._casting[movement] & self._level_in_use(origin_m)).nonzero()[0]
         around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
         seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
         return seen

@@ -28,7 +28,7 @@ class Surface:
     """One batch's state."""
 
     array: moderngl.VertexArray
-    block: int
+    block: int | None
     faces: str | None
     """Which way round front faces go; None where both sides are seen."""
     covers: bool
