@@ -22,7 +22,7 @@ class GazeRow:
     gaze
         In the stage; blank where it is not valid.
     hit_m
-        Where focus follows the gaze: how far away what it meets is, along the head's forward axis.
+        Where focus follows the gaze: how far away what it meets is: `FocusSample.focus_raw_m`.
     """
 
     FILE: ClassVar[str] = "gaze.csv"
