@@ -83,11 +83,10 @@ class FullscreenPass:
             for unit, (name, _) in enumerate(named)
             if name in filtered
         )
-        self._members: dict[tuple[str, ...], tuple[Any, ...]] = {}
-        self._last: dict[tuple[str, ...], Fields] = {}
+        self._values: dict[str, Any] = {}
         if constants is not None:
             self._set(constants)
-        self._framebuffer = ctx.framebuffer(self.targets)
+        framebuffer = ctx.framebuffer(self.targets)
         flags = moderngl.NOTHING
         self._mode, self._vertices = moderngl.TRIANGLES, 3
         if tiles is not None:
@@ -96,8 +95,8 @@ class FullscreenPass:
             flags = moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
-            self._framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
-        self._triangle.scope = ctx.scope(self._framebuffer, flags)
+            framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
+        self._triangle.scope = ctx.scope(framebuffer, flags)
         self._bind = gl.binder(ctx, [texture for _, texture in named])
 
     def render(self, uniforms: Uniforms | None = None) -> None:
@@ -113,20 +112,17 @@ class FullscreenPass:
 
     def _set(self, uniforms: Uniforms) -> None:
         for part in _parts(uniforms):
-            names = part._fields
-            if self._last.get(names) == part:
-                continue  # the program keeps them
-            self._last[names] = part
-            for member, value in zip(self._members_of(names), part, strict=True):
-                if isinstance(value, bytes):
-                    member.write(value)
-                else:
-                    member.value = value
+            for name, value in zip(part._fields, part, strict=True):
+                if self._values.get(name) != value:  # the program keeps the others
+                    self._values[name] = value
+                    self._write(name, value)
 
-    def _members_of(self, names: tuple[str, ...]) -> tuple[Any, ...]:
-        if names not in self._members:
-            self._members[names] = tuple(self._triangle.program[name] for name in names)
-        return self._members[names]
+    def _write(self, name: str, value: Any) -> None:
+        member: Any = self._triangle.program[name]
+        if isinstance(value, bytes):
+            member.write(value)
+        else:
+            member.value = value
 
 
 def _parts(uniforms: Uniforms) -> tuple[Fields, ...]:
