@@ -3,16 +3,60 @@
 from __future__ import annotations
 
 from math import atan2, degrees
+from typing import NamedTuple
 
 import numpy as np
 
 from vrcomfort.geometry import Pose
 
-STREAK_OF_SAMPLES_PX = 24.0
-"""Length of streak that takes ``MotionBlur.samples`` samples."""
+_DIAL = (
+    (2, 1, 3, False),
+    (4, 1, 5, False),
+    (8, 3, 3, False),
+    (16, 5, 3, False),
+    (32, 5, 5, True),
+    (64, 7, 7, True),
+)
+"""Up to so many samples: taps, parts, and whether reads are cubic."""
 
-MOST_SAMPLES = 16
-"""Along that length; more are not closer. Settings above it read across the streak more finely."""
+_MOST_SHORT_PAIRS = 7
+"""Reads to each side of a short streak."""
+
+
+class Sampling(NamedTuple):
+    """How streaks are averaged.
+
+    A streak of at most 2 `short_px` is its pixel and `short_pairs` reads to each side, at most 2 px
+    apart. A longer one is the mean of `parts` means of `taps` reads: `taps` · `parts` samples for
+    `taps` + `parts` reads. With one tap it is read in one step.
+    """
+
+    taps: int
+    parts: int
+    cubic: bool
+    """Whether each read is sharper across the streak: three reads in place of one."""
+    stride_px: int
+    """Between samples that look for what is in front."""
+    most_taps: int
+    """Of these, to each side."""
+
+    @property
+    def short_pairs(self) -> int:
+        """Return the reads to each side of a short streak: as many as a longer one takes."""
+        reads = self.taps + self.parts if self.taps > 1 else self.parts
+        return min(reads // 2, _MOST_SHORT_PAIRS)
+
+    @property
+    def short_px(self) -> float:
+        """Return the longest half streak that one step reads without a gap."""
+        return 2 * self.short_pairs + 0.5
+
+
+def sampling_of(samples: int) -> Sampling:
+    """Return how streaks are averaged with ``MotionBlur.samples``."""
+    taps, parts, cubic = next(rest for most, *rest in _DIAL if samples <= most)
+    stride_px, most_taps = (2, 16) if samples <= 8 else (1, 32)
+    return Sampling(int(taps), int(parts), bool(cubic), stride_px, most_taps)
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:
