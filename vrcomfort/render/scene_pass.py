@@ -9,7 +9,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import lighting
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
-from vrcomfort.render.camera_motion import camera_motion
+from vrcomfort.render.camera_motion import camera_motion, previous_clip_from_clip
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
@@ -181,6 +181,10 @@ class _Targets:
         self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
         self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
+        if velocity_dtype:
+            self._many.use()
+            places = gl.sample_places(ctx, samples)
+            self._resolve.program["sample_place"] = places if samples > 1 else places[0]
         self.count = 2 * len(self._sources)
 
     def begin(self) -> None:
@@ -235,6 +239,9 @@ class _ViewBlock:
         # The transpose of view-from-relative: GLSL stores columns.
         block["view_from_relative"][:3, :3] = motion.view_from_world.T
         block["previous_view_from_relative"][:3, :3] = motion.previous_view_from_world.T
+        block["previous_clip_from_clip"] = previous_clip_from_clip(
+            camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
+        ).T
         block["eye_delta_m"][:3] = motion.eye_delta_m
         self._write_lens(camera)
         self._buffer.write(block.tobytes())
