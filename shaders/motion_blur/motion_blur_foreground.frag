@@ -43,8 +43,6 @@ uniform sampler2D colour;
 uniform sampler2D depth;
 uniform sampler2D longest;
 uniform sampler2D crossing;
-uniform int px_per_sample;  // 1 or 2
-
 out vec4 blurred;
 
 ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -68,9 +66,9 @@ float in_front(vec3 q) {
 }
 
 // Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
-// Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
-// streak does: two pixels can be read at once, of three the filter would leave one out, and every
-// edge that moves would come out as a comb.
+// Each stands for `stride` pixels, of which it asks the middle one where it goes. STRIDE is 1 or 3: of
+// three pixels the light is read at two places, 2/3 px from the middle, so that the filter weighs
+// all three alike. One read would leave pixels out, and every edge would come out as a comb.
 struct Walk {
     vec2 step;         // px of the image for one px along the longer axis
     float per_square;  // 1 / (its length squared)
@@ -107,9 +105,19 @@ Tap tap_of(Walk walk, int j) {
     return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
 }
 
-vec4 colour_at(vec2 at, bool whole_pixels) {
+vec3 read(vec2 at, bool whole_pixels) {
     vec2 where = whole_pixels ? floor(at) + 0.5 : at;
-    return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
+    return textureLod(colour, where / vec2(last + 1), 0.0).rgb;
+}
+
+vec4 colour_at(vec2 at, Walk walk) {
+#if STRIDE == 3
+    vec2 apart = (walk.stride > 1 ? 2.0 / 9.0 * float(walk.stride) : 0.0) * walk.step;
+    vec3 both = read(at - apart, walk.whole_pixels) + read(at + apart, walk.whole_pixels);
+    return vec4(0.5 * both, 1.0);
+#else
+    return vec4(read(at, walk.whole_pixels), 1.0);
+#endif
 }
 
 // other: the line of the other walk for the foreground; 0 where there is one only.
@@ -127,7 +135,7 @@ void gather_at(vec2 offset, Walk walk, Tap tap, bool for_background, bool for_fo
     float opacity = is_foreground * time / max(2.0 * sweep, 1e-3);
     float over = for_foreground ? opacity * share_along(q.xy, walk.step, other) : 0.0;
     if (shown + over > 0.0) {
-        vec4 c = colour_at(at, walk.whole_pixels);
+        vec4 c = colour_at(at, walk);
         background += shown * c;
         foreground += over * c;
     }
@@ -154,8 +162,8 @@ void main() {
     bool moves = length(p.xy) >= LEAST_PX;
     // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > 0.75 * reach;
-    int stride = whole_pixels ? 1 : px_per_sample;
-    stride = max(stride, int(ceil(reach / float(MOST_TAPS))));
+    // Odd, so that there is a middle.
+    int stride = max(whole_pixels ? 1 : STRIDE, int(ceil(reach / float(MOST_TAPS))) | 1);
     blurred = texelFetch(colour, pixel, 0);
     background = (moves ? time_over(0.0, longer_axis(p.xy)) : 1.0) * vec4(blurred.rgb, 1.0);
     bool is_first = moves && goes_along(around);

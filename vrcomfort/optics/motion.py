@@ -36,7 +36,7 @@ class Sampling(NamedTuple):
     cubic: bool
     """Whether each read is sharper across the streak: three reads in place of one."""
     stride_px: int
-    """Between samples that look for what is in front."""
+    """Between samples that look for what is in front: 1 or 3."""
     most_taps: int
     """Of these, to each side."""
 
@@ -55,7 +55,7 @@ class Sampling(NamedTuple):
 def sampling_of(samples: int) -> Sampling:
     """Return how streaks are averaged with ``MotionBlur.samples``."""
     taps, parts, cubic = next(rest for most, *rest in _DIAL if samples <= most)
-    stride_px, most_taps = (2, 16) if samples <= 8 else (1, 32)
+    stride_px, most_taps = (3, 32) if samples <= 8 else (1, 64)
     return Sampling(int(taps), int(parts), bool(cubic), stride_px, most_taps)
 
 

@@ -181,16 +181,18 @@ class _Targets:
         self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
         self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
-        if velocity_dtype:
-            self._many.use()
-            places = gl.sample_places(ctx, samples)
-            self._resolve.program["sample_place"] = places if samples > 1 else places[0]
+        self._samples = samples
+        self._knows_samples = velocity_dtype is None
         self.count = 2 * len(self._sources)
 
     def begin(self) -> None:
         """Clear to black at infinity."""
         self._many.use()
         self._many.clear(depth=0.0)
+        if not self._knows_samples:  # the driver tells of the framebuffer in use only
+            places = gl.sample_places(self._ctx, self._samples)
+            self._resolve.program["sample_place"] = places if self._samples > 1 else places[0]
+            self._knows_samples = True
 
     def blend(self) -> None:
         """Continue with colour only: what blends covers by alpha and writes no depth."""

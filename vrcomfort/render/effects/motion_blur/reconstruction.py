@@ -18,10 +18,6 @@ class _Limit(NamedTuple):
     radius_limit_px: float
 
 
-class _Stride(NamedTuple):
-    px_per_sample: int
-
-
 class Reconstruction:
     """Averages along each pixel's own streak; looks who hides whom where things pass each other.
 
@@ -109,11 +105,11 @@ class Reconstruction:
                 "crossing": crossing,
             },
             filtered={"colour"},
-            constants=_Stride(self._sampling.stride_px),
             defines={
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
                 "CLASS": "MIXED",
+                "STRIDE": self._sampling.stride_px,
                 "MOST_TAPS": self._sampling.most_taps,
             },
             vertex="motion_blur/motion_tiles_of_class.vert",
