@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from tests.oracles.motion import streak_weights
-from tests.support.effects import motion_blur, motion_blur_pass, rgb_of
+from tests.support.effects import motion_blur, motion_blur_pass, rgb_of, texels_of
 from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.optics.motion import sampling_of
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
 
@@ -118,7 +119,7 @@ def test_a_point_is_spread_as_the_twin_says(ctx, half_velocity_px, samples):
     line = motion_blur(ctx, rgb, 2.0, [2 * half_velocity_px, 0.0], samples=samples, **WHOLE)[
         48, :, 0
     ]
-    weights = streak_weights(float(np.float16(half_velocity_px)), samples=samples)
+    weights = streak_weights(float(np.float16(half_velocity_px)), samples=samples, width_px=128)
     n = len(weights) // 2
     np.testing.assert_allclose(line[64 - n : 65 + n], weights, atol=2e-3)
     assert line.astype(float).sum() == pytest.approx(1, abs=5e-3)
@@ -145,6 +146,34 @@ def test_more_samples_are_closer(ctx):
     errors = [np.mean([error(v, samples) for v in velocities]) for samples in (2, 4, 8, 16, 32)]
     assert errors == sorted(errors, reverse=True)
     assert errors[0] > 4 * errors[2] > 6 * errors[4]
+
+
+def comb(profile, half_velocity_px, edge):
+    """Return the most by which a blurred edge bends from pixel to pixel, less than its two ends."""
+    offset = np.arange(len(profile)) + 0.5 - edge
+    inside = np.abs(offset) < half_velocity_px - 2
+    return np.abs(np.diff(profile, 2))[inside[1:-1]].max()
+
+
+@pytest.mark.parametrize("samples", [8, 16, 32])
+@pytest.mark.parametrize("half_velocity_px", [6.5, 8.0, 9.7, 11.0])
+@pytest.mark.parametrize("passes_by", [False, True])
+def test_a_moving_edge_is_a_ramp_and_no_comb(ctx, samples, half_velocity_px, passes_by):
+    """Also in tiles where who hides whom is looked at: another thing goes by above."""
+    rgb = np.where(columns() < 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
+    other = (columns() > 60) & (columns() < 68) & (np.arange(96)[:, None] < 40) & passes_by
+    velocity = np.where(other[..., None], 0.0, [2 * half_velocity_px, 0.0])
+    effect = motion_blur_pass(
+        ctx, rgb, np.where(other, 0.5, 5.0), velocity, samples=samples, **WHOLE
+    )
+    kinds = texels_of(effect._method.tiles[0])[..., 2]
+    assert kinds[44 // 16, 64 // 16] == (2 if passes_by else 1)
+    profile = rgb_of(effect.target)[44, :, 0].astype(float)
+    assert np.all(np.diff(profile) <= 1e-3)
+    how = sampling_of(samples, 128)
+    # A ramp steps by 1 / (2 * half_velocity_px). Where all moves alike, each sample is a step.
+    most = 0.5 / (2 * half_velocity_px) if passes_by else 2 / (how.taps * how.parts)
+    assert comb(profile, half_velocity_px, 64) < most
 
 
 def test_a_cubic_read_makes_nothing_brighter_or_darker_than_it_is(ctx, rng):

@@ -83,7 +83,7 @@ def test_static_velocity_is_that_of_the_sample_whose_depth_counts(ctx, offset, l
     """At silhouettes and at grazing angles as well: depth differs from sample to sample there."""
     origin = np.array(offset, dtype=float)
     content, camera = cluttered(offset), eye(origin, yaw_pitch_roll(*look))
-    turned = yaw_pitch_roll(*(np.array(look) + [0.02, -0.01, 0.015]))
+    turned = yaw_pitch_roll(*np.add(look, [0.02, -0.01, 0.015]))
     previous = PreviousCamera(Pose(origin + np.array([0.03, -0.01, 0.05]), turned), 0.0)
     found, depth = velocities(ctx, content, camera, previous)
     view = nearest_samples(content, camera, 0.0)
@@ -104,9 +104,7 @@ def test_what_moves_has_the_velocity_of_the_sample_whose_depth_counts(ctx, look)
         animations=(Animation("tumble", channels, 1.0),),
     )  # fmt: skip
     camera = eye((0.1, 0.2, 0.0), yaw_pitch_roll(*look))
-    previous = PreviousCamera(
-        Pose((0.13, 0.19, 0.05), yaw_pitch_roll(*(0.01 + np.array(look)))), 0.4
-    )
+    previous = PreviousCamera(Pose((0.13, 0.19, 0.05), yaw_pitch_roll(*np.add(look, 0.01))), 0.4)
     found, depth = velocities(ctx, content, camera, previous, time_s=0.5)
     view = nearest_samples(content, camera, 0.5)
     before, now = (content.world_from_node(t)[0] for t in (0.4, 0.5))

@@ -11,9 +11,14 @@ float tolerance_px(float half_velocity_px) {
     return 0.25 + 0.1 * half_velocity_px;
 }
 
-// Half velocities of two pixels side by side that differ by more are of things that pass each other.
+// Half velocities of two pixels side by side that differ by more are of things that pass each other:
+// by JUMP of the shorter one, and half a pixel.
+#ifndef JUMP
+#define JUMP 0.1
+#endif
+
 float jump_px(float half_velocity_px) {
-    return 0.5 + 0.1 * half_velocity_px;
+    return 0.5 + JUMP * half_velocity_px;
 }
 
 float cross_product(vec2 a, vec2 b) {

@@ -1,7 +1,8 @@
 """Motion on the image: velocity, shutter and streaks.
 
 NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``motion_tile_classes.glsl``, and
-of the averages of ``motion_blur.frag``, ``streak_average.frag`` and ``motion_blur_long.frag``. Thresholds are ours.
+of the averages of ``motion_blur.frag``, ``streak_average.frag`` and ``motion_blur_long.frag``.
+Thresholds are ours.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ def _tent_integral(x: Array) -> Array:
     return np.where(x < 0, beyond, 1 - beyond)
 
 
-def streak_weights(reach_px: float, /, *, samples: int) -> Array:
+def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
     """Return (2 n + 1,): how much each pixel from -n to n px away counts in a streak's average.
 
     Where all streaks are alike and lie along a row. ``motion_blur.frag`` averages short ones in one
@@ -101,8 +102,10 @@ def streak_weights(reach_px: float, /, *, samples: int) -> Array:
         Of the half velocity; more than 0.
     samples
         As in ``MotionBlur.samples``; without the cubic read, which is across the streak.
+    width_px
+        Of the image.
     """
-    how = sampling_of(samples)
+    how = sampling_of(samples, width_px)
     pixels = np.arange(-ceil(reach_px) - 2, ceil(reach_px) + 3, dtype=np.float64)
     if reach_px <= how.short_px:
         return _short_streak_weights(reach_px, pixels, how.short_pairs)

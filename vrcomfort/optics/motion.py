@@ -9,15 +9,17 @@ import numpy as np
 
 from vrcomfort.geometry import Pose
 
+_WIDE_PX = 1000
 _DIAL = (
-    (2, 1, 3, False),
-    (4, 1, 5, False),
-    (8, 3, 3, False),
-    (16, 5, 3, False),
-    (32, 5, 5, True),
-    (64, 7, 7, True),
+    (2, (1, 3), (1, 3)),
+    (4, (1, 5), (1, 5)),
+    (8, (3, 3), (3, 3)),
+    (16, (5, 3), (5, 5)),
+    (32, (5, 5), (7, 7)),
+    (64, (7, 7), (9, 9)),
 )
-"""Up to so many samples: taps, parts, and whether reads are cubic."""
+"""Up to so many samples: taps and parts, and those of images that are wider than `_WIDE_PX`."""
+_CUBIC_ABOVE = 16
 
 _MOST_SHORT_PAIRS = 7
 """Reads to each side of a short streak."""
@@ -39,6 +41,8 @@ class Sampling(NamedTuple):
     """Between samples that look for what is in front: 1 or 3."""
     most_taps: int
     """Of these, to each side."""
+    jump: float
+    """Things pass each other where half velocities differ by this part of the shorter one."""
 
     @property
     def short_pairs(self) -> int:
@@ -52,11 +56,12 @@ class Sampling(NamedTuple):
         return 2 * self.short_pairs + 0.5
 
 
-def sampling_of(samples: int) -> Sampling:
-    """Return how streaks are averaged with ``MotionBlur.samples``."""
-    taps, parts, cubic = next(rest for most, *rest in _DIAL if samples <= most)
-    stride_px, most_taps = (3, 32) if samples <= 8 else (1, 64)
-    return Sampling(int(taps), int(parts), bool(cubic), stride_px, most_taps)
+def sampling_of(samples: int, width_px: int) -> Sampling:
+    """Return how streaks are averaged with ``MotionBlur.samples`` in an image of this width."""
+    small, wide = next(both for most, *both in _DIAL if samples <= most)
+    taps, parts = wide if width_px > _WIDE_PX else small
+    stride_px, most_taps, jump = (3, 32, 0.2) if samples <= 8 else (1, 64, 0.1)
+    return Sampling(taps, parts, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:

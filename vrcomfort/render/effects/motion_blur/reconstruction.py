@@ -47,9 +47,9 @@ class Reconstruction:
         limit_px: float,
     ) -> None:
         self._ctx, self._colour, self._velocity = ctx, colour, velocity
-        self._sampling = sampling = sampling_of(samples)
-        self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px)
-        self._dilate = _dilation(ctx, self._tile_max, limit_px)
+        self._sampling = sampling = sampling_of(samples, colour.width)
+        self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px, jump=sampling.jump)
+        self._dilate = _dilation(ctx, self._tile_max, limit_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
         average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
         in_parts = colour if average is None else average.target
@@ -136,7 +136,9 @@ class Reconstruction:
         return self._tile_max.longest.read()
 
 
-def _dilation(ctx: moderngl.Context, tile_max: TileMaxPass, limit_px: float) -> FullscreenPass:
+def _dilation(
+    ctx: moderngl.Context, tile_max: TileMaxPass, limit_px: float, jump: float
+) -> FullscreenPass:
     return FullscreenPass(
         ctx,
         "motion_blur/tile_max_dilate.frag",
@@ -148,5 +150,5 @@ def _dilation(ctx: moderngl.Context, tile_max: TileMaxPass, limit_px: float) -> 
         },
         more_components=(2,),
         constants=_Limit(limit_px),
-        defines={"TILE": tile_max.tile_px},
+        defines={"TILE": tile_max.tile_px, "JUMP": jump},
     )

@@ -30,6 +30,8 @@ class TileMaxPass:
         RG16F (px per frame, +x right, +y up).
     limit_px
         No half velocity counts for more, whatever it is.
+    jump
+        Things pass each other where half velocities differ by this part of the shorter one.
 
     Attributes
     ----------
@@ -40,7 +42,7 @@ class TileMaxPass:
     """
 
     def __init__(
-        self, ctx: moderngl.Context, *, velocity: moderngl.Texture, limit_px: float
+        self, ctx: moderngl.Context, *, velocity: moderngl.Texture, limit_px: float, jump: float
     ) -> None:
         width, height = velocity.size
         self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(limit_px / MOST_TILES / ROWS))
@@ -51,7 +53,7 @@ class TileMaxPass:
             size_px=(columns, strips),
             inputs={"velocity": velocity},
             more_components=(2,),
-            defines={"TILE": self.tile_px, "ROWS": ROWS},
+            defines={"TILE": self.tile_px, "ROWS": ROWS, "JUMP": jump},
         )
         self._tiles = FullscreenPass(
             ctx,
