@@ -159,10 +159,11 @@ def comb(profile, half_velocity_px, edge):
 @pytest.mark.parametrize("half_velocity_px", [6.5, 8.0, 9.7, 11.0])
 @pytest.mark.parametrize("passes_by", [False, True])
 def test_a_moving_edge_is_a_ramp_and_no_comb(ctx, samples, half_velocity_px, passes_by):
-    """Also in tiles where who hides whom is looked at: another thing goes by above."""
+    """Also in tiles where who hides whom is looked at: a slower thing goes by above."""
     rgb = np.where(columns() < 64, 1.0, 0.0)[..., None].repeat(3, axis=-1)
     other = (columns() > 60) & (columns() < 68) & (np.arange(96)[:, None] < 40) & passes_by
-    velocity = np.where(other[..., None], 0.0, [2 * half_velocity_px, 0.0])
+    speed_px = 2 * half_velocity_px
+    velocity = np.where(other[..., None], [0.5 * speed_px, 0.0], [speed_px, 0.0])
     effect = motion_blur_pass(
         ctx, rgb, np.where(other, 0.5, 5.0), velocity, samples=samples, **WHOLE
     )
@@ -172,7 +173,7 @@ def test_a_moving_edge_is_a_ramp_and_no_comb(ctx, samples, half_velocity_px, pas
     assert np.all(np.diff(profile) <= 1e-3)
     how = sampling_of(samples, 128)
     # A ramp steps by 1 / (2 * half_velocity_px). Where all moves alike, each sample is a step.
-    most = 0.5 / (2 * half_velocity_px) if passes_by else 2 / (how.taps * how.parts)
+    most = 0.6 / (2 * half_velocity_px) if passes_by else 2 / (how.taps * how.parts)
     assert comb(profile, half_velocity_px, 64) < most
 
 
