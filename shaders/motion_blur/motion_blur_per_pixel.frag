@@ -26,8 +26,9 @@ out vec4 blurred;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 half_velocity = half_velocity_at(pixel);
-    float unlimited = 0.5 * shutter_fraction * length(velocity_at(pixel));
+    vec2 whole = velocity_at(pixel);
+    vec2 half_velocity = half_velocity_px(whole, shutter_fraction, radius_limit_px);
+    float unlimited = 0.5 * shutter_fraction * length(whole);
     // As a loop it is left at once where nothing is too long.
     for (bool over = unlimited > radius_limit_px; over; over = false)
         atomicMax(longest_bits, floatBitsToUint(unlimited));

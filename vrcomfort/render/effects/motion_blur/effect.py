@@ -6,11 +6,43 @@ import moderngl
 
 from vrcomfort.gpu import gl
 from vrcomfort.optics.motion import ramp
-from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.protocol.conditions import Condition, MotionBlur
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.motion_blur.per_pixel import PerPixel
 from vrcomfort.render.effects.motion_blur.reconstruction import Reconstruction
 from vrcomfort.render.effects.motion_blur.shutter import Shutter
 from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+
+def plan(scene: Scene, condition: Condition) -> PlannedPass:
+    """Plan motion blur; a shutter that never opens for long blurs nothing.
+
+    Locomotion and heads move at run time, so only a mode that ignores every camera can be known
+    to see nothing move; frames in which nothing moved are copied without any pass in every mode.
+    """
+    settings = condition.motion_blur
+    if settings is None:
+        return PlannedPass("motion_blur", False, "the condition has none")
+    if settings.shutter_fraction == 0:
+        return PlannedPass("motion_blur", False, "its shutter is open for no time")
+    if settings.mode == "objects_only" and not any(node.moving for node in scene.nodes):
+        return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
+    reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    return PlannedPass("motion_blur", True, reason)
+
+
+def build(inputs: EffectInputs) -> MotionBlurPass:
+    """Build motion blur."""
+    return MotionBlurPass(
+        inputs.ctx,
+        colour=inputs.colour,
+        depth=inputs.depth,
+        velocity=inputs.reads["velocity"],
+        settings=inputs.settings,
+        size_px=inputs.size_px,
+    )
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
@@ -67,18 +99,10 @@ class MotionBlurPass:
         self._copy = gl.copier(ctx)
         self.target = self._method.target
 
-    def render(self, *, still: bool = False, step: HeadStep | None = None) -> None:
-        """Blur the present image.
-
-        Parameters
-        ----------
-        still
-            Nothing has moved since the frame before: the image is copied, bit by bit.
-        step
-            How the head got here, None after a cut.
-        """
-        scale = streak_scale(self._settings, step)
-        if still or scale == 0:
+    def render(self, eye: EyeFrame) -> None:
+        """Blur the present image; where nothing has moved, it is copied, bit by bit."""
+        scale = streak_scale(self._settings, eye.step)
+        if eye.still or scale == 0:
             self._copy(self._colour, self.target)
             return
         self._draw(scale)
@@ -89,6 +113,9 @@ class MotionBlurPass:
 
     def _draw(self, scale: float) -> None:
         self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
+
+    def forget(self) -> None:
+        """Do nothing: frames after a cut have no streaks."""
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU.
@@ -106,3 +133,6 @@ class MotionBlurPass:
             f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
             f"{self.limit_px:.1f} px",
         )
+
+
+KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))
