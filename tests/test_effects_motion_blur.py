@@ -240,17 +240,34 @@ def test_streaks_fade_while_the_head_turns(ctx, rng):
     assert cut.longest_half_velocity_px() == pytest.approx(4, rel=1e-3)
 
 
-def test_the_limit_shortens_and_says_so(ctx, rng):
+@METHODS
+def test_the_limit_shortens_and_says_so(ctx, rng, method):
     rgb = rng.uniform(0, 1, (96, 128, 3))
-    effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], **WHOLE)
+    effect = motion_blur_pass(ctx, rgb, 2.0, [80.0, 60.0], method=method, **WHOLE)
     assert effect.limit_px == pytest.approx(12.8)
     assert effect.longest_half_velocity_px() == pytest.approx(50, rel=1e-3)
     assert effect.clamps() == (
         "motion blur: half streaks of up to 50.0 px were shortened to 12.8 px",
     )
-    gentle = motion_blur_pass(ctx, rgb, 2.0, [3.0, 4.0], **WHOLE)
-    assert gentle.longest_half_velocity_px() == pytest.approx(2.5, rel=1e-3)
+    gentle = motion_blur_pass(ctx, rgb, 2.0, [3.0, 4.0], method=method, **WHOLE)
+    known = {"reconstruction": 2.5, "per_pixel": 0.0}[method]
+    assert gentle.longest_half_velocity_px() == pytest.approx(known, rel=1e-3)
     assert gentle.clamps() == ()
+
+
+@pytest.mark.parametrize("slow_px", [3.0, 11.0])
+def test_a_frame_is_the_same_whatever_came_before(ctx, rng, slow_px):
+    """A fast frame before it widens no search and no step of this one."""
+    rgb, far = rng.uniform(0, 1, (96, 128, 3)), rng.uniform(0.4, 5, (96, 128))
+    slow = np.where(columns()[..., None] % 40 < 20, [slow_px, 0.0], [0.0, -slow_px])
+    alone = motion_blur_pass(ctx, rgb, far, slow, **WHOLE)
+    after = motion_blur_pass(ctx, rgb, far, slow, **WHOLE)
+    after._method._velocity.write(np.full((96, 128, 2), 300, "f2").tobytes())
+    after.render(seen())
+    after._method._velocity.write(slow.astype("f2").tobytes())
+    after.render(seen())
+    assert rgb_of(after.target).tobytes() == rgb_of(alone.target).tobytes()
+    assert after.longest_half_velocity_px() > 100
 
 
 def test_the_longest_streak_is_remembered_over_frames(ctx, rng):

@@ -270,7 +270,7 @@ def test_the_times_over_all_pixels_are_the_whole_streak(reach):
     np.testing.assert_allclose(times[np.abs(pixels) <= reach - 1], 1, atol=1e-12)
 
 
-@given(st.floats(0.01, 400), st.integers(2, 64), st.sampled_from([320, 1832]))
+@given(st.floats(0.01, 400), st.integers(2, 64), st.sampled_from([320, 640, 1832]))
 def test_reads_share_a_streak_evenly(reach, samples, width_px):
     """All of it, centred, as wide as it is long, with no more reads than asked for."""
     how = sampling_of(samples, width_px)
@@ -282,8 +282,8 @@ def test_reads_share_a_streak_evenly(reach, samples, width_px):
     assert weights[beyond].sum() == pytest.approx(0, abs=1e-12)
     if reach <= how.short_px:  # no pixel is passed over
         assert weights[np.abs(pixels) <= reach - 1].min(initial=1) > 0
-    assert how.taps + how.parts <= max(samples + 2, 6)
-    assert how.taps * how.parts >= 0.75 * samples
+    assert how.taps + how.parts <= max(samples + 3, 6)
+    assert how.taps * how.parts >= 0.6 * samples
 
 
 def test_shader_time_over_is_the_twin(ctx, rng):

@@ -9,16 +9,16 @@ import numpy as np
 
 from vrcomfort.geometry import Pose
 
-_WIDE_PX = 1000
+_NARROW_PX, _WIDE_PX = 400, 1000
 _DIAL = (
-    (2, (1, 3), (1, 3)),
-    (4, (1, 5), (1, 5)),
-    (8, (3, 3), (3, 3)),
-    (16, (5, 3), (5, 5)),
-    (32, (5, 5), (7, 7)),
-    (64, (7, 7), (9, 9)),
+    (2, (1, 3), (1, 3), (1, 3)),
+    (4, (1, 5), (1, 5), (1, 5)),
+    (8, (3, 3), (3, 3), (3, 3)),
+    (16, (1, 11), (5, 3), (5, 5)),
+    (32, (5, 5), (5, 5), (7, 7)),
+    (64, (7, 7), (7, 7), (9, 9)),
 )
-"""Up to so many samples: taps and parts, and those of images that are wider than `_WIDE_PX`."""
+"""Up to so many samples: taps and parts of narrow images, of others, and of wide ones."""
 _CUBIC_ABOVE = 16
 
 _MOST_SHORT_PAIRS = 7
@@ -58,8 +58,8 @@ class Sampling(NamedTuple):
 
 def sampling_of(samples: int, width_px: int) -> Sampling:
     """Return how streaks are averaged with ``MotionBlur.samples`` in an image of this width."""
-    small, wide = next(both for most, *both in _DIAL if samples <= most)
-    taps, parts = wide if width_px > _WIDE_PX else small
+    by_width = next(rest for most, *rest in _DIAL if samples <= most)
+    taps, parts = by_width[(width_px > _NARROW_PX) + (width_px > _WIDE_PX)]
     stride_px, most_taps, jump = (3, 32, 0.2) if samples <= 8 else (1, 64, 0.1)
     return Sampling(taps, parts, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)
 
