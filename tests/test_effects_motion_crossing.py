@@ -107,7 +107,7 @@ def test_a_tile_tells_the_slower_of_two_that_cross(ctx, way):
     effect = motion_blur_pass(
         ctx, np.ones((HEIGHT, WIDTH, 3)), 2.0, np.where(front, way, back), **WHOLE
     )
-    longest, crossing = map(texels_of, effect._gather._dilate.targets)
+    longest, crossing = map(texels_of, effect._method.tiles)
     columns = longest.shape[1]
     beside = slice(2, 6)  # rows of tiles with the bar, which lies on the rim of two, and next to it
     np.testing.assert_array_equal(longest[beside, :, :3], [[[*back / 2, 2]] * columns] * 4)
@@ -119,7 +119,7 @@ def test_a_tile_tells_the_slower_of_two_that_cross(ctx, way):
 def test_nothing_crosses_where_all_go_along_one_line(ctx, way):
     velocity = np.where(covered("bar")[..., None], way, [40.0, 0.0])
     effect = motion_blur_pass(ctx, np.ones((HEIGHT, WIDTH, 3)), 2.0, velocity, **WHOLE)
-    longest, crossing = map(texels_of, effect._gather._dilate.targets)
+    longest, crossing = map(texels_of, effect._method.tiles)
     assert (longest[..., 2] == 2).any()
     np.testing.assert_array_equal(crossing, 0)
 

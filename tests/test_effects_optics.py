@@ -11,6 +11,7 @@ from tests.oracles.circle_of_confusion import disc_area_px, ring_radius_px, tap_
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import shaders
 from vrcomfort.optics import circle_of_confusion as coc
+from vrcomfort.optics.motion import sampling_of
 
 LAWS = ("linear", "dioptre")
 distances = st.floats(0.01, 1e5)
@@ -269,14 +270,20 @@ def test_the_times_over_all_pixels_are_the_whole_streak(reach):
     np.testing.assert_allclose(times[np.abs(pixels) <= reach - 1], 1, atol=1e-12)
 
 
-@given(st.floats(0.01, 400), st.integers(2, 64))
-def test_taps_share_a_streak_evenly(reach, samples):
-    """All of it, inside it, and near enough that no pixel of a short one is passed over."""
-    own, at_px, weight = motion.streak_taps(reach, samples=samples)
-    assert own + 2 * len(at_px) * weight == pytest.approx(2 * reach)
-    assert 0.5 <= at_px[0] <= at_px[-1] <= max(reach, 0.75)
-    assert weight <= (2 if reach <= samples // 2 * 2 else max(2, 24 / min(samples, 16))) + 1e-9
-    assert len(at_px) <= max(1, reach / 2 + 1, reach * min(samples, 16) / 24 + 1)
+@given(st.floats(0.01, 400), st.integers(2, 64), st.sampled_from([320, 640, 1832]))
+def test_reads_share_a_streak_evenly(reach, samples, width_px):
+    """All of it, centred, as wide as it is long, with no more reads than asked for."""
+    how = sampling_of(samples, width_px)
+    weights = motion.streak_weights(reach, samples=samples, width_px=width_px)
+    pixels = np.arange(len(weights)) - len(weights) // 2
+    assert weights.sum() == pytest.approx(1)
+    assert weights @ pixels == pytest.approx(0, abs=1e-9)
+    beyond = np.abs(pixels) > np.ceil(reach) + 1
+    assert weights[beyond].sum() == pytest.approx(0, abs=1e-12)
+    if reach <= how.short_px:  # no pixel is passed over
+        assert weights[np.abs(pixels) <= reach - 1].min(initial=1) > 0
+    assert how.taps + how.parts <= max(samples + 3, 6)
+    assert how.taps * how.parts >= 0.6 * samples
 
 
 def test_shader_time_over_is_the_twin(ctx, rng):

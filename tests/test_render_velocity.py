@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 
 from tests.oracles.motion import velocity_px
+from tests.oracles.raycast import cast
 from tests.support.render import at, box, eye, floor, glowing, scene, wall
 from vrcomfort.geometry import Pose, axis_angle, quaternion_multiply, yaw_pitch_roll
+from vrcomfort.gpu import gl
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
-from vrcomfort.render.output import distance_m, read_depth, read_texture
+from vrcomfort.render.output import read_depth, read_texture
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import Scene
 
 SIZE = (64, 64)
-SAMPLE_0 = (0.375, 0.125)
-"""Place of the lowest of four samples in its pixel: on floors and upright walls the nearest."""
+PLACES = np.array([[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]])
+"""Of the four samples in a pixel."""
 GREEN = glowing((0.0, 1.0, 0.0))
 
 
@@ -25,18 +27,44 @@ def velocities(ctx, content, camera, previous, *, time_s=0.0):
     return read_texture(scene_pass.velocity).astype(np.float64), read_depth(scene_pass.depth)
 
 
-def expected(camera: EyeCamera, previous: PreviousCamera, depth):
-    """Return float64 velocities of static things where their depth was sampled."""
+def nearest_samples(content, camera, time_s):
+    """Return (h, w, 4) homogeneous view positions where rays meet something, the sky with w = 0.
+
+    Of the four samples of each pixel the one whose depth is the greatest, by ray casting.
+    """
+    width, height = SIZE
+    column, row = np.meshgrid(np.arange(width), height - 1 - np.arange(height))
+    at_px = np.stack([column, row], axis=-1)[..., None, :] + PLACES
+    # Tangents are 1, so NDC are slopes.
+    slopes = at_px / (np.array(SIZE) / 2) - 1
+    view = np.concatenate([slopes, -np.ones((*slopes.shape[:-1], 1))], axis=-1)
+    eye_pose = camera.world_from_eye
+    rays = (view @ eye_pose.matrix()[:3, :3].T).reshape(-1, 3)
+    origins = np.broadcast_to(eye_pose.position, rays.shape)
+    along = cast(content, time_s, origins, rays, head=camera.head).reshape(view.shape[:-1])
+    inverse = np.linalg.norm(view, axis=-1) / along  # 1 / distance along the axis; 0 for the sky
+    which = inverse.argmax(axis=-1)[..., None]
+    nearest = np.take_along_axis(view, which[..., None], axis=2)[:, :, 0]
+    return np.concatenate([nearest, np.take_along_axis(inverse, which, axis=2)], axis=-1)
+
+
+def expected(view, camera: EyeCamera, previous: PreviousCamera, moved=None):
+    """Return float64 velocities of view positions; `moved` is world-before from world-now."""
     clip_from_view = camera.clip_from_view()
-    column, row = np.meshgrid(np.arange(64), 63 - np.arange(64))
-    x, y = (column + SAMPLE_0[0]) / 32 - 1, (row + SAMPLE_0[1]) / 32 - 1
-    # Directions for the sky; tangents are 1, so NDC are slopes.
-    far = depth == 0
-    d = np.where(far, 1.0, distance_m(np.where(far, 1, depth), camera.near_m).astype(np.float64))
-    view = np.stack([x * d, y * d, -d, ~far], axis=-1)
-    before_from_now = previous.world_from_eye.inverse().matrix() @ camera.world_from_eye.matrix()
-    before = view @ (clip_from_view @ before_from_now).T
-    return velocity_px(view @ clip_from_view.T, before, SIZE)
+    before = previous.world_from_eye.inverse().matrix() @ (np.eye(4) if moved is None else moved)
+    before_from_now = before @ camera.world_from_eye.matrix()
+    clip_before = view @ (clip_from_view @ before_from_now).T
+    return velocity_px(view @ clip_from_view.T, clip_before, SIZE)
+
+
+def assert_as_cast(found, depth, view, camera, reference):
+    """Check velocities where the renderer sees what the rays do: but for a few rims everywhere."""
+    same = np.abs(depth - camera.near_m * view[..., 3]) <= 1e-4 * depth + 1e-9
+    assert same.mean() > 0.99
+    speed = np.linalg.norm(reference, axis=-1, keepdims=True)
+    wrong = np.abs(found - reference) > np.maximum(0.01, 1e-5 * speed)
+    assert speed[same].max() > 0.5
+    assert not wrong[same].any()
 
 
 def cluttered(offset=(0.0, 0.0, 0.0)) -> Scene:
@@ -45,17 +73,56 @@ def cluttered(offset=(0.0, 0.0, 0.0)) -> Scene:
     return scene(nodes, [box(1), floor(40)], [GREEN])
 
 
+LOOKS = [(0.3, -0.7, 0.2), (-0.2, -0.05, 0.1)]
+"""Yaw, pitch, roll: the last sees the floor up to its horizon."""
+
+
 @pytest.mark.parametrize("offset", [(0, 0, 0), (30.0, 0, -20.0)])
-def test_static_velocity_is_the_difference_of_projections(ctx, offset):
+@pytest.mark.parametrize("look", LOOKS)
+def test_static_velocity_is_that_of_the_sample_whose_depth_counts(ctx, offset, look):
+    """At silhouettes and at grazing angles as well: depth differs from sample to sample there."""
     origin = np.array(offset, dtype=float)
-    camera = eye(origin)
-    before = Pose(origin + np.array([0.03, -0.01, 0.05]), yaw_pitch_roll(0.02, -0.01, 0.015))
-    previous = PreviousCamera(before, 0.0)
-    found, depth = velocities(ctx, cluttered(offset), camera, previous)
-    reference = expected(camera, previous, depth)
-    allowed = np.maximum(0.01, 1e-5 * np.linalg.norm(reference, axis=-1, keepdims=True))
-    assert np.linalg.norm(reference, axis=-1).max() > 0.5
-    assert np.all(np.abs(found - reference) <= allowed)
+    content, camera = cluttered(offset), eye(origin, yaw_pitch_roll(*look))
+    turned = yaw_pitch_roll(*np.add(look, [0.02, -0.01, 0.015]))
+    previous = PreviousCamera(Pose(origin + np.array([0.03, -0.01, 0.05]), turned), 0.0)
+    found, depth = velocities(ctx, content, camera, previous)
+    view = nearest_samples(content, camera, 0.0)
+    assert_as_cast(found, depth, view, camera, expected(view, camera, previous))
+
+
+@pytest.mark.parametrize("look", LOOKS)
+def test_what_moves_has_the_velocity_of_the_sample_whose_depth_counts(ctx, look):
+    """A box that slides and turns before an eye that does so, too; nothing else is there."""
+    keys = np.array([[0.0, 0, -2.5], [1.0, 0.3, -2.2]])
+    turns = np.array([yaw_pitch_roll(0.0, 0.5, 0), yaw_pitch_roll(0.9, 0.3, 0.2)])
+    channels = (
+        Channel(0, "translation", np.array([0.0, 1.0]), keys, "LINEAR"),
+        Channel(0, "rotation", np.array([0.0, 1.0]), turns, "LINEAR"),
+    )
+    content = scene(
+        [at(0, 0, -2.5, moving=True)], [box(1)], [GREEN],
+        animations=(Animation("tumble", channels, 1.0),),
+    )  # fmt: skip
+    camera = eye((0.1, 0.2, 0.0), yaw_pitch_roll(*look))
+    previous = PreviousCamera(Pose((0.13, 0.19, 0.05), yaw_pitch_roll(*np.add(look, 0.01))), 0.4)
+    found, depth = velocities(ctx, content, camera, previous, time_s=0.5)
+    view = nearest_samples(content, camera, 0.5)
+    before, now = (content.world_from_node(t)[0] for t in (0.4, 0.5))
+    box_seen = (view[..., 3] > 0)[..., None]
+    reference = np.where(
+        box_seen,
+        expected(view, camera, previous, before @ np.linalg.inv(now)),
+        expected(view, camera, previous),
+    )
+    assert box_seen.sum() > 100
+    assert_as_cast(found, depth, view, camera, reference)
+
+
+def test_the_driver_says_where_samples_are(ctx):
+    colour = gl.color_texture(ctx, SIZE, samples=4)
+    many = ctx.framebuffer([colour])
+    many.use()
+    np.testing.assert_array_equal(gl.sample_places(ctx, 4), PLACES)
 
 
 @pytest.mark.parametrize("degrees", [1.0, 30.0, 90.0])

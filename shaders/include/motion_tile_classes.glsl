@@ -1,8 +1,8 @@
 // Which pass a tile needs, for how the streaks in and around it are.
 
-const float STILL = 0.0;   // none: nothing around moves far enough to be seen
-const float ALIKE = 1.0;   // the plain average along each pixel's own streak
-const float MIXED = 2.0;   // who hides whom has to be looked at
+const float STILL = 0.0;  // a copy: nothing around moves far enough to be seen
+const float ALIKE = 1.0;  // the average along each pixel's own streak
+const float MIXED = 2.0;  // who hides whom has to be looked at
 
 const float LEAST_PX = 0.25;  // half velocities below this are left alone: half a pixel in all
 
@@ -11,9 +11,14 @@ float tolerance_px(float half_velocity_px) {
     return 0.25 + 0.1 * half_velocity_px;
 }
 
-// Half velocities of two pixels side by side that differ by more are of things that pass each other.
+// Half velocities of two pixels side by side that differ by more are of things that pass each other:
+// by JUMP of the shorter one, and half a pixel.
+#ifndef JUMP
+#define JUMP 0.1
+#endif
+
 float jump_px(float half_velocity_px) {
-    return 0.5 + 0.1 * half_velocity_px;
+    return 0.5 + JUMP * half_velocity_px;
 }
 
 float cross_product(vec2 a, vec2 b) {
@@ -37,8 +42,7 @@ vec2 farther_beside(vec2 line, vec2 a, vec2 b) {
 }
 
 // Foregrounds are looked for along one line or two. The share of a foreground with half velocity u
-// that counts
-// along `line`, where the rest counts along `other`: shares are as the squares of cot(angle of u to
+// that counts along `line`, where the rest counts along `other`: shares are as the squares of cot(angle of u to
 // the line). What goes along one counts there only, what goes at right angles to one does not count
 // there, and the two shares make 1. All of it where there is no other line, (0, 0).
 float share_along(vec2 u, vec2 line, vec2 other) {
@@ -48,7 +52,7 @@ float share_along(vec2 u, vec2 line, vec2 other) {
 }
 
 // around: the longest half velocity that comes here; shortest: of the tile; steepness: see
-// tile_max.frag. Where streaks change slowly, taps move along with the pixel; only where they
+// tile_max.frag. Where streaks change slowly, samples move along with the pixel; only where they
 // jump can one thing be seen to pass before another.
 float class_of(vec2 around, float shortest, float steepness) {
     if (length(around) < LEAST_PX)

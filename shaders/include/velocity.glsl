@@ -3,6 +3,7 @@
 // NumPy twins: tests/oracles/motion.py.
 
 const float SPEED_LIMIT_PX = 16384.0;  // half floats hold it; far above every streak limit
+const float AS_THE_EYE = 32768.0;      // x of what only the eye's motion moves; its depth says how far
 const float BEHIND = 1e-3;  // what was behind the eye came from its rim: least ratio of w
 const float LEAST_W = 1e-6;            // rims of triangles are interpolated past the eye
 

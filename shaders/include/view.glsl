@@ -7,6 +7,7 @@ layout(std140, binding = 0) uniform View {
     mat4 clip_from_view;                   // reverse-Z: clip depth 1 at the near plane, 0 at infinity
     mat4 view_from_relative;               // rotation
     mat4 previous_view_from_relative;      // rotation of the previous view, as motion blur counts it
+    mat4 previous_clip_from_clip;          // of what does not move, as motion blur counts the eye
     vec4 eye_delta_m;                      // xyz: eye now less eye before, world axes
     vec4 image_size_px;                    // xy
     vec4 lens;                             // xy: offset per px of radius (NDC), w: infinity m

@@ -43,8 +43,6 @@ uniform sampler2D colour;
 uniform sampler2D depth;
 uniform sampler2D longest;
 uniform sampler2D crossing;
-uniform int px_per_sample;
-
 out vec4 blurred;
 
 ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -68,12 +66,14 @@ float in_front(vec3 q) {
 }
 
 // Taps to both sides of p on a streak through it, in pixels along the longer axis of the image.
-// Each stands for `stride` pixels, and lies between them so that the filter weighs them as the
-// streak does.
+// Each stands for `stride` pixels, of which it asks the middle one where it goes. STRIDE is 1 or 3: of
+// three pixels the light is read at two places, 2/3 px from the middle, so that the filter weighs
+// all three alike. One read would leave pixels out, and every edge would come out as a comb.
 struct Walk {
     vec2 step;         // px of the image for one px along the longer axis
     float per_square;  // 1 / (its length squared)
-    float reach;       // of the half velocity, along the longer axis
+    float reach;       // of p's own half velocity, along the longer axis; 0 in other directions
+    float end;         // how far to look, along the longer axis
     int stride;
     bool whole_pixels;
 };
@@ -84,14 +84,18 @@ struct Tap {
     float time;   // that p's streak is over it, in px of its way
 };
 
-Walk walk_along(vec2 half_velocity, int stride, bool whole_pixels) {
-    float reach = max(abs(half_velocity.x), abs(half_velocity.y));
-    vec2 step = half_velocity / reach;
-    return Walk(step, 1.0 / dot(step, step), reach, stride, whole_pixels);
+float longer_axis(vec2 v) {
+    return max(abs(v.x), abs(v.y));
+}
+
+Walk walk_along(vec2 line, float end, bool is_own, int stride, bool whole_pixels) {
+    float reach = longer_axis(line);
+    vec2 step = line / reach;
+    return Walk(step, 1.0 / dot(step, step), is_own ? reach : 0.0, end, stride, whole_pixels);
 }
 
 int taps(Walk walk) {
-    return (int(ceil(walk.reach)) + walk.stride - 1) / walk.stride;
+    return (int(ceil(walk.end)) + walk.stride - 1) / walk.stride;
 }
 
 Tap tap_of(Walk walk, int j) {
@@ -101,9 +105,19 @@ Tap tap_of(Walk walk, int j) {
     return Tap(first, along, 0.5 * float(walk.stride) * (a + b));
 }
 
-vec4 colour_at(vec2 at, bool whole_pixels) {
+vec3 read(vec2 at, bool whole_pixels) {
     vec2 where = whole_pixels ? floor(at) + 0.5 : at;
-    return vec4(textureLod(colour, where / vec2(last + 1), 0.0).rgb, 1.0);
+    return textureLod(colour, where / vec2(last + 1), 0.0).rgb;
+}
+
+vec4 colour_at(vec2 at, Walk walk) {
+#if STRIDE == 3
+    vec2 apart = (walk.stride > 1 ? 2.0 / 9.0 * float(walk.stride) : 0.0) * walk.step;
+    vec3 both = read(at - apart, walk.whole_pixels) + read(at + apart, walk.whole_pixels);
+    return vec4(0.5 * both, 1.0);
+#else
+    return vec4(read(at, walk.whole_pixels), 1.0);
+#endif
 }
 
 // other: the line of the other walk for the foreground; 0 where there is one only.
@@ -121,7 +135,7 @@ void gather_at(vec2 offset, Walk walk, Tap tap, bool for_background, bool for_fo
     float opacity = is_foreground * time / max(2.0 * sweep, 1e-3);
     float over = for_foreground ? opacity * share_along(q.xy, walk.step, other) : 0.0;
     if (shown + over > 0.0) {
-        vec4 c = colour_at(at, walk.whole_pixels);
+        vec4 c = colour_at(at, walk);
         background += shown * c;
         foreground += over * c;
     }
@@ -136,36 +150,37 @@ void gather(Walk walk, bool for_background, bool for_foreground, vec2 other) {
     } while (j < last_tap);
 }
 
-// Whether p's own streak is about this one; a streak has two ends.
-bool is_own(vec2 half_velocity) {
-    float apart = min(length(half_velocity - p.xy), length(half_velocity + p.xy));
-    return apart < 0.25 + 0.05 * length(half_velocity);
+// Whether what goes along a line is found along p's own streak as well.
+bool goes_along(vec2 line) {
+    return line != vec2(0.0) && !crosses(line, p.xy);
 }
 
 void main() {
     vec4 tile = texelFetch(longest, pixel / TILE, 0);
-    vec2 around = tile.xy;
+    vec2 around = tile.xy, across = texelFetch(crossing, pixel / TILE, 0).xy;
     float reach = length(around);
     bool moves = length(p.xy) >= LEAST_PX;
     // Where sharp and moving things meet, a filtered tap would carry half a sharp pixel along.
     bool whole_pixels = tile.w > 0.75 * reach;
-    int stride = whole_pixels ? 1 : px_per_sample;
+    // Odd, so that there is a middle.
+    int stride = max(whole_pixels ? 1 : STRIDE, int(ceil(reach / float(MOST_TAPS))) | 1);
     blurred = texelFetch(colour, pixel, 0);
-    Walk own = walk_along(p.xy, stride, whole_pixels);
-    background = (moves ? time_over(0.0, own.reach) : 1.0) * vec4(blurred.rgb, 1.0);
-    vec2 across = texelFetch(crossing, pixel / TILE, 0).xy;
-    bool is_first = moves && is_own(around), is_second = moves && !is_first && is_own(across);
-    vec2 first = is_first ? p.xy : around, second = is_second ? p.xy : across;
-    if (moves)
-        gather(own, true, is_first || is_second, is_second ? first : second);
+    background = (moves ? time_over(0.0, longer_axis(p.xy)) : 1.0) * vec4(blurred.rgb, 1.0);
+    bool is_first = moves && goes_along(around);
+    bool is_second = moves && !is_first && goes_along(across);
+    if (moves) {
+        float end = max(longer_axis(p.xy), longer_axis(is_first ? around : is_second ? across : p.xy));
+        Walk own = walk_along(p.xy, end, true, stride, whole_pixels);
+        gather(own, true, is_first || is_second, is_second ? around : across);
+    }
     // The lines that are not p's own. As `do`, it goes through once where there is one.
+    vec2 line = is_first ? across : around, other = is_first ? p.xy : is_second ? p.xy : across;
     bool both = !is_first && !is_second && across != vec2(0.0), again;
-    vec2 line = is_first ? second : first, other = is_first ? first : second;
     do {
         if (line != vec2(0.0))
-            gather(walk_along(line, stride, whole_pixels), false, true, other);
-        line = second;
-        other = first;
+            gather(walk_along(line, longer_axis(line), false, stride, whole_pixels), false, true, other);
+        line = across;
+        other = around;
         again = both;
         both = false;
     } while (again);

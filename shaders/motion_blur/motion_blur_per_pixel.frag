@@ -3,6 +3,8 @@
 //
 // Input:  colour (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: the mean of SAMPLES colours between the two ends of the pixel's streak; full resolution.
+//         longest_bits: of half velocities that the limit shortens, the longest before, as the bits
+//         of a float, which are in the order of numbers.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
 // It does not know who hides whom: a still pixel beside a moving thing stays as it is (hard
@@ -16,11 +18,20 @@
 
 uniform sampler2D colour;
 
+layout(std430, binding = LONGEST_BINDING) buffer Longest {
+    uint longest_bits;
+};
+
 out vec4 blurred;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 half_velocity = half_velocity_at(pixel);
+    vec2 whole = velocity_at(pixel);
+    vec2 half_velocity = half_velocity_px(whole, shutter_fraction, radius_limit_px);
+    float unlimited = 0.5 * shutter_fraction * length(whole);
+    // As a loop it is left at once where nothing is too long.
+    for (bool over = unlimited > radius_limit_px; over; over = false)
+        atomicMax(longest_bits, floatBitsToUint(unlimited));
     blurred = texelFetch(colour, pixel, 0);
     if (half_velocity == vec2(0.0))
         return;

@@ -2,14 +2,17 @@
 // The longest half velocity of each tile (McGuire et al. 2012, TileMax), the one that crosses it, and
 // how steep streaks change.
 //
-// Input:  ROWS: velocity, of which a texel sums up TILE columns of ROWS rows; else source: the
-//         result of that, of which a texel sums up STRIPS.
+// Input:  ROWS (even): velocity, of which a texel sums up TILE (even) columns of ROWS rows; else source:
+//         the result of that, of which a texel sums up STRIPS.
 // Output: tile_max: xy = longest half velocity in the tile, px, without the limit; z = length of the
-//         shortest; w = steepness: the most by which half velocities of two pixels side by side
-//         differ.
+//         shortest; w = steepness: the most by which half velocities of two pixels that touch at a
+//         corner differ.
 //         crossing = the half velocity whose end lies farthest beside the longest one's line, px,
 //         without the limit; rows where streaks nowhere jump are not asked. A slow thing before a
 //         faster back may have no tile of its own in which it is the longest.
+//
+// Every second pixel is read, as on a chessboard: no line is so thin that it is missed, only what is
+// a single pixel.
 #include "velocity.glsl"
 #include "motion_tile_classes.glsl"
 
@@ -30,29 +33,39 @@ float squared(vec2 v) {
     return dot(v, v);
 }
 
-// Each pixel is compared with those to its left and above it.
+// Even rows have their even columns read, odd rows their odd ones. Each pixel is compared with the
+// four at its corners: those of the row above, and of odd rows one column further left.
 void main() {
     vec2 left[ROWS];
-    for (int y = 0; y < ROWS; ++y)
+    for (int y = 1; y < ROWS; y += 2)
         left[y] = at(-1, y);
     vec2 longest = vec2(0.0);
     float least = 1e30, steepest = 0.0;
-    for (int x = 0; x < TILE; ++x) {
+    for (int x = 0; x < TILE; x += 2) {
         vec2 above = at(x, 0);
         for (int y = 0; y < ROWS; ++y) {
+            bool odd = (y & 1) == 1;
             vec2 v = above;
-            above = at(x, y + 1);
+            above = at(odd ? x : x + 1, y + 1);
             longest = squared(v) > squared(longest) ? v : longest;
             least = min(least, squared(v));
-            steepest = max(steepest, max(squared(above - v), squared(left[y] - v)));
-            left[y] = v;
+            steepest = max(steepest, squared(above - v));
+            if (odd) {
+                steepest = max(steepest, squared(above - left[y]));
+                left[y] = v;
+            } else {
+                steepest = max(steepest, squared(left[y + 1] - v));
+            }
         }
     }
     tile_max = 0.5 * shutter_fraction * vec4(longest, sqrt(least), sqrt(steepest));
     crossing = vec2(0.0);
     // One loop: a software rasteriser leaves it at once where nothing jumps.
-    for (int i = tile_max.w > jump_px(tile_max.z) ? 0 : TILE * ROWS; i < TILE * ROWS; ++i)
-        crossing = farther_beside(tile_max.xy, crossing, at(i % TILE, i / TILE));
+    const int READ = TILE * ROWS / 2;
+    for (int i = tile_max.w > jump_px(tile_max.z) ? 0 : READ; i < READ; ++i) {
+        int y = i / (TILE / 2), x = 2 * (i % (TILE / 2)) + (y & 1);
+        crossing = farther_beside(tile_max.xy, crossing, at(x, y));
+    }
     crossing *= 0.5 * shutter_fraction;
 }
 #else

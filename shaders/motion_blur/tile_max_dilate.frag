@@ -2,8 +2,8 @@
 // What can reach a tile (McGuire et al. 2012, NeighborMax): of the half velocities around it that are
 // long enough to come here, the longest and the one that crosses it.
 //
-// Input:  tile_max, tile_max_crossing (tile_max.frag); max_so_far = the longest half velocity of all frames
-//         so far, which says how far one has to look.
+// Input:  tile_max, tile_max_crossing (tile_max.frag); frame_longest = the longest half velocity of the
+//         frame, which says how far one has to look.
 // Output: longest: xy = longest half velocity that reaches this tile, at most radius_limit_px;
 //         z = which pass the tile needs (motion_tile_classes.glsl); w = steepness of the steepest tile
 //         within that reach.
@@ -15,7 +15,7 @@
 
 uniform sampler2D tile_max;
 uniform sampler2D tile_max_crossing;
-uniform sampler2D max_so_far;
+uniform sampler2D frame_longest;
 uniform float radius_limit_px;
 
 layout(location = 0) out vec4 longest;
@@ -50,7 +50,7 @@ vec2 reaching(vec2 half_velocity, ivec2 step) {
 
 void main() {
     vec2 around = vec2(0.0);
-    int far = rings(texelFetch(max_so_far, ivec2(0), 0).r);
+    int far = rings(texelFetch(frame_longest, ivec2(0), 0).r);
     for (int y = -far; y <= far; ++y)
         for (int x = -far; x <= far; ++x) {
             vec2 s = reaching(at(ivec2(x, y)).xy, ivec2(x, y));

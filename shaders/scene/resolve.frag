@@ -5,14 +5,30 @@
 // nearest sample is taken: a pixel on a silhouette then counts as foreground, whose blur it gets,
 // and does not leave a line of the foreground's colour in the background's blur.
 //
-// Input:  multisampled colour, depth; VELOCITY: velocity.
-// Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity.
+// Velocity is taken where depth is, at the same sample. What stands still in the world and is only
+// moved by the eye's motion has its velocity computed from that depth: exact there, whatever the
+// triangle does at the other samples, and exactly zero where the eye has not moved.
+//
+// Input:  multisampled colour, depth; VELOCITY: velocity, or AS_THE_EYE; sample_place, of each sample in
+//         its pixel.
+// Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame.
+#ifdef VELOCITY
+#include "view.glsl"
+#include "velocity.glsl"
+#endif
 layout(binding = 0) uniform sampler2DMS colors;
 layout(binding = 1) uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
 #ifdef VELOCITY
 layout(binding = 2) uniform sampler2DMS velocities;
 layout(location = 1) out vec2 velocity;
+uniform vec2 sample_place[SAMPLES];
+
+// Of a point of the world that does not move. In clip space w is 1: its distance is in the depth.
+vec2 velocity_of_eye(vec2 at_px, float depth) {
+    vec4 now = vec4(2.0 * at_px / image_size_px.xy - 1.0, depth, 1.0);
+    return velocity_px(now, previous_clip_from_clip * now, image_size_px.xy);
+}
 #endif
 
 void main() {
@@ -30,5 +46,7 @@ void main() {
     gl_FragDepth = depth;
 #ifdef VELOCITY
     velocity = texelFetch(velocities, pixel, nearest).rg;
+    if (velocity.x == AS_THE_EYE)
+        velocity = velocity_of_eye(vec2(pixel) + sample_place[nearest], depth);
 #endif
 }

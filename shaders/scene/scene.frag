@@ -2,7 +2,8 @@
 // Lights a surface: sun with shadow, hemisphere of sky and ground, lamps, air.
 //
 // Input:  interpolated surface, its material and textures. UNLIT: its base colour is its radiance.
-// Output: linear HDR radiance, before exposure; VELOCITY: px per frame (include/velocity.glsl).
+// Output: linear HDR radiance, before exposure; VELOCITY: px per frame, or AS_THE_EYE
+//         (include/velocity.glsl).
 //         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
 #include "view.glsl"
 #include "light.glsl"
@@ -34,10 +35,31 @@ layout(location = 0) out vec4 radiance;
 #include "velocity.glsl"
 in vec4 present_clip;
 in vec4 previous_clip;
+flat in float own_motion;
 layout(location = 1) out vec2 velocity;
 #endif
 
 const float HALF_FLOAT_MAX = 65504.0;
+
+#ifdef VELOCITY
+// At the nearest of the samples that the triangle covers: where the resolve takes its depth.
+vec2 own_velocity() {
+    float depth = -1.0;
+    vec2 found = vec2(0.0);
+    // Every index is that of a sample: Mesa 22 reads beyond its table for pixels that are not drawn.
+    for (int i = 0; i < gl_NumSamples; ++i) {
+        vec4 now = interpolateAtSample(present_clip, i);
+        vec4 before = interpolateAtSample(previous_clip, i);
+        // Mesa 22 divides both by the 1/w of the centre, which may lie beyond the horizon: w < 0.
+        float upright = sign(now.w), d = now.z / now.w;
+        vec2 there = velocity_px(now * upright, before * upright, image_size_px.xy);
+        bool nearer = (gl_SampleMaskIn[0] >> i & 1) == 1 && d > depth;
+        found = nearer ? there : found;
+        depth = nearer ? d : depth;
+    }
+    return found;
+}
+#endif
 
 // Tangent frame from screen derivatives: no tangents in the vertices.
 // Source: Schueler, "Normal mapping without precomputed tangents", ShaderX 5 (2006).
@@ -181,12 +203,10 @@ void main() {
     sum = mix(sum, vec3(0.0), isnan(sum));
     radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
 #ifdef VELOCITY
-    // At a sample, where a triangle is: at the pixel's centre it need not be. One that misses sample 0
-    // and covers others is continued there by less than a pixel.
-    vec4 now = interpolateAtSample(present_clip, 0);
-    vec4 before = interpolateAtSample(previous_clip, 0);
-    // Mesa 22 divides both by the 1/w of the centre, which may lie beyond the horizon: w < 0.
-    velocity = velocity_px(now * sign(now.w), before * sign(now.w), image_size_px.xy);
+    velocity = vec2(AS_THE_EYE, 0.0);
+    // As a loop it is left at once where nothing moves by itself.
+    for (bool again = own_motion > 0.5; again; again = false)
+        velocity = own_velocity();
 #endif
 #ifdef ALPHA_MASK
     if (coverage <= 0.0)

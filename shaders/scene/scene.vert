@@ -5,6 +5,7 @@
 //         VELOCITY: also previous_relative_from_node, with the PRESENT eye as origin.
 //         LENS: one point of the lens (include/lens.glsl). SKIN: joints (include/skin.glsl).
 // Output: reverse-Z clip position; world-space (relative) position and normal.
+//         VELOCITY: own_motion, 1 where more than the eye moves; clip positions now and before.
 #include "view.glsl"
 #ifdef LENS
 #include "lens.glsl"
@@ -33,6 +34,7 @@ in vec4 in_previous_y;
 in vec4 in_previous_z;
 out vec4 present_clip;
 out vec4 previous_clip;
+flat out float own_motion;
 #endif
 
 out vec3 relative;
@@ -80,6 +82,11 @@ void main() {
     bool locked = in_thing.y > 0.5;
     mat3 rotation = locked ? mat3(view_from_relative) : mat3(previous_view_from_relative);
     vec3 from_previous_eye = before + (locked ? vec3(0.0) : eye_delta_m.xyz);
+    bool stays = before_x == x && before_y == y && before_z == z && !locked;
+#ifdef LENS
+    stays = false;  // its place in the image is not the pinhole's, of which the resolve knows
+#endif
+    own_motion = stays ? 0.0 : 1.0;
     present_clip = gl_Position;
     previous_clip = clip_from_view * vec4(rotation * from_previous_eye, 1.0);
 #endif

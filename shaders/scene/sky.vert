@@ -2,15 +2,16 @@
 // The sky fills what nothing was drawn on: a full-screen triangle at depth 0 (infinity).
 //
 // Input:  gl_VertexID, the view.
-// Output: direction (world axes, not unit) of each pixel; VELOCITY: clip positions of that direction.
+// Output: direction (world axes, not unit) of each pixel; VELOCITY and LENS: clip positions of
+//         that direction.
 #include "view.glsl"
 out vec3 direction;
+#ifdef LENS
+#include "lens.glsl"
 #ifdef VELOCITY
 out vec4 present_clip;
 out vec4 previous_clip;
 #endif
-#ifdef LENS
-#include "lens.glsl"
 #endif
 
 vec4 clip_at_infinity(mat4 rotation, vec3 ray) {
@@ -31,7 +32,7 @@ void main() {
     vec2 tangent = (seen + vec2(clip_from_view[2][0], clip_from_view[2][1]))
                  / vec2(clip_from_view[0][0], clip_from_view[1][1]);
     direction = transpose(mat3(view_from_relative)) * vec3(tangent, -1.0);
-#ifdef VELOCITY
+#if defined(VELOCITY) && defined(LENS)
     present_clip = clip_at_infinity(view_from_relative, direction);
     previous_clip = clip_at_infinity(previous_view_from_relative, direction);
 #endif

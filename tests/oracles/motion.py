@@ -1,19 +1,19 @@
 """Motion on the image: velocity, shutter and streaks.
 
 NumPy twins, in float64, of ``shaders/include/velocity.glsl`` and ``motion_tile_classes.glsl``, and
-of the taps of ``shaders/motion_blur/motion_blur.frag``. Thresholds are ours.
+of the averages of ``motion_blur.frag``, ``streak_average.frag`` and ``motion_blur_long.frag``.
+Thresholds are ours.
 """
 
 from __future__ import annotations
 
 from math import ceil
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vrcomfort.geometry import Array
-from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX
+from vrcomfort.optics.motion import sampling_of
 
 SPEED_LIMIT_PX = 16_384.0
 """No velocity is longer than this, so that half floats hold it; far above every streak limit."""
@@ -90,35 +90,50 @@ def _tent_integral(x: Array) -> Array:
     return np.where(x < 0, beyond, 1 - beyond)
 
 
-class StreakTaps(NamedTuple):
-    """Where a streak is sampled, to both sides of its pixel."""
+def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
+    """Return (2 n + 1,): how much each pixel from -n to n px away counts in a streak's average.
 
-    own: float
-    """Weight of the pixel itself."""
-    at_px: Array
-    """Distances of the taps, px along the longer axis of the image."""
-    weight: float
-    """Of each of them; all weights together are the length of the streak."""
-
-
-def streak_taps(reach_px: float, /, *, samples: int) -> StreakTaps:
-    """Return how ``shaders/motion_blur/motion_blur.frag`` averages along half a streak.
+    Where all streaks are alike and lie along a row. ``motion_blur.frag`` averages short ones in one
+    step, ``streak_average.frag`` and ``motion_blur_long.frag`` longer ones in two.
 
     Parameters
     ----------
     reach_px
-        Of the half velocity, along the longer axis of the image; more than 0.
+        Of the half velocity; more than 0.
     samples
-        As in ``MotionBlur.samples``: on a streak of :data:`STREAK_OF_SAMPLES_PX`.
+        As in ``MotionBlur.samples``; without the cubic read, which is across the streak.
+    width_px
+        Of the image.
     """
-    along, beyond_px = min(samples, MOST_SAMPLES), reach_px - 0.5
+    how = sampling_of(samples, width_px)
+    pixels = np.arange(-ceil(reach_px) - 2, ceil(reach_px) + 3, dtype=np.float64)
+    if reach_px <= how.short_px:
+        return _short_streak_weights(reach_px, pixels, how.short_pairs)
+    first = _comb_weights(reach_px / how.parts, pixels, how.taps)
+    second = _comb_weights(reach_px, pixels, how.parts)
+    both: Array = np.convolve(first, second, mode="same")
+    return both
+
+
+def _short_streak_weights(reach_px: float, pixels: Array, pairs: int) -> Array:
     own = float(time_over(0.0, reach_px))
-    few = min(ceil(beyond_px / 2), along // 2)
-    count = max(few, ceil(beyond_px * along / STREAK_OF_SAMPLES_PX), 1)
-    part_px = (reach_px - own / 2) / count
-    first_px = 0.75 if reach_px < 1 else 0.5 + part_px / 2
-    at_px: Array = first_px + part_px * np.arange(count, dtype=np.float64)
-    return StreakTaps(own, at_px, part_px)
+    part_px = (reach_px - own / 2) / pairs
+    middle_px = 0.75 if reach_px < 1 else 0.5 + part_px * pairs / 2
+    at_px = middle_px + part_px * (np.arange(pairs) - (pairs - 1) / 2)
+    taps = part_px * _tents(pixels, np.concatenate([-at_px, at_px]))
+    weights: Array = (taps + np.where(pixels == 0, own, 0)) / (2 * reach_px)
+    return weights
+
+
+def _comb_weights(reach_px: float, pixels: Array, samples: int) -> Array:
+    at_px = 2 * reach_px * (np.arange(samples) - samples // 2) / samples
+    return _tents(pixels, at_px) / samples
+
+
+def _tents(pixels: Array, at_px: Array) -> Array:
+    """Return what bilinear reads at some places take of each pixel."""
+    weights: Array = np.maximum(1 - np.abs(pixels[:, None] - at_px), 0).sum(axis=1)
+    return weights
 
 
 def tolerance_px(half_velocity_px: ArrayLike, /) -> Array:

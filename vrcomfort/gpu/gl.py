@@ -33,7 +33,7 @@ not wait. Nothing that is read back is shown."""
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
-_SRGB8_ALPHA8, _TEXTURE_SAMPLES = 0x8C43, 0x9106
+_SRGB8_ALPHA8, _TEXTURE_SAMPLES, _SAMPLE_POSITION = 0x8C43, 0x9106, 0x8E50
 _TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
 
 _UNIFORM_ALIGNMENT = 256
@@ -231,6 +231,17 @@ def _samples(ctx: moderngl.Context, texture: moderngl.Texture) -> int:
     ask = function(ctx, "glGetTextureLevelParameteriv", *[ctypes.c_uint] * 3, ctypes.c_void_p)
     ask(texture.glo, 0, _TEXTURE_SAMPLES, ctypes.byref(given))
     return given.value
+
+
+def sample_places(ctx: moderngl.Context, samples: int) -> list[tuple[float, float]]:
+    """Return where in a pixel each sample of the framebuffer in use is: (x, y) in [0, 1]."""
+    ask = function(ctx, "glGetMultisamplefv", ctypes.c_uint, ctypes.c_uint, ctypes.c_void_p)
+    places = []
+    for sample in range(samples):
+        place = (ctypes.c_float * 2)()
+        ask(_SAMPLE_POSITION, sample, place)
+        places.append((float(place[0]), float(place[1])))
+    return places
 
 
 def point_sampled(texture: moderngl.Texture, *, comparison: bool | None = None) -> moderngl.Texture:

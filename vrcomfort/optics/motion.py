@@ -3,16 +3,65 @@
 from __future__ import annotations
 
 from math import atan2, degrees
+from typing import NamedTuple
 
 import numpy as np
 
 from vrcomfort.geometry import Pose
 
-STREAK_OF_SAMPLES_PX = 24.0
-"""Length of streak that takes ``MotionBlur.samples`` samples."""
+_NARROW_PX, _WIDE_PX = 400, 1000
+_DIAL = (
+    (2, (1, 3), (1, 3), (1, 3)),
+    (4, (1, 5), (1, 5), (1, 5)),
+    (8, (3, 3), (3, 3), (3, 3)),
+    (16, (1, 11), (5, 3), (5, 5)),
+    (32, (5, 5), (5, 5), (7, 7)),
+    (64, (7, 7), (7, 7), (9, 9)),
+)
+"""Up to so many samples: taps and parts of narrow images, of others, and of wide ones."""
+_CUBIC_ABOVE = 16
 
-MOST_SAMPLES = 16
-"""Along that length; more are not closer. Settings above it read across the streak more finely."""
+_MOST_SHORT_PAIRS = 7
+"""Reads to each side of a short streak."""
+
+
+class Sampling(NamedTuple):
+    """How streaks are averaged.
+
+    A streak of at most 2 `short_px` is its pixel and `short_pairs` reads to each side, at most 2 px
+    apart. A longer one is the mean of `parts` means of `taps` reads: `taps` · `parts` samples for
+    `taps` + `parts` reads. With one tap it is read in one step.
+    """
+
+    taps: int
+    parts: int
+    cubic: bool
+    """Whether each read is sharper across the streak: three reads in place of one."""
+    stride_px: int
+    """Between samples that look for what is in front: 1 or 3."""
+    most_taps: int
+    """Of these, to each side."""
+    jump: float
+    """Things pass each other where half velocities differ by this part of the shorter one."""
+
+    @property
+    def short_pairs(self) -> int:
+        """Return the reads to each side of a short streak: as many as a longer one takes."""
+        reads = self.taps + self.parts if self.taps > 1 else self.parts
+        return min(reads // 2, _MOST_SHORT_PAIRS)
+
+    @property
+    def short_px(self) -> float:
+        """Return the longest half streak that one step reads without a gap."""
+        return 2 * self.short_pairs + 0.5
+
+
+def sampling_of(samples: int, width_px: int) -> Sampling:
+    """Return how streaks are averaged with ``MotionBlur.samples`` in an image of this width."""
+    by_width = next(rest for most, *rest in _DIAL if samples <= most)
+    taps, parts = by_width[(width_px > _NARROW_PX) + (width_px > _WIDE_PX)]
+    stride_px, most_taps, jump = (3, 32, 0.2) if samples <= 8 else (1, 64, 0.1)
+    return Sampling(taps, parts, samples > _CUBIC_ABOVE, stride_px, most_taps, jump)
 
 
 def turn_deg_s(before: Pose, now: Pose, /, *, seconds: float) -> float:

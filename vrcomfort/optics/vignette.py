@@ -22,6 +22,7 @@ def moved_towards(
         Seconds from 0 to 1 and from 1 to 0; 0 is at once. Frames of any length that add up to the
         same time give the same strength, as long as `wanted` is the same in them.
     """
+    elapsed_s = max(elapsed_s, 0.0)
     duration_s = attack_s if wanted > strength else release_s
     if elapsed_s >= duration_s * abs(wanted - strength):
         return wanted

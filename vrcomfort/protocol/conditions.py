@@ -247,9 +247,10 @@ class MotionBlur(Settings):
     max_radius_percent: Annotated[float, Field(gt=0, le=20)] = 5.0
     """Longest half streak, as a percentage of one eye's image width (logged when it clamps)."""
     samples: Annotated[int, Field(ge=2, le=64)] = 16
-    """`reconstruction`: samples along 24 px of a streak; longer ones take proportionally more, and
-    up to 12 samples shorter ones take fewer, one for every 2 px. Above 16, the samples are those of
-    16, read with a cubic filter across the streak. `per_pixel`: samples along every streak."""
+    """Samples along a streak. `per_pixel`: along every one. `reconstruction`: about as many along a
+    long one, for twice their square root of reads (docs/motion_blur.md); a short one takes a read
+    for every 2 px. Above 16, reads are sharper across the streak; from 9 on, things pass each other
+    where their velocities differ by a tenth, up to 8 by a fifth."""
     fade_with_turning: TurnRamp | None = None
     """Shortens all streaks while the head turns, to nothing at `to_deg_s` ("globally reduce the
     blur scale when the head is rotating", Chapman 2020, who gives no speeds)."""

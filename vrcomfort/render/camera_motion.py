@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Pose, interpolate_pose
+from vrcomfort.geometry import Array, Pose, interpolate_pose
 from vrcomfort.protocol.conditions import CameraMode
 
 Float32: TypeAlias = NDArray[np.float32]
@@ -72,6 +72,25 @@ def camera_motion(world_from_eye: Pose, previous_world_from_eye: Pose) -> Camera
         _view_rotation(previous_world_from_eye),
         delta.astype(np.float32),
     )
+
+
+def previous_clip_from_clip(
+    clip_from_view: Array, world_from_eye: Pose, previous_world_from_eye: Pose
+) -> Array:
+    """Return (4, 4): where a point that does not move was in the image before, from where it is.
+
+    With `clip_from_view` for both. Exactly the identity where the pose has not changed, and without
+    rotation where the orientation has not: cancelled rotation moves nothing.
+    """
+    before_from_now = np.zeros((4, 4))
+    previous_from_world = previous_world_from_eye.rotation.T
+    if not np.array_equal(world_from_eye.orientation, previous_world_from_eye.orientation):
+        turn = previous_from_world @ world_from_eye.rotation
+        before_from_now[:3, :3] = turn - np.eye(3)
+    delta_m = world_from_eye.position - previous_world_from_eye.position
+    before_from_now[:3, 3] = previous_from_world @ delta_m
+    change: Array = clip_from_view @ before_from_now @ np.linalg.inv(clip_from_view)
+    return np.eye(4) + change
 
 
 def extrapolated_eye_pose(

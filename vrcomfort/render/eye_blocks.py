@@ -7,7 +7,7 @@ import numpy as np
 
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.camera_motion import camera_motion
+from vrcomfort.render.camera_motion import camera_motion, previous_clip_from_clip
 from vrcomfort.render.lighting import Light
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
@@ -22,10 +22,18 @@ class EyeBlocks:
     ----------
     lens
         Whether cameras have a `Lens`.
+    velocity
+        Whether the image of velocities is resolved from clip positions.
     """
 
     def __init__(
-        self, ctx: moderngl.Context, scene: Scene, size_px: tuple[int, int], *, lens: bool
+        self,
+        ctx: moderngl.Context,
+        scene: Scene,
+        size_px: tuple[int, int],
+        *,
+        lens: bool,
+        velocity: bool,
     ) -> None:
         view, light = (
             shaders.block_dtype("view.glsl", "View"),
@@ -42,7 +50,7 @@ class EyeBlocks:
         self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
         self._eye_delta_m = self._view["eye_delta_m"][:3]
         self._ndc_per_px = 2 / np.array(size_px)
-        self._lens = lens
+        self._lens, self._velocity = lens, velocity
         self._focus_offset = shaders.offset(view, "lens_focus")
         self._buffer = gl.dynamic_buffer(ctx, self._bytes.nbytes)
 
@@ -66,6 +74,10 @@ class EyeBlocks:
         self._view_from_relative[...] = motion.view_from_world.T
         self._previous_view_from_relative[...] = motion.previous_view_from_world.T
         self._eye_delta_m[...] = motion.eye_delta_m
+        if self._velocity:
+            self._view["previous_clip_from_clip"] = previous_clip_from_clip(
+                camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
+            ).T
         if self._lens and camera.lens is not None:
             self._write_lens(camera, camera.lens)
         self._light.look_from(camera.world_from_eye.position, shadow)

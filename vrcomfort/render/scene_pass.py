@@ -59,7 +59,7 @@ class ScenePass:
         self._targets = _Targets(
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
-        self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None)
+        self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None, velocity=velocity)
         self._eyes: tuple[EyeCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
         self._shadow_triangles = 0
@@ -210,12 +210,18 @@ class _Targets:
         self._bind = gl.binder(ctx, self._sources)
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
         self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
+        self._samples = samples
+        self._knows_samples = velocity_dtype is None
         self.count = 2 * len(self._sources)
 
     def begin(self) -> None:
         """Clear to black at infinity."""
         self._many.use()
         self._many.clear(depth=0.0)
+        if not self._knows_samples:  # the driver tells of the framebuffer in use only
+            places = gl.sample_places(self._ctx, self._samples)
+            self._resolve.program["sample_place"] = places if self._samples > 1 else places[0]
+            self._knows_samples = True
 
     def blend(self) -> None:
         """Continue with colour only: what blends covers by alpha and writes no depth."""

@@ -2,35 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import moderngl
 
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX, ramp
+from vrcomfort.optics.motion import ramp
 from vrcomfort.protocol.conditions import Condition, MotionBlur
 from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
-from vrcomfort.render.effects.motion_blur.tile_max import Shutter, TileMaxPass
+from vrcomfort.render.effects.motion_blur.per_pixel import PerPixel
+from vrcomfort.render.effects.motion_blur.reconstruction import Reconstruction
+from vrcomfort.render.effects.motion_blur.shutter import Shutter
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
-
-WIDEST_STRIDE_PX = 4
-"""Between samples that look for what is in front: it must not be stepped over."""
-
-
-class _Limit(NamedTuple):
-    radius_limit_px: float
-
-
-class _Taps(NamedTuple):
-    taps_per_px: float
-    few_taps: float
-
-
-class _Sampling(NamedTuple):
-    px_per_sample: int
 
 
 def plan(scene: Scene, condition: Condition) -> PlannedPass:
@@ -85,8 +68,8 @@ class MotionBlurPass:
 
     Notes
     -----
-    The limit on half tile_max alters what is seen. :meth:`longest_half_velocity_px` says how long
-    they would have been; what lies above ``limit_px`` was shortened.
+    The limit on half streaks alters what is seen. :meth:`clamps` says how long those would have
+    been that were shortened to ``limit_px``.
     """
 
     def __init__(
@@ -100,15 +83,21 @@ class MotionBlurPass:
         size_px: tuple[int, int],
     ) -> None:
         self._settings, self._colour = settings, colour
-        self._tile_max = TileMaxPass(ctx, velocity=velocity, settings=settings, size_px=size_px)
-        self.limit_px = self._tile_max.limit_px
-        self._gather: _Reconstruction | FullscreenPass
+        self.limit_px = settings.max_radius_percent / 100 * size_px[0]
+        self._method: Reconstruction | PerPixel
         if settings.method == "reconstruction":
-            self._gather = _Reconstruction(ctx, colour, depth, self._tile_max, settings)
+            self._method = Reconstruction(
+                ctx,
+                colour=colour,
+                depth=depth,
+                velocity=velocity,
+                samples=settings.samples,
+                limit_px=self.limit_px,
+            )
         else:
-            self._gather = _per_pixel(ctx, colour, self._tile_max, settings)
+            self._method = PerPixel(ctx, colour=colour, velocity=velocity, samples=settings.samples)
         self._copy = gl.copier(ctx)
-        self.target = self._gather.target
+        self.target = self._method.target
 
     def render(self, eye: EyeFrame) -> None:
         """Blur the present image; where nothing has moved, it is copied, bit by bit."""
@@ -123,14 +112,17 @@ class MotionBlurPass:
         self._draw(0.0)
 
     def _draw(self, scale: float) -> None:
-        self._gather.render(self._tile_max.render(scale))
+        self._method.render(Shutter(self._settings.shutter_fraction * scale, self.limit_px))
 
     def forget(self) -> None:
         """Do nothing: frames after a cut have no streaks."""
 
     def longest_half_velocity_px(self) -> float:
-        """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._tile_max.longest.read()
+        """Return the longest half streak of all frames, before the limit; waits for the GPU.
+
+        With ``per_pixel``, of those only that the limit has shortened; 0 where there are none.
+        """
+        return self._method.longest_half_velocity_px()
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the limit has done to the frames so far, in words; waits for the GPU."""
@@ -141,83 +133,6 @@ class MotionBlurPass:
             f"motion blur: half streaks of up to {longest_px:.1f} px were shortened to "
             f"{self.limit_px:.1f} px",
         )
-
-
-class _Reconstruction:
-    """Blurs along each pixel's own streak, then draws over where things pass each other."""
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        colour: moderngl.Texture,
-        depth: moderngl.Texture,
-        tile_max: TileMaxPass,
-        settings: MotionBlur,
-    ) -> None:
-        tile: dict[str, int | float | str] = {"TILE": tile_max.tile_px}
-        samples = min(settings.samples, MOST_SAMPLES)
-        stride_px = min(int(STREAK_OF_SAMPLES_PX / samples), WIDEST_STRIDE_PX)
-        self._dilate = FullscreenPass(
-            ctx,
-            "motion_blur/tile_max_dilate.frag",
-            size_px=tile_max.target.size,
-            inputs={
-                "tile_max": tile_max.target,
-                "tile_max_crossing": tile_max.crossing,
-                "max_so_far": tile_max.longest.target,
-            },
-            more_components=(2,),
-            constants=_Limit(tile_max.limit_px),
-            defines=tile,
-        )
-        longest, crossing = self._dilate.targets
-        self._plain = FullscreenPass(
-            ctx,
-            "motion_blur/motion_blur.frag",
-            size_px=colour.size,
-            inputs={"colour": colour, "velocity": tile_max.velocity},
-            filtered={"colour"},
-            constants=_Taps(samples / STREAK_OF_SAMPLES_PX, samples // 2),
-            defines={"CUBIC": 1} if settings.samples > MOST_SAMPLES else {},
-        )
-        self.target = self._plain.target
-        self._foreground = FullscreenPass(
-            ctx,
-            "motion_blur/motion_blur_foreground.frag",
-            size_px=colour.size,
-            inputs={
-                "colour": colour,
-                "velocity": tile_max.velocity,
-                "depth": depth,
-                "longest": longest,
-                "crossing": crossing,
-            },
-            filtered={"colour"},
-            constants=_Sampling(stride_px),
-            defines={**tile, "CLASS": "MIXED", "POINT_PX": tile_max.tile_px},
-            vertex="motion_blur/motion_tiles_of_class.vert",
-            tiles=longest.size,
-            target=self.target,
-        )
-
-    def render(self, shutter: Shutter) -> None:
-        """Blur along the present streaks."""
-        self._dilate.render()
-        self._plain.render(shutter)
-        self._foreground.render(shutter)
-
-
-def _per_pixel(
-    ctx: moderngl.Context, colour: moderngl.Texture, tile_max: TileMaxPass, settings: MotionBlur
-) -> FullscreenPass:
-    return FullscreenPass(
-        ctx,
-        "motion_blur/motion_blur_per_pixel.frag",
-        size_px=colour.size,
-        inputs={"colour": colour, "velocity": tile_max.velocity},
-        filtered={"colour"},
-        defines={"SAMPLES": settings.samples},
-    )
 
 
 KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))

@@ -9,20 +9,16 @@ import moderngl
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.max_reduction import MaxReductionPass
-from vrcomfort.protocol.conditions import MotionBlur
 
 LEAST_TILE_PX = 16
-MOST_TILES = 4
+MOST_TILES = 8
 """Tiles that the longest half velocity may cross: more are finer, and more to look at."""
 ROWS = 4
 """Rows of pixels that are summed up first; a tile has a multiple of them."""
 
 
-class Shutter(NamedTuple):
-    """Uniforms of ``include/half_velocity.glsl``."""
-
+class _Opening(NamedTuple):
     shutter_fraction: float
-    radius_limit_px: float
 
 
 class TileMaxPass:
@@ -31,56 +27,50 @@ class TileMaxPass:
     Parameters
     ----------
     velocity
-        RG16F (px per frame, +x right, +y up) of `size_px`.
+        RG16F (px per frame, +x right, +y up).
+    limit_px
+        No half velocity counts for more, whatever it is.
+    jump
+        Things pass each other where half velocities differ by this part of the shorter one.
 
     Attributes
     ----------
     target, crossing
         RGBA16F and RG16F, see ``tile_max.frag``; one texel for `tile_px` pixels each way.
-    longest
-        The longest half velocity of all frames, before the limit.
+    frame_longest, longest
+        The longest half velocity of the frame and of all frames, before the limit.
     """
 
     def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        velocity: moderngl.Texture,
-        settings: MotionBlur,
-        size_px: tuple[int, int],
+        self, ctx: moderngl.Context, *, velocity: moderngl.Texture, limit_px: float, jump: float
     ) -> None:
-        self.limit_px = settings.max_radius_percent / 100 * size_px[0]
-        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(self.limit_px / MOST_TILES / ROWS))
-        self.velocity = velocity
-        self._fraction = settings.shutter_fraction
-        columns, strips = ceil(size_px[0] / self.tile_px), ceil(size_px[1] / ROWS)
+        width, height = velocity.size
+        self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(limit_px / MOST_TILES / ROWS))
+        columns, strips = ceil(width / self.tile_px), ceil(height / ROWS)
         self._strips = FullscreenPass(
             ctx,
             "motion_blur/tile_max.frag",
             size_px=(columns, strips),
             inputs={"velocity": velocity},
             more_components=(2,),
-            defines={"TILE": self.tile_px, "ROWS": ROWS},
+            defines={"TILE": self.tile_px, "ROWS": ROWS, "JUMP": jump},
         )
         self._tiles = FullscreenPass(
             ctx,
             "motion_blur/tile_max.frag",
-            size_px=(columns, ceil(size_px[1] / self.tile_px)),
+            size_px=(columns, ceil(height / self.tile_px)),
             inputs=dict(zip(("source", "source_crossing"), self._strips.targets, strict=True)),
             more_components=(2,),
             defines={"STRIPS": self.tile_px // ROWS},
         )
         self.target, self.crossing = self._tiles.targets
-        self.longest = MaxReductionPass(ctx, self.target)
+        self.frame_longest = MaxReductionPass(ctx, self.target)
+        self.longest = MaxReductionPass(ctx, self.frame_longest.target, components="x")
 
-    def render(self, scale: float = 1.0) -> Shutter:
-        """Find the present streaks; `scale` shortens them all. Return how the shutter is open."""
-        shutter = Shutter(self._fraction * scale, self.limit_px)
-        self._strips.render(_Opening(shutter.shutter_fraction))
+    def render(self, shutter_fraction: float) -> None:
+        """Find the present streaks; the shutter is open for this part of a frame period."""
+        self._strips.render(_Opening(shutter_fraction))
         self._tiles.render()
+        self.frame_longest.forget()
+        self.frame_longest.render()
         self.longest.render()
-        return shutter
-
-
-class _Opening(NamedTuple):
-    shutter_fraction: float

@@ -1,0 +1,108 @@
+"""Motion blur as walked: error against brute force and processor time, ours beside per_pixel.
+
+``python -m bench.motion_blur`` prints the table of ``docs/motion_blur.md``. Times are processor
+time of the passes between two ``glFinish``, the methods in turn, over that of `per_pixel` with 8
+samples.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+
+import moderngl
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl
+from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.render.effects.effect import EyeFrame
+from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.render.image_error import judged, rms, sure
+from vrcomfort.render.reference import Reference, read_rgb
+from vrcomfort.tradeoff.cases import Case, Scope, frames
+from vrcomfort.tradeoff.methods import SHUTTER, base_condition
+from vrcomfort.tradeoff.shots import Shot, context, shoot
+from vrcomfort.tradeoff.store import scene_and_hash
+from vrcomfort.tradeoff.walk import time_s
+
+METHODS = {
+    "per_pixel 8": {"method": "per_pixel", "samples": 8},
+    "per_pixel 16": {"method": "per_pixel", "samples": 16},
+    **{f"ours {samples}": {"samples": samples} for samples in (4, 8, 16, 32)},
+}
+
+
+def main() -> None:
+    """Measure each scene at one size."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--size", default="640x800", help="of an eye's image")
+    parser.add_argument("--samples", type=int, default=128, help="of the reference")
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    width, height = (int(side) for side in options.size.split("x"))
+    print("| scene | method | processor time | RMS · 10³ |\n|---|---|---|---|")
+    for scene in ("temple", "mountain"):
+        _measure(scene, (width, height), options.samples, options.rounds)
+
+
+def _measure(name: str, size_px: tuple[int, int], samples: int, rounds: int) -> None:
+    scene, _ = scene_and_hash(name)
+    condition = base_condition("motion_blur")
+    pair = frames(Case(name, 0, "walk", "motion_blur"), Scope(size_px=size_px))
+    shot = shoot(scene, condition, pair, size_px)[0]
+    reference = Reference(context(), scene, condition, size_px).render(
+        shot.camera, time_s(pair[1]), shot.previous, focus_m=1.5, samples=samples
+    )
+    exposure = scene.environment.exposure
+    seen = sure(reference.halves, exposure=exposure)
+    passes = {each: _pass(context(), shot, each) for each in METHODS}
+    frame = EyeFrame(0, 0, Pose(), shot.camera, shot.previous)
+    cost = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
+    for each, effect in passes.items():
+        image = judged(read_rgb(effect.target), seen, exposure)
+        error = 1e3 * rms(image, judged(reference.image, seen, exposure))
+        print(f"| {name} | {each} | {cost[each] / cost['per_pixel 8']:.2f} | {error:.2f} |")
+
+
+def _pass(ctx: moderngl.Context, shot: Shot, name: str) -> MotionBlurPass:
+    height, width = shot.depth.shape
+    size_px = width, height
+    alpha = np.ones((height, width, 1), np.float32)
+    colour, depth = gl.color_texture(ctx, size_px), gl.depth_texture(ctx, size_px)
+    colour.write(_half(np.concatenate([shot.sharp, alpha], axis=-1)))
+    depth.write(shot.depth.tobytes())
+    velocity = gl.color_texture(ctx, size_px, components=2)
+    if shot.velocity_px is not None:
+        velocity.write(_half(shot.velocity_px))
+    return MotionBlurPass(
+        ctx,
+        colour=colour,
+        depth=depth,
+        velocity=velocity,
+        settings=MotionBlur.model_validate({**SHUTTER, **METHODS[name]}),
+        size_px=size_px,
+    )
+
+
+def _half(values: NDArray[np.float32]) -> bytes:
+    return values.astype(np.float16).tobytes()
+
+
+def _processor_s(draws: dict[str, Callable[[], None]], rounds: int) -> dict[str, float]:
+    """Return the median seconds of each, after one that warms up."""
+    found: dict[str, list[float]] = {name: [] for name in draws}
+    for _ in range(rounds + 1):
+        for name, draw in draws.items():
+            context().finish()
+            start = time.process_time()
+            draw()
+            context().finish()
+            found[name].append(time.process_time() - start)
+    return {name: float(np.median(seconds[1:])) for name, seconds in found.items()}
+
+
+if __name__ == "__main__":
+    main()

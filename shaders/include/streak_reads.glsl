@@ -1,0 +1,49 @@
+// How streaks are read: bilinear, or with CUBIC sharper across the streak.
+//
+// Source of the cubic: Catmull and Rom 1974.
+
+uniform sampler2D source;  // linear HDR, filtered
+
+vec2 texel = 1.0 / vec2(textureSize(source, 0));
+
+vec3 read(vec2 at_px) {
+    return textureLod(source, at_px * texel, 0.0).rgb;
+}
+
+#ifdef CUBIC
+// Catmull-Rom across the streak, on the axis along which it is shorter: a bilinear read blurs there
+// as well. The two middle rows are read at once, where the filter weighs them as the curve does.
+// The mean is no brighter or darker than all that was read.
+vec3 least = vec3(65504.0), greatest = vec3(0.0);
+
+vec3 read_across(vec2 at_px, vec2 across) {
+    float t = dot(fract(at_px - 0.5), across);
+    vec2 row = at_px - t * across;
+    float before = t * (t * (1.0 - 0.5 * t) - 0.5), after = t * t * (0.5 * t - 0.5);
+    float first = 1.0 + t * t * (1.5 * t - 2.5), second = t * (0.5 + t * (2.0 - 1.5 * t));
+    float middle = first + second;
+    vec3 a = read(row - across), b = read(row + second / middle * across);
+    vec3 c = read(row + 2.0 * across);
+    least = min(least, min(min(a, b), c));
+    greatest = max(greatest, max(max(a, b), c));
+    return before * a + middle * b + after * c;
+}
+#else
+vec3 read_across(vec2 at_px, vec2 across) {
+    return read(at_px);
+}
+#endif
+
+// The axis across a streak: that of the image along which it is shorter.
+vec2 axis_across(vec2 half_velocity) {
+    vec2 extent = abs(half_velocity);
+    return extent.x < extent.y ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
+}
+
+// A mean of reads, in the range of what was read; `own` is the pixel's.
+vec3 mean_of_reads(vec3 mean, vec3 own) {
+#ifdef CUBIC
+    mean = clamp(mean, min(least, own), max(greatest, own));
+#endif
+    return min(mean, 65504.0);
+}

@@ -1,0 +1,33 @@
+#version 450 core
+// The average along a short middle part of each pixel's streak: the first of two steps for long ones.
+//
+// Input:  source = the image (linear HDR, filtered), velocity (half_velocity.glsl).
+// Output: average = the mean between -u / PARTS and +u / PARTS of the pixel's half velocity u; what
+//         does not move is copied. Full resolution, in tiles that a long streak reaches.
+// Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
+//
+// PARTS such averages, end to end, are the average of the whole streak (motion_blur_long.frag), which
+// so gets TAPS * PARTS samples for TAPS + PARTS reads. Both are odd: the pixel itself is one of them.
+// Source: ours; the midpoint rule. NumPy twin: tests/oracles/motion.py, streak_weights.
+#include "velocity.glsl"
+#include "half_velocity.glsl"
+#include "motion_tile_classes.glsl"
+
+
+#include "streak_reads.glsl"
+
+out vec4 average;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 half_velocity = half_velocity_at(pixel);
+    vec2 step = half_velocity * (2.0 / float(TAPS * PARTS)), across = axis_across(half_velocity);
+    average = texelFetch(source, pixel, 0);
+    vec3 sum = average.rgb;
+    for (int i = 1; i <= TAPS / 2; ++i) {
+        sum += read_across(gl_FragCoord.xy - float(i) * step, across);
+        sum += read_across(gl_FragCoord.xy + float(i) * step, across);
+    }
+    if (dot(half_velocity, half_velocity) >= LEAST_PX * LEAST_PX)
+        average.rgb = mean_of_reads(sum / float(TAPS), average.rgb);
+}
