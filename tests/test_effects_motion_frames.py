@@ -315,3 +315,61 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
     # Two tile passes, their peak over 3 x 3 tiles, neighbours, the plain average, a point for each
     # tile in which things may pass each other; two Gaussians.
     assert warm - plain == 2 + 9 + 1 + 1 + 9 + 2
+
+
+def turned_30_degrees(index, **known):
+    """Return a frame after a turn of the avatar about the head, and 2 cm of walking."""
+    turn = yaw_pitch_roll(np.radians(30), 0, 0)
+    return standing(index, avatar_pose=Pose((0, 0, -0.02), turn), **known)
+
+
+@pytest.mark.parametrize("mode", ["full", "head_cancelled", "rotation_cancelled"])
+def test_a_snap_turn_leaves_no_streak_and_walking_does(ctx, mode):
+    """Velocities of the frame are those of a walk of 2 cm, of somebody who had turned already."""
+    before = {
+        "snap": standing(0),
+        "walk": standing(0, avatar_pose=Pose(orientation=yaw_pitch_roll(np.radians(30), 0, 0))),
+    }
+    velocities = {
+        how: [
+            velocity
+            for *_, velocity in last_eyes(
+                ctx, ball(), streaks(mode), [frame, turned_30_degrees(1, snap_turn=how == "snap")]
+            )
+        ]
+        for how, frame in before.items()
+    }
+    for snap, walk in zip(*velocities.values(), strict=True):
+        assert np.abs(walk).max() > 0.05
+        np.testing.assert_allclose(snap, walk, atol=1e-3)
+    smooth = last_eyes(ctx, ball(), streaks(mode), [standing(0), turned_30_degrees(1)])
+    assert all(np.abs(velocity).max() > 10 for *_, velocity in smooth)
+
+
+def test_a_snap_turn_is_no_speed(ctx):
+    """Blur that grows with speed does not flash; the same turn, not told as one, blurs."""
+    ramp = SpeedBlur(turning=SPEED.turning, max_sigma_arcmin=120)
+    condition = Condition(name="speed", speed_blur=ramp)
+    told, untold = (
+        last_eyes(ctx, ball(), condition, [standing(0), turned_30_degrees(1, snap_turn=snap)])
+        for snap in (True, False)
+    )
+    for (sharp, blurred, _), (_, flashed, _) in zip(told, untold, strict=True):
+        np.testing.assert_array_equal(blurred, sharp)
+        assert np.abs(flashed - sharp).max() > 0.05
+
+
+def test_virtual_turning_alone_can_need_a_pass():
+    """Objects only, in a scene in which nothing moves by itself."""
+    still = scene([at(0, 0.8, -4)], [box()], [GREEN])
+    reasons = {
+        turning: next(
+            item
+            for item in plan_passes(still, streaks("objects_only", virtual_turning=turning))
+            if item.name == "motion_blur"
+        )
+        for turning in ("by_mode", "kept")
+    }
+    assert not reasons["by_mode"].needed
+    assert reasons["kept"].needed
+    assert "virtual turning kept" in reasons["kept"].reason

@@ -86,6 +86,17 @@ def test_a_missing_column_is_named(write):
     assert "the column 'head_y_m' is missing (and head_z_m" in error.message
 
 
+def test_snap_turns_are_no_cuts_and_are_written_again(tmp_path, write):
+    rows = [f"{row},{mark}" for row, mark in zip(ROWS, "021", strict=True)]
+    trace = read_trace(write(HEADER + ",discontinuity", *rows))
+    assert trace.cuts.tolist() == [True, False, True]
+    assert trace.snap_turns.tolist() == [False, True, False]
+    write_trace(trace, tmp_path / "again.csv")
+    again = read_trace(tmp_path / "again.csv")
+    assert again.cuts.tolist() == trace.cuts.tolist()
+    assert again.snap_turns.tolist() == trace.snap_turns.tolist()
+
+
 def test_half_of_an_optional_pose_is_refused(write):
     error = refusal(write(HEADER + ",avatar_x_m", ROWS[0] + ",0"))
     assert error.column == "avatar_y_m"

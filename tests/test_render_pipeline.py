@@ -26,6 +26,7 @@ class FrameAt:
     head_pose: Pose
     avatar_pose: Pose = field(default_factory=Pose)
     discontinuity: bool = False
+    snap_turn: bool = False
     gaze: Gaze | None = None
 
     @property

@@ -42,6 +42,7 @@ def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
         ("exposure_s = 10.0", "exposure_s = ", (3, 14), "not valid TOML"),
         ('title = "A tiny study"\n', "", (1, 1), "`title` is missing"),
         ("[ratings]", "[rating]", (36, 1), "did you mean `ratings`?"),
+        ("[ratings]", "[locomotion]\nsnap_turn_deg = 0.1\n[ratings]", (37, 1), "or equal to 1"),
         ('"blur"\n', '"blur"\nlable = "x"\n', (12, 1), "did you mean `label`?"),
         ('rule = "explicit"', 'rule = "explict"', (15, 1), "'williams'"),
         ('[{ scene = "room.glb", condition = "p', '[{ scene = "room.glb", condition = "b',
@@ -105,6 +106,7 @@ def test_carnegie_2015_has_the_numbers_of_the_paper():
     assert (protocol.exposure_s, protocol.training_s) == (900, 60)
     assert protocol.headset.ipd_m == 0.063
     assert protocol.locomotion.walking_speed_m_s == 1.4
+    assert protocol.locomotion.snap_turn_deg is None
     asked = [(ask.timepoint, ask.when, ask.wait_s) for ask in protocol.questionnaires]
     assert asked == [
         ("baseline", "session_start", 0),

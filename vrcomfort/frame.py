@@ -40,6 +40,8 @@ class Frame:
         False where nobody sees the frame.
     discontinuity
         True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    snap_turn
+        True where the avatar was turned at once: that is no motion, and the rest of the frame is.
     paused
         True where the participant sees nothing of it (headset taken off or asleep): time that
         does not count as exposure.
@@ -62,6 +64,7 @@ class Frame:
     avatar_pose: Pose
     should_render: bool = True
     discontinuity: bool = False
+    snap_turn: bool = False
     paused: bool = False
     gaze: Gaze | None = None
     head_valid: bool = True

@@ -40,6 +40,7 @@ class _Sample:
     fraction: float
     time_ns: int
     cut: bool
+    snap_turn: bool = False
 
 
 class PlaybackHeadset:
@@ -169,14 +170,18 @@ class PlaybackHeadset:
         first_ns, last_ns = int(times[0]), int(times[-1])
         while True:
             for index in range(len(times)):
-                sample = _Sample(index, 0.0, int(times[index]), bool(cuts[index]))
+                snap_turn = self._turns_at(index)
+                sample = _Sample(index, 0.0, int(times[index]), bool(cuts[index]), snap_turn)
                 yield sample, start_ns + sample.time_ns - first_ns
             if not self._loop:
                 return
             start_ns += last_ns - first_ns + self._period_ns(sample)
 
     def _resampled(self) -> Iterator[_Sample]:
-        bounds = [*np.flatnonzero(self._trace.cuts).tolist(), len(self._trace)]
+        jumps = self._trace.cuts
+        if self._trace.snap_turns is not None:
+            jumps = jumps | self._trace.snap_turns
+        bounds = [*np.flatnonzero(jumps).tolist(), len(self._trace)]
         while True:
             for first, end in pairwise(bounds):
                 yield from self._resampled_piece(first, end)
@@ -184,14 +189,19 @@ class PlaybackHeadset:
                 return
 
     def _resampled_piece(self, first: int, end: int) -> Iterator[_Sample]:
-        """Yield the display times between two cuts: never a pose across one."""
+        """Yield the display times between two cuts or snap turns: never a pose across one."""
         assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
         times = self._trace.time_ns[first:end]
         count = 0
         while (time_ns := int(times[0]) + round(count * SECOND_NS / self._rate)) <= times[-1] + 1:
             before, fraction = _place(times, time_ns)
-            yield _Sample(first + before, fraction, time_ns, count == 0)
+            cut = count == 0 and bool(self._trace.cuts[first])
+            snap_turn = count == 0 and self._turns_at(first)
+            yield _Sample(first + before, fraction, time_ns, cut, snap_turn)
             count += 1
+
+    def _turns_at(self, index: int) -> bool:
+        return self._trace.snap_turns is not None and bool(self._trace.snap_turns[index])
 
     def _period_ns(self, sample: _Sample) -> int:
         if self._rate is not None:
@@ -211,6 +221,7 @@ class PlaybackHeadset:
             views=self._views(head, sample),
             avatar_pose=self._anchor if trace.avatar is None else _pose_at(trace.avatar, sample),
             discontinuity=sample.cut,
+            snap_turn=sample.snap_turn,
             gaze=None if trace.gaze is None else trace.gaze.at(sample.time_ns),
         )
 

@@ -42,6 +42,7 @@ _FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
 ]
+VirtualTurning = Literal["by_mode", "kept", "cancelled"]
 
 
 class Settings(BaseModel):
@@ -223,6 +224,10 @@ class MotionBlur(Settings):
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
     """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
+    virtual_turning: VirtualTurning = "by_mode"
+    """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
+    `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
+    never blur."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""

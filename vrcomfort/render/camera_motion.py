@@ -7,8 +7,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Pose, interpolate_pose, rotation_matrix
-from vrcomfort.protocol.conditions import CameraMode
+from vrcomfort.geometry import Pose, interpolate_pose, rotate, rotation_matrix
+from vrcomfort.protocol.conditions import CameraMode, VirtualTurning
 
 Float32: TypeAlias = NDArray[np.float32]
 
@@ -21,8 +21,15 @@ def previous_eye_pose(
     head_from_eye: Pose,
     previous_world_from_stage: Pose,
     previous_stage_from_head: Pose,
+    virtual_turning: VirtualTurning = "by_mode",
 ) -> Pose:
-    """Return world-from-eye of the previous frame, less the motion that `mode` cancels.
+    """Return world-from-eye of the previous frame, less the motion that is cancelled.
+
+    Parameters
+    ----------
+    virtual_turning
+        Whether turns of the avatar blur: ``kept``, ``cancelled`` (about the head centre), or as
+        the mode has it.
 
     Notes
     -----
@@ -31,23 +38,38 @@ def previous_eye_pose(
     - ``rotation_cancelled``: the head has not turned in the stage, about its own centre, so that
       pure head rotation gives zero velocity at every depth; translation and locomotion are kept.
     - ``rotation_cancelled_eye``: as Chapman's "Comfort and motion blur in VR" (2020) has it, each
-      eye about itself: the lever arm from head to eye leaves a velocity.
+      eye about itself: the lever arm from head to eye leaves a velocity. The avatar's turns are
+      cancelled in the same way.
     - ``objects_only``: no camera moves, locomotion neither (Chapman's first form: the previous
       view is the present one).
     """
     eye = world_from_stage @ stage_from_head @ head_from_eye
+    previous_stage = previous_world_from_stage
     if mode == "objects_only":
-        return eye
+        if virtual_turning != "kept":
+            return eye
+        previous_stage = turned_like(world_from_stage, previous_stage, stage_from_head)
+    elif virtual_turning == "cancelled":
+        previous_stage = turned_like(previous_stage, world_from_stage, stage_from_head)
     previous_head = {
         "full": previous_stage_from_head,
         "head_cancelled": stage_from_head,
+        "objects_only": stage_from_head,
         "rotation_cancelled": Pose(previous_stage_from_head.position, stage_from_head.orientation),
         "rotation_cancelled_eye": previous_stage_from_head,
     }[mode]
-    previous_eye = previous_world_from_stage @ previous_head @ head_from_eye
+    previous_eye = previous_stage @ previous_head @ head_from_eye
     if mode != "rotation_cancelled_eye":
         return previous_eye
-    return Pose(previous_eye.position, eye.orientation)
+    stage = previous_stage if virtual_turning == "kept" else world_from_stage
+    return Pose(previous_eye.position, (stage @ stage_from_head @ head_from_eye).orientation)
+
+
+def turned_like(world_from_stage: Pose, other: Pose, stage_from_head: Pose) -> Pose:
+    """Return a stage turned as another is, the head's centre staying where it is in the world."""
+    head = stage_from_head.position
+    lever = rotate(world_from_stage.orientation, head) - rotate(other.orientation, head)
+    return Pose(world_from_stage.position + lever, other.orientation)
 
 
 class CameraMotion(NamedTuple):

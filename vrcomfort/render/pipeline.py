@@ -25,7 +25,7 @@ from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
-from vrcomfort.render.camera_motion import previous_eye_pose
+from vrcomfort.render.camera_motion import previous_eye_pose, turned_like
 from vrcomfort.render.condition_passes import ConditionPasses
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
@@ -167,6 +167,8 @@ class StereoRenderer:
         passes = self._built()
         passes.scene.gpu.draws = 0
         before = None if frame.discontinuity else self._before
+        if before is not None and frame.snap_turn:
+            before = _without_turn(before, frame)
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
         passes.scene.update(scene_time_s, world_from_head, before_s)
@@ -236,9 +238,16 @@ class StereoRenderer:
             head_from_eye=head_from_eye,
             previous_world_from_stage=before.avatar_pose,
             previous_stage_from_head=before.head_pose,
+            virtual_turning=blur.virtual_turning,
         )
         previous = PreviousCamera(pose, before.scene_time_s)
         return EyeFrame(index, time_ns, head_from_eye, camera, previous, step)
+
+
+def _without_turn(before: _Before, frame: Frame) -> _Before:
+    """Return the frame before as if the avatar had been turned already."""
+    avatar = turned_like(before.avatar_pose, frame.avatar_pose, frame.head_pose)
+    return before._replace(avatar_pose=avatar)
 
 
 def _step(before: _Before, frame: Frame) -> HeadStep:

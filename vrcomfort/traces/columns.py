@@ -6,13 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
+from vrcomfort.records.frame_rows import SNAP_TURN
 from vrcomfort.records.pose_columns import HEAD, fov_columns, pose_columns
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.table import Table
 
 TIME, PERIOD, TRIAL = "xr_time_ns", "period_ns", "trial"
 DISCONTINUITY = "discontinuity"
-"""1 where the pose before has nothing to do with this one (loop, teleport), else 0."""
+"""1 where the pose before has nothing to do with this one (loop, teleport), 2 where the avatar's
+heading before does not (snap turn), else 0."""
 REQUIRED = (TIME, *HEAD)
 EYES = (pose_columns("left"), pose_columns("right"))
 FOVS = (fov_columns("left"), fov_columns("right"))
@@ -74,11 +76,17 @@ def cuts_of(
     """
     cuts = np.zeros(len(table.rows), dtype=bool)
     if table.has([DISCONTINUITY]):
-        cuts |= table.integers(DISCONTINUITY) != 0
+        marks = table.integers(DISCONTINUITY)
+        cuts |= (marks != 0) & (marks != SNAP_TURN)
     if trial:
         cuts |= [now != earlier for now, earlier in zip(trial, (before, *trial), strict=False)]
     cuts[:1] |= start
     return cuts
+
+
+def snap_turns_of(table: Table) -> NDArray[np.bool_] | None:
+    """Return (n,) bool where the avatar was turned at once, or None where the file says nothing."""
+    return table.integers(DISCONTINUITY) == SNAP_TURN if table.has([DISCONTINUITY]) else None
 
 
 def periods_of(table: Table) -> Times | None:

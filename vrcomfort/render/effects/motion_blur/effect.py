@@ -44,9 +44,12 @@ def plan(scene: Scene, condition: Condition) -> PlannedPass:
         return PlannedPass("motion_blur", False, "the condition has none")
     if settings.shutter_fraction == 0:
         return PlannedPass("motion_blur", False, "its shutter is open for no time")
-    if settings.mode == "objects_only" and not any(node.moving for node in scene.nodes):
+    turns = settings.virtual_turning == "kept"
+    if settings.mode == "objects_only" and not turns and not any(n.moving for n in scene.nodes):
         return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    if settings.virtual_turning != "by_mode":
+        reason += f", virtual turning {settings.virtual_turning}"
     return PlannedPass("motion_blur", True, reason)
 
 
