@@ -17,7 +17,7 @@ from vrcomfort.geometry import (
     quaternion_multiply,
     rotate,
 )
-from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.protocol.conditions import MotionBlur, Neck
 from vrcomfort.render.camera_motion import (
     camera_motion,
     extrapolated_eye_pose,
@@ -145,6 +145,53 @@ def test_the_per_eye_form_leaves_the_lever_arm():
 def test_objects_only_ignores_every_camera(avatar, avatar_before, head, head_before, offset):
     now, previous = eyes("objects_only", avatar, (head_before, head), offset, avatar_before)
     assert previous == now
+
+
+necks = st.builds(Neck, behind_m=st.floats(0, 0.3), below_m=st.floats(0, 0.3))
+
+
+def nodded(head, neck, rotation):
+    """Return where a head was before it turned about its neck."""
+    head_from_neck = Pose(np.array([0.0, -neck.below_m, neck.behind_m]))
+    turned = Pose(orientation=quaternion_multiply(rotation, head.orientation))
+    place = (head @ head_from_neck).position - (turned @ head_from_neck).position
+    return Pose(place, turned.orientation)
+
+
+@given(pose, pose, turn, eye, depth_m, necks)
+def test_head_rotation_about_the_neck_is_cancelled_at_every_depth(
+    avatar, head, rotation, head_from_eye, distance, neck
+):
+    heads = nodded(head, neck, rotation), head
+    now, previous = eyes("rotation_cancelled", avatar, heads, head_from_eye, neck=neck)
+    assert np.linalg.norm(velocity(now, previous, distance, np.float32)) <= 1e-3
+
+
+@given(pose, pose, position, turn, eye, necks)
+def test_a_neck_that_moves_blurs_as_far_as_it_moves(
+    avatar, head, step, rotation, head_from_eye, neck
+):
+    step = step / 100
+    before = nodded(head, neck, rotation)
+    moved = Pose(before.position - step, before.orientation)
+    now, previous = eyes("rotation_cancelled", avatar, (moved, head), head_from_eye, neck=neck)
+    np.testing.assert_allclose(
+        now.position - previous.position, rotate(avatar.orientation, step), atol=1e-12
+    )
+
+
+def test_a_neck_takes_the_streak_of_a_turn_from_near_things():
+    """200 degrees per second at 90 Hz: 2.5 px, 0.5 m away, at a focal length of 320 px."""
+    neck = Neck(behind_m=0.1)
+    rotation = axis_angle([0, 1, 0], np.radians(200 / 90))
+    heads = nodded(Pose(), neck, rotation), Pose()
+    found = {}
+    for name, pivot in (("head", None), ("neck", neck)):
+        now, previous = eyes("rotation_cancelled", Pose(), heads, Pose(), neck=pivot)
+        moved_px = velocity(now, previous, 0.5, tangent=(0.0, 0.0))[0]
+        found[name] = abs(moved_px) * 320 / focal_length_px(FOV, SIZE_PX)[0]
+    assert found["head"] == pytest.approx(320 * 0.1 * np.radians(200 / 90) / 0.5, rel=0.01)
+    assert found["neck"] == pytest.approx(0, abs=1e-9)
 
 
 MODES = get_args(MotionBlur.model_fields["mode"].annotation)

@@ -12,7 +12,7 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
-from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
 
@@ -205,6 +205,7 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('focus = { method = "fixed", law = "instant" }', 'nothing with method = "fixed"'),
         ('focus = { law = "instant", cutoff_hz = 4.0 }', 'nothing with law = "instant"'),
         ('focus = { method = "gaze", ring_deg = 3.0 }', 'nothing with method = "gaze"'),
+        ('motion_blur = { mode = "full", neck = {} }', '`neck` does nothing with mode = "full"'),
         ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
         ('depth_of_field = { kernel = "mip", rings = 3 }', 'nothing with kernel = "mip"'),
         ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),
@@ -239,6 +240,7 @@ def test_settings_that_do_nothing_are_refused(tmp_path, settings, says):
         ('focus = { method = "fixed", fixed_m = 1e-9 }', "`fixed_m`: should be greater than"),
         ('focus = { law = "duration", duration_s = 1e308 }', "`duration_s`: should be less than"),
         ("focus = { refocus_s = 5e-324 }", "`refocus_s`: should be greater than or equal to 0.001"),
+        ("motion_blur = { neck = { behind_m = 10 } }", "`behind_m`: should be less than or equal"),
         ("motion_blur = { fade_with_turning = 3 }", "`fade_with_turning`: should be a table {"),
         ("depth_of_field = { full_blur_m = 1e308 }", "`full_blur_m`: should be less than"),
     ],
@@ -280,7 +282,8 @@ def unbounded(model):
 
 def test_needs_name_settings_and_values_that_there_are():
     for effect, table in NEEDS.items():
-        fields = {"focus": Focus, "depth_of_field": DepthOfField}[effect].model_fields
+        models = {"focus": Focus, "depth_of_field": DepthOfField, "motion_blur": MotionBlur}
+        fields = models[effect].model_fields
         for key, needs in table.items():
             assert {key, *needs} <= fields.keys()
             for choice, values in needs.items():

@@ -216,6 +216,13 @@ def _check_order(unit: str, start: float, end: float) -> None:
         raise PydanticCustomError("ramp_order", message, {"unit": unit})
 
 
+class Neck(Settings):
+    """Where a head turns: a point in the head's frame, seen from its centre between the eyes."""
+
+    behind_m: Annotated[float, Field(ge=0, le=0.5)] = 0.1
+    below_m: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+
+
 class MotionBlur(Settings):
     """Velocity-buffer motion blur, per eye (Chapman 2020; McGuire et al. 2012)."""
 
@@ -228,6 +235,10 @@ class MotionBlur(Settings):
     """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
     `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
     never blur."""
+    neck: Neck | None = None
+    """With `rotation_cancelled`, the point about which the head's rotation is cancelled: the way
+    that the eyes go while the head turns on its neck then leaves no streak either. Without it, the
+    head centre."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""

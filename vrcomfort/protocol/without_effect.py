@@ -53,6 +53,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "rings": {"kernel": ("vrcomfort",)},
         "over_blur": {"views": range(2, 257)},
     },
+    "motion_blur": {"neck": {"mode": ("rotation_cancelled",)}},
 }
 """What each setting needs to do anything, by effect; a setting that is not here always does."""
 

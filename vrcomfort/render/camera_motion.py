@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose, interpolate_pose, rotate, rotation_matrix
-from vrcomfort.protocol.conditions import CameraMode, VirtualTurning
+from vrcomfort.protocol.conditions import CameraMode, Neck, VirtualTurning
 
 Float32: TypeAlias = NDArray[np.float32]
 
@@ -22,6 +22,7 @@ def previous_eye_pose(
     previous_world_from_stage: Pose,
     previous_stage_from_head: Pose,
     virtual_turning: VirtualTurning = "by_mode",
+    neck: Neck | None = None,
 ) -> Pose:
     """Return world-from-eye of the previous frame, less the motion that is cancelled.
 
@@ -30,13 +31,16 @@ def previous_eye_pose(
     virtual_turning
         Whether turns of the avatar blur: ``kept``, ``cancelled`` (about the head centre), or as
         the mode has it.
+    neck
+        About which ``rotation_cancelled`` cancels, in place of the head centre.
 
     Notes
     -----
     - ``full``: the previous eye as it was.
     - ``head_cancelled``: the head has not moved in the stage; locomotion is kept.
-    - ``rotation_cancelled``: the head has not turned in the stage, about its own centre, so that
-      pure head rotation gives zero velocity at every depth; translation and locomotion are kept.
+    - ``rotation_cancelled``: the head has not turned in the stage, about its own centre (or its
+      neck), so that pure head rotation gives zero velocity at every depth; translation (of the
+      neck) and locomotion are kept.
     - ``rotation_cancelled_eye``: as Chapman's "Comfort and motion blur in VR" (2020) has it, each
       eye about itself: the lever arm from head to eye leaves a velocity. The avatar's turns are
       cancelled in the same way.
@@ -55,7 +59,7 @@ def previous_eye_pose(
         "full": previous_stage_from_head,
         "head_cancelled": stage_from_head,
         "objects_only": stage_from_head,
-        "rotation_cancelled": Pose(previous_stage_from_head.position, stage_from_head.orientation),
+        "rotation_cancelled": _not_turned(previous_stage_from_head, stage_from_head, neck),
         "rotation_cancelled_eye": previous_stage_from_head,
     }[mode]
     previous_eye = previous_stage @ previous_head @ head_from_eye
@@ -63,6 +67,15 @@ def previous_eye_pose(
         return previous_eye
     stage = previous_stage if virtual_turning == "kept" else world_from_stage
     return Pose(previous_eye.position, (stage @ stage_from_head @ head_from_eye).orientation)
+
+
+def _not_turned(previous: Pose, now: Pose, neck: Neck | None) -> Pose:
+    """Return the previous head in stage, turned about its centre or neck to where it looks now."""
+    if neck is None:
+        return Pose(previous.position, now.orientation)
+    head_from_neck = Pose(np.array([0.0, -neck.below_m, neck.behind_m]))
+    moved = (now @ head_from_neck).position - (previous @ head_from_neck).position
+    return Pose(now.position - moved, now.orientation)
 
 
 def turned_like(world_from_stage: Pose, other: Pose, stage_from_head: Pose) -> Pose:

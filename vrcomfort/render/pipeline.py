@@ -239,6 +239,7 @@ class StereoRenderer:
             previous_world_from_stage=before.avatar_pose,
             previous_stage_from_head=before.head_pose,
             virtual_turning=blur.virtual_turning,
+            neck=blur.neck,
         )
         previous = PreviousCamera(pose, before.scene_time_s)
         return EyeFrame(index, time_ns, head_from_eye, camera, previous, step)

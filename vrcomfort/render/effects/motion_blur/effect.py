@@ -48,6 +48,9 @@ def plan(scene: Scene, condition: Condition) -> PlannedPass:
     if settings.mode == "objects_only" and not turns and not any(n.moving for n in scene.nodes):
         return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    if settings.neck is not None and settings.mode == "rotation_cancelled":
+        reason += f", about a neck {settings.neck.behind_m:g} m behind"
+        reason += f" and {settings.neck.below_m:g} m below the eyes"
     if settings.virtual_turning != "by_mode":
         reason += f", virtual turning {settings.virtual_turning}"
     return PlannedPass("motion_blur", True, reason)
