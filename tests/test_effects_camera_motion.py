@@ -21,6 +21,7 @@ from vrcomfort.protocol.conditions import MotionBlur, Neck
 from vrcomfort.render.camera_motion import (
     camera_motion,
     extrapolated_eye_pose,
+    hand_poses,
     previous_eye_pose,
     turned_like,
 )
@@ -263,6 +264,48 @@ def test_two_degrees_of_virtual_turning_at_three_metres():
         found = velocity(now, previous, 3.0, tangent=(0.0, 0.0))
         moved_px.append(abs(found[0]) * 320 / focal_length_px(FOV, SIZE_PX)[0])
     assert moved_px == pytest.approx([320 * np.tan(np.radians(2)), 0], abs=1e-3)
+
+
+def counted_hands(carried, stages, heads, hands):
+    return hand_poses(
+        carried,
+        world_from_stage=stages[1],
+        stage_from_head=heads[1],
+        stage_from_hands=hands[1],
+        previous_world_from_stage=stages[0],
+        previous_stage_from_head=heads[0],
+        previous_stage_from_hands=hands[0],
+    )
+
+
+@given(st.tuples(upright, upright), st.tuples(pose, pose), eye)
+def test_a_hand_that_goes_with_the_head_has_moved_in_the_world_alone(stages, heads, head_from_hand):
+    hands = [(head @ head_from_hand, None) for head in heads]
+    now, before = counted_hands("with_head", stages, heads, hands)
+    np.testing.assert_allclose(before.left.matrix(), now.left.matrix(), atol=1e-9)
+    now, before = counted_hands("in_world", stages, heads, hands)
+    assert now.left == stages[1] @ hands[1][0]
+    assert before.left == stages[0] @ hands[0][0]
+    assert now.right is None
+    assert before.right is None
+
+
+@given(upright, pose, st.tuples(pose, pose))
+def test_before_a_resting_head_both_ways_of_counting_a_hand_agree(stage, head, places):
+    hands = [(None, place) for place in places]
+    for carried in ("with_head", "in_world"):
+        _, before = counted_hands(carried, (stage, stage), (head, head), hands)
+        expected = (stage @ places[0]).matrix()
+        np.testing.assert_allclose(before.right.matrix(), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("carried", ["with_head", "in_world"])
+@given(stage=upright, heads=st.tuples(pose, pose), hand=pose)
+def test_a_hand_that_rests_or_was_not_known_has_not_moved(carried, stage, heads, hand):
+    rest = counted_hands(carried, (stage, stage), (heads[1], heads[1]), [(hand, None)] * 2)
+    assert rest[0] == rest[1], "bit by bit: nothing is drawn for a picture in which all rests"
+    found = counted_hands(carried, (stage, stage), heads, [(None, None), (hand, None)])
+    assert found[0] == found[1]
 
 
 @given(upright, upright, pose)

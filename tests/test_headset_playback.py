@@ -239,3 +239,18 @@ def test_a_recorded_snap_turn_is_played_again_and_never_half(tmp_path):
             np.testing.assert_allclose(
                 frame.avatar_pose.orientation, avatar.orientations[2 * (number >= at)], atol=1e-12
             )
+
+
+def test_hands_are_played_where_they_are_known():
+    """Half way between two samples a hand is between them, if both know it."""
+    places = np.array([[0.0, 1, 0], [0.2, 1, 0], [np.nan] * 3, [0.4, 1, 0]])
+    turns = np.where(np.isnan(places[:, :1]), np.nan, [[0.0, 0, 0, 1]])
+    trace = turning_trace(range(0, 40_000_000, 10_000_000), right_hand=PoseTrack(places, turns))
+    for rate, expected in (
+        (None, [0.0, 0.2, None, 0.4]),
+        (200, [0.0, 0.1, 0.2, None, None, None, 0.4]),
+    ):
+        frames = play(trace, len(expected), refresh_hz=rate)
+        found = [frame.hands[1] and frame.hands[1].position[0] for frame in frames]
+        assert [None if x is None else round(x, 9) for x in found] == expected
+        assert all(frame.hands[0] is None for frame in frames)

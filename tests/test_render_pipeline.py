@@ -28,6 +28,7 @@ class FrameAt:
     discontinuity: bool = False
     snap_turn: bool = False
     gaze: Gaze | None = None
+    hands: tuple[Pose | None, Pose | None] = (None, None)
 
     @property
     def predicted_display_time_ns(self) -> int:

@@ -47,6 +47,8 @@ class Frame:
         does not count as exposure.
     gaze
         Where the participant looks, None without an eye tracker.
+    hands
+        stage-from-aim of the left and the right hand, None where the headset does not know it.
     head_valid
         False where the headset does not know the head: the poses are the last known.
     head_tracked
@@ -67,6 +69,7 @@ class Frame:
     snap_turn: bool = False
     paused: bool = False
     gaze: Gaze | None = None
+    hands: tuple[Pose | None, Pose | None] = (None, None)
     head_valid: bool = True
     head_tracked: bool = True
     session_state: str = ""

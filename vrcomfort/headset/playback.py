@@ -223,6 +223,7 @@ class PlaybackHeadset:
             discontinuity=sample.cut,
             snap_turn=sample.snap_turn,
             gaze=None if trace.gaze is None else trace.gaze.at(sample.time_ns),
+            hands=(_hand_at(trace.left_hand, sample), _hand_at(trace.right_hand, sample)),
         )
 
     def _views(self, head: Pose, sample: _Sample) -> tuple[View, View]:
@@ -275,6 +276,14 @@ def _place(times: Times, time_ns: int) -> tuple[int, float]:
     if elapsed <= 1:
         return before, 0.0
     return before, elapsed / int(times[before + 1] - times[before])
+
+
+def _hand_at(track: PoseTrack | None, sample: _Sample) -> Pose | None:
+    """Return where a hand is, None where it is not known at both samples around."""
+    if track is None:
+        return None
+    around = slice(sample.index, sample.index + (1 if sample.fraction == 0.0 else 2))
+    return None if np.isnan(track.positions[around]).any() else _pose_at(track, sample)
 
 
 def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:

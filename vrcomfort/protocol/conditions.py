@@ -42,6 +42,7 @@ _FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
 ]
+Carried = Literal["with_head", "in_world"]
 VirtualTurning = Literal["by_mode", "kept", "cancelled"]
 
 
@@ -239,6 +240,9 @@ class MotionBlur(Settings):
     """With `rotation_cancelled`, the point about which the head's rotation is cancelled: the way
     that the eyes go while the head turns on its neck then leaves no streak either. Without it, the
     head centre."""
+    hands: Carried = "with_head"
+    """How far a node that is bound to a hand has moved: in the head's frame, or in the world, where
+    what goes with the head blurs falsely in all modes that cancel the head's motion (Chapman)."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose, interpolate_pose, rotate, rotation_matrix
-from vrcomfort.protocol.conditions import CameraMode, Neck, VirtualTurning
+from vrcomfort.protocol.conditions import CameraMode, Carried, Neck, VirtualTurning
+from vrcomfort.scene.node_poses import HandPoses
 
 Float32: TypeAlias = NDArray[np.float32]
 
@@ -83,6 +84,45 @@ def turned_like(world_from_stage: Pose, other: Pose, stage_from_head: Pose) -> P
     head = stage_from_head.position
     lever = rotate(world_from_stage.orientation, head) - rotate(other.orientation, head)
     return Pose(world_from_stage.position + lever, other.orientation)
+
+
+def hand_poses(
+    carried: Carried,
+    *,
+    world_from_stage: Pose,
+    stage_from_head: Pose,
+    stage_from_hands: tuple[Pose | None, Pose | None],
+    previous_world_from_stage: Pose,
+    previous_stage_from_head: Pose,
+    previous_stage_from_hands: tuple[Pose | None, Pose | None],
+) -> tuple[HandPoses, HandPoses]:
+    """Return world-from-hand now, and as motion blur counts it a frame ago.
+
+    Notes
+    -----
+    - ``with_head``: a hand has moved as far as it has in the head's frame; the pose before is given
+      as if the head had been where it is now. What rests before the head is sharp in every mode.
+    - ``in_world``: the hand where it was in the world. In a mode that cancels the head's motion,
+      the hand that goes with the head blurs ("objects which are moving with the head ... blur
+      incorrectly", Chapman 2020).
+
+    A hand that was not known before has not moved.
+    """
+    found = []
+    for hand, previous in zip(stage_from_hands, previous_stage_from_hands, strict=True):
+        now = before = None if hand is None else world_from_stage @ hand
+        if hand is not None and previous is not None:
+            in_head, before_in_head = (
+                head.inverse() @ each
+                for head, each in ((stage_from_head, hand), (previous_stage_from_head, previous))
+            )
+            if carried == "in_world":
+                before = previous_world_from_stage @ previous
+            elif before_in_head != in_head:  # equal bits stay equal
+                before = world_from_stage @ stage_from_head @ before_in_head
+        found.append((now, before))
+    hands, counted = zip(*found, strict=True)
+    return HandPoses(*hands), HandPoses(*counted)
 
 
 class CameraMotion(NamedTuple):

@@ -27,6 +27,7 @@ from vrcomfort.render.vertex_data import (
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
+from vrcomfort.scene.node_poses import HandPoses
 
 DepthArrays = list[moderngl.VertexArray | None]
 
@@ -88,6 +89,15 @@ class GpuScene:
             world-from-head: decides levels of detail and places head-locked nodes.
         """
         self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
+
+    def place_hands(self, hands: HandPoses, before: HandPoses, *, with_head: bool) -> None:
+        """Say where the hands are, as `SceneRows.place_hands` has it; call it before `update`."""
+        self._rows.place_hands(hands, before, with_head=with_head)
+
+    @property
+    def hands_move(self) -> bool:
+        """Return whether a hand counts as having been elsewhere a frame ago."""
+        return self._rows.hands_move
 
     @property
     def moves(self) -> bool:

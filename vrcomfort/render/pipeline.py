@@ -25,7 +25,7 @@ from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
-from vrcomfort.render.camera_motion import previous_eye_pose, turned_like
+from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
 from vrcomfort.render.condition_passes import ConditionPasses
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
@@ -51,6 +51,7 @@ class _Before(NamedTuple):
     avatar_pose: Pose
     scene_time_s: float
     display_time_ns: int
+    hands: tuple[Pose | None, Pose | None]
 
 
 class StereoRenderer:
@@ -171,6 +172,8 @@ class StereoRenderer:
             before = _without_turn(before, frame)
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
+        if self._scene.has_hands:
+            self._place_hands(frame, before)
         passes.scene.update(scene_time_s, world_from_head, before_s)
         samples = passes.find_focus(frame, world_from_head)
         triangles = passes.focus.triangles if passes.focus else 0
@@ -181,7 +184,11 @@ class StereoRenderer:
             if on_eye is not None:
                 on_eye(index, images)
         self._before = _Before(
-            frame.head_pose, frame.avatar_pose, scene_time_s, frame.predicted_display_time_ns
+            frame.head_pose,
+            frame.avatar_pose,
+            scene_time_s,
+            frame.predicted_display_time_ns,
+            frame.hands,
         )
         return RenderedFrame(
             eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
@@ -217,6 +224,22 @@ class StereoRenderer:
         if self._passes is None:
             raise RuntimeError("StereoRenderer.begin was not called")
         return self._passes
+
+    def _place_hands(self, frame: Frame, before: _Before | None) -> None:
+        """Put what is bound to the hands where they are; after a cut they have not moved."""
+        blur = self._condition.motion_blur
+        carried = "with_head" if blur is None else blur.hands
+        hands, counted = hand_poses(
+            carried,
+            world_from_stage=frame.avatar_pose,
+            stage_from_head=frame.head_pose,
+            stage_from_hands=frame.hands,
+            previous_world_from_stage=before.avatar_pose if before else frame.avatar_pose,
+            previous_stage_from_head=before.head_pose if before else frame.head_pose,
+            previous_stage_from_hands=before.hands if before else (None, None),
+        )
+        gpu = self._built().scene.gpu
+        gpu.place_hands(hands, counted, with_head=carried == "with_head")
 
     def _eye(self, index: int, frame: Frame, before: _Before | None) -> EyeFrame:
         view, time_ns = frame.views[index], frame.predicted_display_time_ns

@@ -105,7 +105,7 @@ class ScenePass:
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
         self.still = before.world_from_eye == camera.world_from_eye and (
-            before.time_s == time_s or not self.gpu.moves
+            (before.time_s == time_s or not self.gpu.moves) and not self.gpu.hands_move
         )
         self.gpu.update(time_s, camera.head, before.time_s)
         eye_m = camera.world_from_eye.position

@@ -17,6 +17,7 @@ from vrcomfort.scene.animation import Animation, sample_all
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
+Hand = Literal["left", "right"]
 Rgb: TypeAlias = tuple[float, float, float]
 
 
@@ -123,6 +124,9 @@ class Node:
         for everything but what people are to look at, which has 1.
     head_locked
         The node's root frame is the head, not the world.
+    hand
+        The node's root frame is this hand's aim pose, not the world; it is drawn where the
+        headset knows the hand. None for all other nodes.
     lod
         Coarser levels, by rising distance.
     moving
@@ -142,6 +146,7 @@ class Node:
     mesh: tuple[int, ...] = ()
     semantic_weight: float = 0.004
     head_locked: bool = False
+    hand: Hand | None = None
     lod: tuple[LodLevel, ...] = ()
     moving: bool = False
     ambient: float = 1.0
@@ -239,8 +244,16 @@ class Scene:
     walkable: tuple[WalkableArea, ...] = ()
     warnings: tuple[str, ...] = ()
 
+    @property
+    def has_hands(self) -> bool:
+        """Return whether a node is bound to a hand."""
+        return any(node.hand is not None for node in self.nodes)
+
     def world_from_node(self, time_s: float) -> Array:
-        """Return (n, 4, 4) world-from-node of all nodes (head-from-node where head-locked)."""
+        """Return (n, 4, 4) world-from-node of all nodes.
+
+        It is head-from-node where head-locked, hand-from-node where bound to a hand.
+        """
         world = parent_from_node(self.nodes, self.animations, time_s)
         for index, node in enumerate(self.nodes):
             if node.parent >= 0:

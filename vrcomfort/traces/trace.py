@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
 from functools import cached_property
 from itertools import chain
+from math import isnan
 from pathlib import Path
 from typing import Any, Literal
 
@@ -29,6 +30,7 @@ from vrcomfort.traces.columns import (
     DISCONTINUITY,
     EYES,
     FOVS,
+    HANDS,
     PERIOD,
     TIME,
     TRIAL,
@@ -36,6 +38,7 @@ from vrcomfort.traces.columns import (
     cuts_of,
     eyes_of,
     fovs_of,
+    hands_of,
     has_group,
     periods_of,
     require_trace,
@@ -73,6 +76,8 @@ class Trace:
         world-from-stage, or None where the trace knows no world.
     snap_turns
         (n,) bool, True where the avatar was turned at once, or None where there is none.
+    left_hand, right_hand
+        stage-from-aim, NaN where the hand was not known, or None where the trace has no hand.
     trial
         Name of the trial of each sample, or None.
     gaze
@@ -91,6 +96,8 @@ class Trace:
     fovs: Array | None = None
     avatar: PoseTrack | None = None
     snap_turns: NDArray[np.bool_] | None = None
+    left_hand: PoseTrack | None = None
+    right_hand: PoseTrack | None = None
     trial: tuple[str, ...] | None = None
     gaze: GazeTrack | None = None
     warnings: tuple[str, ...] = ()
@@ -138,6 +145,8 @@ class Trace:
             fovs=None if self.fovs is None else self.fovs[keep],
             avatar=None if self.avatar is None else self.avatar[keep],
             snap_turns=None if self.snap_turns is None else self.snap_turns[keep],
+            left_hand=None if self.left_hand is None else self.left_hand[keep],
+            right_hand=None if self.right_hand is None else self.right_hand[keep],
             trial=tuple(np.array(self.trial)[keep].tolist()) if self.trial else None,
         )
 
@@ -169,6 +178,7 @@ def _part_of(table: Table, before: Trace | None) -> Trace:
     trial = tuple(map(sys.intern, table.text(TRIAL))) if table.has([TRIAL]) else None
     last = None if before is None else int(before.time_ns[-1])
     last_trial = before.trial[-1] if before is not None and before.trial else None
+    left_hand, right_hand = hands_of(table)
     return Trace(
         time_ns=table.rising(TIME, table.integers(TIME), after=last),
         head=track_of(table, HEAD),
@@ -178,6 +188,8 @@ def _part_of(table: Table, before: Trace | None) -> Trace:
         fovs=fovs_of(table),
         avatar=track_of(table, AVATAR) if has_group(table, AVATAR) else None,
         snap_turns=snap_turns_of(table),
+        left_hand=left_hand,
+        right_hand=right_hand,
         trial=trial,
         warnings=table.warnings,
     )
@@ -192,7 +204,8 @@ def joined(parts: list[Trace]) -> Trace:
 
 
 _JOINED = (
-    "time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "snap_turns", "trial",
+    "time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "snap_turns", "left_hand",
+    "right_hand", "trial",
 )  # fmt: skip
 
 
@@ -295,7 +308,10 @@ def _written_columns(trace: Trace, rows: slice) -> dict[str, list[str]]:
         groups += [(name, trace.fovs[rows, eye]) for eye, name in enumerate(FOVS)]
     if trace.avatar is not None:
         groups.append((AVATAR, trace.avatar[rows].cells()))
+    for hand, track in zip(HANDS, (trace.left_hand, trace.right_hand), strict=True):
+        if track is not None:
+            groups.append((hand, track[rows].cells()))
     for group, table in groups:
         for name, values in zip(group, table.T.tolist(), strict=True):
-            columns[name] = [repr(value) for value in values]
+            columns[name] = ["" if isnan(value) else repr(value) for value in values]
     return columns

@@ -290,6 +290,7 @@ class OpenXrHeadset:
             snap_turn=self._where.snap_turned,
             paused=self._presence.away,
             gaze=inputs.gaze,
+            hands=(inputs.left.aim, inputs.right.aim),
             head_valid=tracking.valid,
             head_tracked=tracking.tracked,
             session_state=self._xr.lifecycle.state_name,

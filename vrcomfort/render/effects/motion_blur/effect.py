@@ -45,7 +45,8 @@ def plan(scene: Scene, condition: Condition) -> PlannedPass:
     if settings.shutter_fraction == 0:
         return PlannedPass("motion_blur", False, "its shutter is open for no time")
     turns = settings.virtual_turning == "kept"
-    if settings.mode == "objects_only" and not turns and not any(n.moving for n in scene.nodes):
+    moves = scene.has_hands or any(node.moving for node in scene.nodes)
+    if settings.mode == "objects_only" and not turns and not moves:
         return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
     if settings.neck is not None and settings.mode == "rotation_cancelled":
