@@ -29,7 +29,7 @@ Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
 
-EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "relocation_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
@@ -282,6 +282,22 @@ class SpeedBlur(SpeedRamps):
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
 
 
+class RelocationBlur(Settings):
+    """A blur of the whole image at a cut (a teleport, the first frame) that sharpens with time.
+
+    After "Four Tricks for Fast Blurring in Software and Hardware", 2001, trick three: the image at
+    a MIP level that changes over time. The paper gives no times.
+    """
+
+    level: Annotated[float, Field(ge=0, le=9)] = 3.0
+    """MIP level at the cut: its texels are 2^level px wide. 3, an eighth of the resolution, is what
+    the paper calls "very blurred". The angle of a pixel is the headset's."""
+    duration_s: Seconds = 0.5
+    """Time in which the level falls to 0, at a constant rate."""
+    snap_turns: bool = False
+    """Whether a snap turn is a relocation, too."""
+
+
 class Vignette(SpeedRamps):
     """A field-of-view restrictor that closes with the participant's speed, alike in both eyes.
 
@@ -322,6 +338,7 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
+    relocation_blur: RelocationBlur | None = None
     vignette: Vignette | None = None
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""

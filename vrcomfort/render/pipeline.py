@@ -284,4 +284,5 @@ def _step(before: _Before, frame: Frame) -> HeadStep:
         seconds=elapsed_ns / 1e9,
         # A runtime's predictions waver about whole periods.
         periods=max(round(elapsed_ns / frame.period_ns), 1),
+        snap_turn=frame.snap_turn,
     )

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from math import ceil
-from typing import NamedTuple
-
 import moderngl
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.mip_chain import MipChain
 from vrcomfort.optics import pyramid
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
-
-
-class _Size(NamedTuple):
-    size_px: tuple[int, int]
 
 
 class MipKernel:
@@ -43,18 +37,14 @@ class MipKernel:
         slices: bool = False,
     ) -> None:
         levels = pyramid.levels(coc.limit_px)
-        self._halves: list[FullscreenPass] = []
-        source = coc.colour_and_coc
-        for level in range(1, levels + 1):
-            self._halves.append(_half(ctx, source, level, coc.size_px))
-            source = self._halves[-1].target
+        self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
         self._shown = FullscreenPass(
             ctx,
             "depth_of_field/mip.frag",
             size_px=coc.size_px,
             inputs={
                 "colour_and_coc": coc.colour_and_coc,
-                "levels": [half.target for half in self._halves],
+                "levels": self._chain.levels,
             },
             filtered={"levels"},
             defines={"LEVELS": levels} | ({"SLICES": 1} if slices else {}),
@@ -63,20 +53,5 @@ class MipKernel:
 
     def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
         """Blur the present points."""
-        for half in self._halves:
-            half.render()
+        self._chain.render()
         self._shown.render()
-
-
-def _half(
-    ctx: moderngl.Context, source: moderngl.Texture, level: int, size_px: tuple[int, int]
-) -> FullscreenPass:
-    width, height = size_px
-    return FullscreenPass(
-        ctx,
-        "depth_of_field/mip_downsample.frag",
-        size_px=(ceil(width / 2**level), ceil(height / 2**level)),
-        inputs={"source": source},
-        constants=_Size(size_px),
-        defines={"TEXEL": 2 ** (level - 1)},
-    )
