@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.ndimage import label
 
 from tests.oracles import poisson_taps, pyramid, scattering
 from tests.support.effects import depth_of_field
@@ -153,6 +154,25 @@ def test_the_nearer_side_does_not_matter_to_scatter(ctx):
 def edge():
     """Red on the left, blue on the right, 32 columns each."""
     return np.where((columns() < 32)[..., None], [1.0, 0, 0], [0, 0, 1.0])
+
+
+def test_turned_taps_make_noise_of_ghosts(ctx):
+    """Hillaire et al. 2008, Fig. 2: a bright dot is seen twelve times, or scattered over the disc.
+
+    Each ghost is one patch, of the four pixels between which a tap's colour is interpolated.
+    """
+    rgb = np.zeros((40, 40, 3))
+    rgb[20, 20] = 1.0
+    patches = {}
+    for turned in (True, False):
+        found = blur(ctx, "poisson12", rgb, 10.0, limit_px=10.0, rotate_taps=turned)
+        expected = poisson_taps.poisson12(
+            found.points, radius_limit_px=found.limit_px, rotate_taps=turned
+        )
+        np.testing.assert_allclose(found.rgb, expected, atol=2**-9)
+        patches[turned] = label(found.rgb[..., 0] > 0)[1]
+    assert patches[False] == len(POISSON_12)  # one of them beside the dot itself
+    assert patches[True] > 2 * patches[False]
 
 
 def test_twelve_taps_do_not_leak_a_sharp_front(ctx, edge):

@@ -208,6 +208,7 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('motion_blur = { mode = "full", neck = {} }', '`neck` does nothing with mode = "full"'),
         ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
         ('depth_of_field = { kernel = "mip", rings = 3 }', 'nothing with kernel = "mip"'),
+        ("depth_of_field = { rotate_taps = false }", '`rotate_taps` does nothing with kernel ='),
         ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),
         ('quality = "fast"', "`quality` does nothing without depth_of_field or motion_blur"),
         ('focus = { method = "gaze", without_gaze = "nine_ray", ring_deg = 3.0 }', None),

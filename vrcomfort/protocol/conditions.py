@@ -129,6 +129,9 @@ class DepthOfField(Settings):
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
+    rotate_taps: bool = True
+    """Whether `poisson12` turns its taps by an angle of each pixel's own, which makes noise of
+    ghosts (Hillaire et al. 2008, Fig. 2, shows both)."""
     law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
     """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
     defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""

@@ -44,6 +44,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "refixation_dioptre": _DURATION,
     },
     "depth_of_field": {
+        "rotate_taps": {"kernel": ("poisson12",)},
         "full_blur_m": {"law": ("linear",)},
         "full_blur_dioptre": {"law": ("dioptre",)},
         "aperture_m": _THIN_LENS,
