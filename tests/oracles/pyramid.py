@@ -51,6 +51,16 @@ def magnified(texels: ArrayLike, level: int, shape: tuple[int, int], /) -> Array
     return result
 
 
+def sliced(image: ArrayLike, distance_m: ArrayLike, slices_m: ArrayLike, /) -> Array:
+    """Return (h, w, 3) colours behind billboards: level k covers what is behind the k-th."""
+    shown, distance = np.asarray(image, dtype=np.float64), np.asarray(distance_m)
+    sharp = shown
+    for level, slice_m in enumerate(np.asarray(slices_m), start=1):
+        billboard = magnified(mean_level(sharp, level), level, sharp.shape[:2])
+        shown = np.where((distance >= slice_m)[..., None], billboard, shown)
+    return shown
+
+
 def mip(points: ArrayLike, /, *, radius_limit_px: float, slices: bool = False) -> Array:
     """Return (h, w, 3) colours from the levels that fit each pixel's radius.
 

@@ -6,6 +6,7 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -129,6 +130,10 @@ class DepthOfField(Settings):
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
+    slices_m: Annotated[tuple[Distance, ...], Field(min_length=1, max_length=9)] | None = None
+    """Where the billboards of `mip_slices` stand: the k-th covers what is behind it with MIP level
+    k, whatever the focus ("evenly along the Z-axis", Four Tricks). Without it they stand where the
+    circle of confusion asks for their level, on either side of the focus."""
     rotate_taps: bool = True
     """Whether `poisson12` turns its taps by an angle of each pixel's own, which makes noise of
     ghosts (Hillaire et al. 2008, Fig. 2, shows both)."""
@@ -172,6 +177,13 @@ class DepthOfField(Settings):
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
     dioptre, in an image 90° wide, is left out."""
+
+    @field_validator("slices_m")
+    @classmethod
+    def _slices_recede(cls, value: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if any(far <= near for near, far in pairwise(value or ())):
+            raise PydanticCustomError("slices", "must rise: the nearest billboard first")
+        return value
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:

@@ -44,6 +44,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "refixation_dioptre": _DURATION,
     },
     "depth_of_field": {
+        "slices_m": {"kernel": ("mip_slices",)},
         "rotate_taps": {"kernel": ("poisson12",)},
         "full_blur_m": {"law": ("linear",)},
         "full_blur_dioptre": {"law": ("dioptre",)},

@@ -85,6 +85,7 @@ class DepthToCoc:
         infinity_m: float,
     ) -> None:
         self._settings, self._size_px = settings, depth.size
+        self.depth = depth
         self._inputs = {"depth": depth, "focus": focus}
         self._constants = Together(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
@@ -153,6 +154,8 @@ class CocPasses:
         )
         self.now: Uniforms = Together()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
+        self.eye: EyeUniforms | None = None
+        """Of the last eye; None before the first."""
         self._is_rendered = False
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -179,7 +182,7 @@ class CocPasses:
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
-        eye = eye_uniforms(fov, near_m, head_from_eye)
+        eye = self.eye = eye_uniforms(fov, near_m, head_from_eye)
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
