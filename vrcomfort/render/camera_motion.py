@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Pose, interpolate_pose, rotate, rotation_matrix
+from vrcomfort.geometry import Pose, interpolate_pose, rotate
 from vrcomfort.protocol.conditions import CameraMode, Carried, Neck, VirtualTurning
 from vrcomfort.scene.node_poses import HandPoses
 
@@ -48,32 +48,29 @@ def previous_eye_pose(
     - ``objects_only``: no camera moves, locomotion neither (Chapman's first form: the previous
       view is the present one).
     """
-    eye = world_from_stage @ stage_from_head @ head_from_eye
     previous_stage = previous_world_from_stage
     if mode == "objects_only":
         if virtual_turning != "kept":
-            return eye
+            return world_from_stage @ stage_from_head @ head_from_eye
         previous_stage = turned_like(world_from_stage, previous_stage, stage_from_head)
     elif virtual_turning == "cancelled":
         previous_stage = turned_like(previous_stage, world_from_stage, stage_from_head)
-    previous_head = {
-        "full": previous_stage_from_head,
-        "head_cancelled": stage_from_head,
-        "objects_only": stage_from_head,
-        "rotation_cancelled": _not_turned(previous_stage_from_head, stage_from_head, neck),
-        "rotation_cancelled_eye": previous_stage_from_head,
-    }[mode]
-    previous_eye = previous_stage @ previous_head @ head_from_eye
+    head = previous_stage_from_head
+    if mode in ("head_cancelled", "objects_only"):
+        head = stage_from_head
+    elif mode == "rotation_cancelled":
+        head = _not_turned(head, stage_from_head, neck)
+    previous_eye = previous_stage @ head @ head_from_eye
     if mode != "rotation_cancelled_eye":
         return previous_eye
     stage = previous_stage if virtual_turning == "kept" else world_from_stage
-    return Pose(previous_eye.position, (stage @ stage_from_head @ head_from_eye).orientation)
+    return previous_eye.turned_as(stage @ stage_from_head @ head_from_eye)
 
 
 def _not_turned(previous: Pose, now: Pose, neck: Neck | None) -> Pose:
     """Return the previous head in stage, turned about its centre or neck to where it looks now."""
     if neck is None:
-        return Pose(previous.position, now.orientation)
+        return previous.turned_as(now)
     head_from_neck = Pose(np.array([0.0, -neck.below_m, neck.behind_m]))
     moved = (now @ head_from_neck).position - (previous @ head_from_neck).position
     return Pose(now.position - moved, now.orientation)
@@ -159,4 +156,4 @@ def extrapolated_eye_pose(
 
 
 def _view_rotation(world_from_eye: Pose) -> Float32:
-    return rotation_matrix(world_from_eye.orientation).T.astype(np.float32)
+    return world_from_eye.rotation.T.astype(np.float32)

@@ -112,6 +112,7 @@ class StereoRenderer:
         """Build the passes as `begin` does, and draw nothing yet."""
         self.release()
         self._scene = scene
+        self._has_hands = scene.has_hands
         self._condition = condition
         account = gpu_memory.account(self.ctx)
         first = account.mark()
@@ -172,13 +173,13 @@ class StereoRenderer:
             before = _without_turn(before, frame)
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
-        if self._scene.has_hands:
+        if self._has_hands:
             self._place_hands(frame, before)
-        passes.scene.update(scene_time_s, world_from_head, before_s)
+        eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
+        passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
         samples = passes.find_focus(frame, world_from_head)
         triangles = passes.focus.triangles if passes.focus else 0
-        for index in range(self._eyes):
-            eye = self._eye(index, frame, before)
+        for index, eye in enumerate(eyes):
             images = passes.render_eye(eye, scene_time_s, before_s)
             triangles += passes.triangles
             if on_eye is not None:
@@ -241,10 +242,11 @@ class StereoRenderer:
         gpu = self._built().scene.gpu
         gpu.place_hands(hands, counted, with_head=carried == "with_head")
 
-    def _eye(self, index: int, frame: Frame, before: _Before | None) -> EyeFrame:
+    def _eye(
+        self, index: int, frame: Frame, world_from_head: Pose, before: _Before | None
+    ) -> EyeFrame:
         view, time_ns = frame.views[index], frame.predicted_display_time_ns
         head_from_eye = frame.head_pose.inverse() @ view.pose
-        world_from_head = frame.avatar_pose @ frame.head_pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)

@@ -31,6 +31,16 @@ class EyeUniforms(NamedTuple):
     head_forward_in_view: tuple[float, float, float]
     near_m: float
     offset_m: float
+    eye_in_view: tuple[float, float, float]
+
+
+class ForwardUniforms(NamedTuple):
+    """The fields of `EyeUniforms` without the last: distances along the head's forward axis."""
+
+    tangents: tuple[float, float, float, float]
+    head_forward_in_view: tuple[float, float, float]
+    near_m: float
+    offset_m: float
 
 
 class _Scale(NamedTuple):
@@ -61,10 +71,12 @@ class _PeripheralShape(NamedTuple):
 
 
 def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
-    """Return the uniforms that turn an eye's depth into depth along the head's forward axis."""
-    x, y, z = rotate(head_from_eye.inverse().orientation, np.array([0.0, 0.0, -1.0]))
+    """Return the uniforms that turn an eye's depth into distance from the head centre."""
+    to_view = head_from_eye.inverse().orientation
+    x, y, z = rotate(to_view, np.array([0.0, 0.0, -1.0])).tolist()
     offset_m = -float(head_from_eye.position[2])
-    return EyeUniforms(fov.tangents, (float(x), float(y), float(z)), near_m, offset_m)
+    right, up, back = rotate(to_view, head_from_eye.position).tolist()
+    return EyeUniforms(fov.tangents, (x, y, z), near_m, offset_m, (right, up, back))
 
 
 class DepthToCoc:
@@ -90,7 +102,12 @@ class DepthToCoc:
         self._constants = Together(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
         )
-        self._defines = {**_law_defines(settings), **_peripheral_defines(settings)}
+        self._along_ray = settings.distance_along == "ray"
+        self._defines = {
+            **_law_defines(settings),
+            **_peripheral_defines(settings),
+            **({"ALONG_RAY": 1} if self._along_ray else {}),
+        }
 
     def make_pass(
         self,
@@ -115,7 +132,8 @@ class DepthToCoc:
     def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
         """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        return Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px))
+        used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
+        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px))
 
 
 class CocPasses:
@@ -154,8 +172,8 @@ class CocPasses:
         )
         self.now: Uniforms = Together()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
-        self.eye: EyeUniforms | None = None
-        """Of the last eye; None before the first."""
+        self.eye: ForwardUniforms | None = None
+        """The last eye; None before the first."""
         self._is_rendered = False
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -182,7 +200,8 @@ class CocPasses:
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
-        eye = self.eye = eye_uniforms(fov, near_m, head_from_eye)
+        eye = eye_uniforms(fov, near_m, head_from_eye)
+        self.eye = ForwardUniforms(*eye[:-1])
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)

@@ -28,6 +28,8 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
         reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
     if settings.peripheral is not None:
         reason += ", with peripheral blur"
+    if settings.distance_along == "ray":
+        reason += ", by the distance along each ray"
     if settings.kernel == "mip_slices" and settings.slices_m:
         places = ", ".join(f"{place:g}" for place in settings.slices_m)
         reason = f"MIP levels on billboards {places} m away, whatever the focus"
