@@ -32,7 +32,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.headset.eye_painter import EyePainter
-from vrcomfort.protocol.conditions import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.output import read_texture
@@ -261,7 +261,9 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     wide = Condition(name="wide", depth_of_field=DepthOfField(max_radius_percent=5))
     few = Condition(name="few", depth_of_field=DepthOfField(taps=5))
     more = Condition(name="more", depth_of_field=DepthOfField(taps=16, max_radius_percent=5))
-    for condition in (*every_choice(rng), wide, few, more):
+    focus = Focus(method="autofocus_zone")
+    zone = Condition(name="zone", focus=focus, depth_of_field=DepthOfField())
+    for condition in (*every_choice(rng), wide, few, more, zone):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()
