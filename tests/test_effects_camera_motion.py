@@ -1,8 +1,10 @@
 """Motion blur's previous eye: what each mode cancels, to the last digit."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.oracles.motion import velocity_px
@@ -15,7 +17,14 @@ from vrcomfort.geometry import (
     quaternion_multiply,
     rotate,
 )
-from vrcomfort.render.camera_motion import camera_motion, extrapolated_eye_pose, previous_eye_pose
+from vrcomfort.protocol.conditions import MotionBlur, Neck
+from vrcomfort.render.camera_motion import (
+    camera_motion,
+    extrapolated_eye_pose,
+    hand_poses,
+    previous_eye_pose,
+    turned_like,
+)
 
 SIZE_PX = (640, 800)
 FOV = Fov.symmetric(vertical_rad=1.6, aspect=0.8)
@@ -56,7 +65,7 @@ def velocity(now, before, distance_m, dtype=np.float64, tangent=(0.3, -0.4)):
     return velocity_px(clip_now, clip_before, SIZE_PX)
 
 
-def eyes(mode, world_from_stage, heads, head_from_eye, previous_world_from_stage=None):
+def eyes(mode, world_from_stage, heads, head_from_eye, previous_world_from_stage=None, **settings):
     previous = previous_eye_pose(
         mode,
         world_from_stage=world_from_stage,
@@ -64,6 +73,7 @@ def eyes(mode, world_from_stage, heads, head_from_eye, previous_world_from_stage
         head_from_eye=head_from_eye,
         previous_world_from_stage=previous_world_from_stage or world_from_stage,
         previous_stage_from_head=heads[0],
+        **settings,
     )
     return world_from_stage @ heads[1] @ head_from_eye, previous
 
@@ -136,6 +146,176 @@ def test_the_per_eye_form_leaves_the_lever_arm():
 def test_objects_only_ignores_every_camera(avatar, avatar_before, head, head_before, offset):
     now, previous = eyes("objects_only", avatar, (head_before, head), offset, avatar_before)
     assert previous == now
+
+
+necks = st.builds(Neck, behind_m=st.floats(0, 0.3), below_m=st.floats(0, 0.3))
+
+
+def nodded(head, neck, rotation):
+    """Return where a head was before it turned about its neck."""
+    head_from_neck = Pose(np.array([0.0, -neck.below_m, neck.behind_m]))
+    turned = Pose(orientation=quaternion_multiply(rotation, head.orientation))
+    place = (head @ head_from_neck).position - (turned @ head_from_neck).position
+    return Pose(place, turned.orientation)
+
+
+@given(pose, pose, turn, eye, depth_m, necks)
+def test_head_rotation_about_the_neck_is_cancelled_at_every_depth(
+    avatar, head, rotation, head_from_eye, distance, neck
+):
+    heads = nodded(head, neck, rotation), head
+    now, previous = eyes("rotation_cancelled", avatar, heads, head_from_eye, neck=neck)
+    assert np.linalg.norm(velocity(now, previous, distance, np.float32)) <= 1e-3
+
+
+@given(pose, pose, position, turn, eye, necks)
+def test_a_neck_that_moves_blurs_as_far_as_it_moves(
+    avatar, head, step, rotation, head_from_eye, neck
+):
+    step = step / 100
+    before = nodded(head, neck, rotation)
+    moved = Pose(before.position - step, before.orientation)
+    now, previous = eyes("rotation_cancelled", avatar, (moved, head), head_from_eye, neck=neck)
+    np.testing.assert_allclose(
+        now.position - previous.position, rotate(avatar.orientation, step), atol=1e-12
+    )
+
+
+def test_a_neck_takes_the_streak_of_a_turn_from_near_things():
+    """200 degrees per second at 90 Hz: 2.5 px, 0.5 m away, at a focal length of 320 px."""
+    neck = Neck(behind_m=0.1)
+    rotation = axis_angle([0, 1, 0], np.radians(200 / 90))
+    heads = nodded(Pose(), neck, rotation), Pose()
+    found = {}
+    for name, pivot in (("head", None), ("neck", neck)):
+        now, previous = eyes("rotation_cancelled", Pose(), heads, Pose(), neck=pivot)
+        moved_px = velocity(now, previous, 0.5, tangent=(0.0, 0.0))[0]
+        found[name] = abs(moved_px) * 320 / focal_length_px(FOV, SIZE_PX)[0]
+    assert found["head"] == pytest.approx(320 * 0.1 * np.radians(200 / 90) / 0.5, rel=0.01)
+    assert found["neck"] == pytest.approx(0, abs=1e-9)
+
+
+MODES = get_args(MotionBlur.model_fields["mode"].annotation)
+
+
+def turned_by(avatar, angle_rad, head):
+    """Return the avatar before it was turned about the place below a head."""
+    feet = avatar @ Pose(head.position * [1, 0, 1])
+    turn = Pose(orientation=axis_angle([0, 1, 0], -angle_rad))
+    return Pose(feet.position) @ turn @ Pose(-feet.position) @ avatar
+
+
+upright = st.builds(
+    Pose, position, st.floats(-3, 3).map(lambda angle: axis_angle([0, 1, 0], angle))
+)
+virtual_turn_rad = st.floats(0.01, np.pi / 2)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=25)
+@given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad, distance=depth_m)
+def test_virtual_turning_is_cancelled_in_every_mode(
+    mode, avatar, head, head_from_eye, angle, distance
+):
+    before = turned_by(avatar, angle, head)
+    now, previous = eyes(
+        mode, avatar, (head, head), head_from_eye, before, virtual_turning="cancelled"
+    )
+    np.testing.assert_allclose(previous.position, now.position, atol=1e-12)
+    assert np.linalg.norm(velocity(now, previous, distance, np.float32)) <= 1e-3
+
+
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=25)
+@given(avatar=upright, heads=st.tuples(pose, pose), offset=eye, step=position)
+def test_cancelled_turning_keeps_all_other_motion(mode, avatar, heads, offset, step):
+    """Walking without a turn, and whatever the mode keeps of the head."""
+    before = Pose(avatar.position - step / 100, avatar.orientation)
+    as_ever = eyes(mode, avatar, heads, offset, before)
+    assert eyes(mode, avatar, heads, offset, before, virtual_turning="cancelled") == as_ever
+
+
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=25)
+@given(avatar=upright, head=pose, head_from_eye=eye, angle=virtual_turn_rad)
+def test_virtual_turning_is_kept_in_every_mode(mode, avatar, head, head_from_eye, angle):
+    before = turned_by(avatar, angle, head)
+    _, previous = eyes(mode, avatar, (head, head), head_from_eye, before, virtual_turning="kept")
+    seen = before @ head @ head_from_eye
+    np.testing.assert_allclose(previous.matrix(), seen.matrix(), atol=1e-9)
+
+
+def test_objects_only_with_turning_kept_does_not_blur_walking():
+    walked = Pose(np.array([0.0, 0.0, 0.02]))
+    heads = Pose(np.array([0.0, 1.6, 0.0])), Pose(np.array([0.0, 1.6, -0.01]))
+    now, previous = eyes("objects_only", Pose(), heads, Pose(), walked, virtual_turning="kept")
+    assert previous == now
+
+
+def test_two_degrees_of_virtual_turning_at_three_metres():
+    """Kept, they move the image by 11.2 px at a focal length of 320 px; cancelled, by none."""
+    head = Pose(np.array([0.0, 1.6, 0.0]))
+    before = turned_by(Pose(), np.radians(2), head)
+    moved_px = []
+    for turning in ("kept", "cancelled"):
+        now, previous = eyes(
+            "rotation_cancelled", Pose(), (head, head), Pose(), before, virtual_turning=turning
+        )
+        found = velocity(now, previous, 3.0, tangent=(0.0, 0.0))
+        moved_px.append(abs(found[0]) * 320 / focal_length_px(FOV, SIZE_PX)[0])
+    assert moved_px == pytest.approx([320 * np.tan(np.radians(2)), 0], abs=1e-3)
+
+
+def counted_hands(carried, stages, heads, hands):
+    return hand_poses(
+        carried,
+        world_from_stage=stages[1],
+        stage_from_head=heads[1],
+        stage_from_hands=hands[1],
+        previous_world_from_stage=stages[0],
+        previous_stage_from_head=heads[0],
+        previous_stage_from_hands=hands[0],
+    )
+
+
+@given(st.tuples(upright, upright), st.tuples(pose, pose), eye)
+def test_a_hand_that_goes_with_the_head_has_moved_in_the_world_alone(stages, heads, head_from_hand):
+    hands = [(head @ head_from_hand, None) for head in heads]
+    now, before = counted_hands("with_head", stages, heads, hands)
+    np.testing.assert_allclose(before.left.matrix(), now.left.matrix(), atol=1e-9)
+    now, before = counted_hands("in_world", stages, heads, hands)
+    assert now.left == stages[1] @ hands[1][0]
+    assert before.left == stages[0] @ hands[0][0]
+    assert now.right is None
+    assert before.right is None
+
+
+@given(upright, pose, st.tuples(pose, pose))
+def test_before_a_resting_head_both_ways_of_counting_a_hand_agree(stage, head, places):
+    hands = [(None, place) for place in places]
+    for carried in ("with_head", "in_world"):
+        _, before = counted_hands(carried, (stage, stage), (head, head), hands)
+        expected = (stage @ places[0]).matrix()
+        np.testing.assert_allclose(before.right.matrix(), expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("carried", ["with_head", "in_world"])
+@given(stage=upright, heads=st.tuples(pose, pose), hand=pose)
+def test_a_hand_that_rests_or_was_not_known_has_not_moved(carried, stage, heads, hand):
+    rest = counted_hands(carried, (stage, stage), (heads[1], heads[1]), [(hand, None)] * 2)
+    assert rest[0] == rest[1], "bit by bit: nothing is drawn for a picture in which all rests"
+    found = counted_hands(carried, (stage, stage), heads, [(None, None), (hand, None)])
+    assert found[0] == found[1]
+
+
+@given(upright, upright, pose)
+def test_a_stage_turned_like_another_leaves_the_head_in_its_place(stage, other, head):
+    found = turned_like(stage, other, head)
+    assert np.array_equal(found.orientation, other.orientation)
+    np.testing.assert_allclose(
+        (found @ head).position, (stage @ head).position, atol=1e-12, rtol=1e-14
+    )
+    assert turned_like(stage, stage, head) == stage
 
 
 @given(turn, turn, eye, st.integers(-1, 1), st.floats(0.05, 100))

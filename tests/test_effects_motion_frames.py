@@ -1,6 +1,7 @@
 """Motion effects in whole frames: what moves, what is left out, which comes first."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -225,6 +226,79 @@ def test_a_head_locked_thing_stays_sharp_before_a_world_that_rushes_by(ctx):
         assert np.any(blurred != sharp)
 
 
+GLOVE = Pose((0.0, -0.05, -0.5))
+"""head-from-hand."""
+
+
+def gloved(*others):
+    """Return a scene with a green glove around the left hand before something blue."""
+    nodes = [at(0, 0, 0, hand="left"), at(0, 0.8, -4, mesh=(1,)), *others]
+    return scene(nodes, [wall(0.3), wall(9, 1)], [GREEN, BLUE])
+
+
+def holding(index, yaw_rad=0.0, step_m=0.0, hand=GLOVE):
+    """Return a frame of a head that has turned and moved, and of a hand before it."""
+    head = Pose((step_m, 0.8, 0), yaw_pitch_roll(yaw_rad, 0, 0))
+    return FrameAt(index, head, hands=(hand and head @ hand, None))
+
+
+WITH_THE_HEAD = [holding(0), holding(1, 0.3, 0.1)]
+
+
+@pytest.mark.parametrize("mode", get_args(MotionBlur.model_fields["mode"].annotation))
+def test_a_hand_that_goes_with_the_head_is_sharp_in_every_mode(ctx, mode):
+    """The cure: it counts as far as it moves in the head's frame."""
+    for sharp, blurred, velocity in last_eyes(ctx, gloved(), streaks(mode), WITH_THE_HEAD):
+        green = (sharp[..., 1] == 1) & (sharp[..., 2] == 0)
+        assert green.sum() > 50
+        np.testing.assert_allclose(velocity[green], 0, atol=1e-3)
+        np.testing.assert_allclose(blurred[green], sharp[green], atol=1e-3)
+
+
+@pytest.mark.parametrize(("mode", "blurs"), [("head_cancelled", True), ("full", False)])
+def test_a_hand_that_counts_in_the_world_blurs_falsely_where_the_head_is_cancelled(
+    ctx, mode, blurs
+):
+    """The article's false blur; with nothing cancelled, head and hand cancel each other."""
+    condition = streaks(mode, hands="in_world")
+    moved_px = 0.1 / 0.5 * SIZE[0] / 2 if blurs else 0
+    for sharp, _, velocity in last_eyes(ctx, gloved(), condition, [holding(0), holding(1, 0, 0.1)]):
+        green = (sharp[..., 1] == 1) & (sharp[..., 2] == 0)
+        np.testing.assert_allclose(velocity[green], [[moved_px, 0]] * green.sum(), atol=4e-3)
+
+
+@pytest.mark.parametrize("mode", ["full", "rotation_cancelled", "objects_only"])
+def test_a_hand_that_waves_blurs_as_far_as_it_moves_before_the_head(ctx, mode):
+    waved = Pose((0.02, -0.05, -0.5))
+    frames = [holding(0), holding(1, 0.2, 0.1, hand=waved)]
+    for sharp, _, velocity in last_eyes(ctx, gloved(), streaks(mode), frames):
+        green = (sharp[..., 1] == 1) & (sharp[..., 2] == 0)
+        expected_px = 0.02 / 0.5 * SIZE[0] / 2
+        np.testing.assert_allclose(velocity[green], [[expected_px, 0]] * green.sum(), atol=2e-3)
+
+
+def test_a_hand_that_nobody_knows_is_not_drawn(ctx):
+    """Not in its place in the file either, nor the moment it was last seen."""
+    unknown = holding(1, hand=None)
+    content = gloved(at(0, 0.02, 0, mesh=(0,), parent=0))
+    seen = last_eyes(ctx, content, PLAIN, [holding(0)])
+    gone = last_eyes(ctx, content, PLAIN, [holding(0), unknown])
+    empty = last_eyes(ctx, scene([at(0, 0.8, -4)], [wall(9)], [BLUE]), PLAIN, [unknown])
+    for (with_hand, *_), (without, *_), (expected, *_) in zip(seen, gone, empty, strict=True):
+        assert np.any(with_hand[..., 1] == 1)
+        np.testing.assert_array_equal(without, expected)
+
+
+def test_where_head_and_hand_rest_nothing_is_drawn_for_motion_blur(primitives_drawn):
+    rest = primitives_drawn(gloved(), streaks(), [holding(0), holding(1)])
+    plain = primitives_drawn(gloved(), PLAIN, [holding(0), holding(1)])
+    assert rest == plain
+    waved = primitives_drawn(
+        gloved(), streaks(), [holding(0), holding(1, hand=Pose((0.1, 0, -0.5)))]
+    )
+    assert waved > rest
+
+
 def test_the_order_of_the_effects_decides_how_far_a_blurred_rim_reaches(ctx):
     """A near wall, still and out of focus, before a far one that is in focus and slides by.
 
@@ -316,3 +390,61 @@ def test_all_programs_are_drawn_with_before_the_first_frame(ctx, count_primitive
     # streaks (in one step: the image is narrow) and of short ones, a point for each tile in which
     # things may pass each other; two Gaussians.
     assert warm - plain == 2 + 9 + 1 + 1 + 2 + 9 + 2
+
+
+def turned_30_degrees(index, **known):
+    """Return a frame after a turn of the avatar about the head, and 2 cm of walking."""
+    turn = yaw_pitch_roll(np.radians(30), 0, 0)
+    return standing(index, avatar_pose=Pose((0, 0, -0.02), turn), **known)
+
+
+@pytest.mark.parametrize("mode", ["full", "head_cancelled", "rotation_cancelled"])
+def test_a_snap_turn_leaves_no_streak_and_walking_does(ctx, mode):
+    """Velocities of the frame are those of a walk of 2 cm, of somebody who had turned already."""
+    before = {
+        "snap": standing(0),
+        "walk": standing(0, avatar_pose=Pose(orientation=yaw_pitch_roll(np.radians(30), 0, 0))),
+    }
+    velocities = {
+        how: [
+            velocity
+            for *_, velocity in last_eyes(
+                ctx, ball(), streaks(mode), [frame, turned_30_degrees(1, snap_turn=how == "snap")]
+            )
+        ]
+        for how, frame in before.items()
+    }
+    for snap, walk in zip(*velocities.values(), strict=True):
+        assert np.abs(walk).max() > 0.05
+        np.testing.assert_allclose(snap, walk, atol=1e-3)
+    smooth = last_eyes(ctx, ball(), streaks(mode), [standing(0), turned_30_degrees(1)])
+    assert all(np.abs(velocity).max() > 10 for *_, velocity in smooth)
+
+
+def test_a_snap_turn_is_no_speed(ctx):
+    """Blur that grows with speed does not flash; the same turn, not told as one, blurs."""
+    ramp = SpeedBlur(turning=SPEED.turning, max_sigma_arcmin=120)
+    condition = Condition(name="speed", speed_blur=ramp)
+    told, untold = (
+        last_eyes(ctx, ball(), condition, [standing(0), turned_30_degrees(1, snap_turn=snap)])
+        for snap in (True, False)
+    )
+    for (sharp, blurred, _), (_, flashed, _) in zip(told, untold, strict=True):
+        np.testing.assert_array_equal(blurred, sharp)
+        assert np.abs(flashed - sharp).max() > 0.05
+
+
+def test_virtual_turning_alone_can_need_a_pass():
+    """Objects only, in a scene in which nothing moves by itself."""
+    still = scene([at(0, 0.8, -4)], [box()], [GREEN])
+    reasons = {
+        turning: next(
+            item
+            for item in plan_passes(still, streaks("objects_only", virtual_turning=turning))
+            if item.name == "motion_blur"
+        )
+        for turning in ("by_mode", "kept")
+    }
+    assert not reasons["by_mode"].needed
+    assert reasons["kept"].needed
+    assert "virtual turning kept" in reasons["kept"].reason

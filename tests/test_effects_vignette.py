@@ -140,7 +140,9 @@ def test_a_field_that_widens_with_speed_is_refused():
 
 def test_effects_come_in_the_conditions_order():
     chosen = Condition(name="c", effect_order=["vignette", "motion_blur"])
-    assert chosen.effect_order == ("vignette", "motion_blur", "depth_of_field", "speed_blur")
+    assert chosen.effect_order == (
+        "vignette", "motion_blur", "depth_of_field", "speed_blur", "relocation_blur",
+    )  # fmt: skip
     assert Condition(name="c").effect_order == EFFECTS
     former = Condition(name="c", effect_order="motion_blur_first")
     assert former.effect_order[:2] == ("motion_blur", "depth_of_field")

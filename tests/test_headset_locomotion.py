@@ -259,3 +259,41 @@ def test_a_ramp_in_a_side_car_rises_from_foot_to_top(tmp_path: Path) -> None:
     scene.write_text(text.replace("top_xz = [4, 0]", "top_xz = [2, 0]"))
     with pytest.raises(InputError, match="same place"):
         read_side_car(scene)
+
+
+ASIDE, MIDDLE = Wish(turn_rate=-1.0), Wish()
+
+
+def snapping(degrees=30.0) -> Locomotion:
+    walker = Locomotion(SPEED_M_S, snap_turn_deg=degrees)
+    walker.send(spawn=Pose(), floors=Floors([L_SHAPE]))
+    walker.arrive(HEAD)
+    return walker
+
+
+def test_a_snap_turn_comes_once_for_each_push_of_the_stick() -> None:
+    walker = snapping()
+    wishes = [ASIDE, MIDDLE, ASIDE, ASIDE, MIDDLE, Wish(turn_rate=0.3), ASIDE]
+    turned = [walker.step(HEAD, wish, FRAME_S) for wish in wishes]
+    # A stick that is held aside on arrival turns nobody.
+    assert turned == [False, False, True, False, False, True, False]
+    assert walker.avatar.orientation == pytest.approx([0, 0, 0, 1], abs=1e-12)
+
+
+@given(heads, st.floats(1, 180))
+def test_a_snap_turn_has_its_angle_about_the_head(head: Pose, degrees: float) -> None:
+    walker = snapping(degrees)
+    before = walker.avatar @ head
+    walker.step(head, MIDDLE, FRAME_S)
+    assert walker.step(head, ASIDE, FRAME_S)
+    after = walker.avatar @ head
+    np.testing.assert_allclose(after.position, before.position, atol=1e-12)
+    to_the_right = axis_angle([0.0, 1.0, 0.0], -np.radians(degrees))
+    expected = Pose(before.position, to_the_right) @ Pose(orientation=before.orientation)
+    np.testing.assert_allclose(after.matrix(), expected.matrix(), atol=1e-9)
+
+
+def test_the_mouse_turns_smoothly_beside_snap_turns() -> None:
+    walker = snapping()
+    assert not walker.step(HEAD, Wish(turn_rad=0.1), FRAME_S)
+    np.testing.assert_allclose(walker.avatar.orientation, axis_angle([0.0, 1.0, 0.0], 0.1))

@@ -181,6 +181,7 @@ def record(frames, path):
             right=frame.views[1],
             avatar=frame.avatar_pose,
             discontinuity=frame.discontinuity,
+            snap_turn=frame.snap_turn,
         )
         for frame in frames
     ]
@@ -218,3 +219,38 @@ def test_in_real_time_no_frame_comes_early():
     begun_s = time.monotonic()
     assert len(play(trace, 9, real_time=True)) == 9
     assert time.monotonic() - begun_s >= 0.075  # eight periods of 10 ms
+
+
+def test_a_recorded_snap_turn_is_played_again_and_never_half(tmp_path):
+    """At twice the rate no frame stands between before and after; nothing else is cut."""
+    yaws = np.radians([0.0, 0.0, 30.0, 30.0])
+    turns = np.array([False, False, True, False])
+    avatar = PoseTrack(np.zeros((4, 3)), axis_angle(np.array([[0.0, 1.0, 0.0]]), yaws))
+    trace = turning_trace(range(0, 40_000_000, 10_000_000), avatar=avatar, snap_turns=turns)
+    record(play(trace, 4), tmp_path / "frames.csv")
+    for played, rate, count in (
+        (trace, None, 4), (trace, 200, 6), (read_trace(tmp_path / "frames.csv"), 200, 6),
+    ):  # fmt: skip
+        frames = play(played, count, refresh_hz=rate)
+        assert [frame.snap_turn for frame in frames].count(True) == 1
+        assert [frame.discontinuity for frame in frames] == [True] + [False] * (count - 1)
+        at = [frame.snap_turn for frame in frames].index(True)
+        for number, frame in enumerate(frames):
+            np.testing.assert_allclose(
+                frame.avatar_pose.orientation, avatar.orientations[2 * (number >= at)], atol=1e-12
+            )
+
+
+def test_hands_are_played_where_they_are_known():
+    """Half way between two samples a hand is between them, if both know it."""
+    places = np.array([[0.0, 1, 0], [0.2, 1, 0], [np.nan] * 3, [0.4, 1, 0]])
+    turns = np.where(np.isnan(places[:, :1]), np.nan, [[0.0, 0, 0, 1]])
+    trace = turning_trace(range(0, 40_000_000, 10_000_000), right_hand=PoseTrack(places, turns))
+    for rate, expected in (
+        (None, [0.0, 0.2, None, 0.4]),
+        (200, [0.0, 0.1, 0.2, None, None, None, 0.4]),
+    ):
+        frames = play(trace, len(expected), refresh_hz=rate)
+        found = [frame.hands[1] and frame.hands[1].position[0] for frame in frames]
+        assert [None if x is None else round(x, 9) for x in found] == expected
+        assert all(frame.hands[0] is None for frame in frames)

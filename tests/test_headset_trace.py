@@ -5,6 +5,7 @@ import pytest
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import rotate
+from vrcomfort.records.pose_columns import pose_columns
 from vrcomfort.traces.trace import import_trace, read_trace, write_trace
 
 HEADER = "xr_time_ns,head_x_m,head_y_m,head_z_m,head_qx,head_qy,head_qz,head_qw"
@@ -84,6 +85,44 @@ def test_a_missing_column_is_named(write):
     error = refusal(write("xr_time_ns,head_x_m", "1,2"))
     assert (error.line, error.column) == (1, "head_y_m")
     assert "the column 'head_y_m' is missing (and head_z_m" in error.message
+
+
+def test_snap_turns_are_no_cuts_and_are_written_again(tmp_path, write):
+    rows = [f"{row},{mark}" for row, mark in zip(ROWS, "021", strict=True)]
+    trace = read_trace(write(HEADER + ",discontinuity", *rows))
+    assert trace.cuts.tolist() == [True, False, True]
+    assert trace.snap_turns.tolist() == [False, True, False]
+    write_trace(trace, tmp_path / "again.csv")
+    again = read_trace(tmp_path / "again.csv")
+    assert again.cuts.tolist() == trace.cuts.tolist()
+    assert again.snap_turns.tolist() == trace.snap_turns.tolist()
+
+
+HAND = ",".join(pose_columns("left_hand"))
+
+
+def test_a_hand_may_be_missing_in_some_rows(tmp_path, write):
+    hands = ["0.1,1,-0.3,0,0,0,1", ",,,,,,", "0.2,1,-0.3,0,0,0,1"]
+    rows = [f"{row},{hand}" for row, hand in zip(ROWS, hands, strict=True)]
+    trace = read_trace(write(f"{HEADER},{HAND}", *rows))
+    assert trace.right_hand is None
+    np.testing.assert_array_equal(trace.left_hand.positions[:, 0], [0.1, np.nan, 0.2])
+    write_trace(trace, tmp_path / "again.csv")
+    again = read_trace(tmp_path / "again.csv")
+    np.testing.assert_array_equal(again.left_hand.cells(), trace.left_hand.cells())
+
+
+@pytest.mark.parametrize(
+    ("hand", "column", "says"),
+    [
+        ("0.1,1,,0,0,0,1", "left_hand_z_m", "this cell is empty"),
+        ("0.1,1,0,0,0,0,2", "left_hand_qx", "has length 2"),
+    ],
+)
+def test_half_of_a_hand_is_refused_with_its_place(write, hand, column, says):
+    error = refusal(write(f"{HEADER},{HAND}", f"{ROWS[0]},,,,,,,", f"{ROWS[1]},{hand}"))
+    assert (error.line, error.column) == (3, column)
+    assert says in error.message
 
 
 def test_half_of_an_optional_pose_is_refused(write):

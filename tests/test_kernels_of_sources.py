@@ -6,13 +6,18 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydantic import ValidationError
+from scipy.ndimage import label
 
 from tests.oracles import poisson_taps, pyramid, scattering
-from tests.support.effects import depth_of_field
+from tests.support.effects import depth_of_field, seen, square_pixels, textures
 from tests.support.kernels import FOCUS_M, blur
+from vrcomfort.geometry import Pose, axis_angle, rotate
+from vrcomfort.optics.circle_of_confusion import head_depth_slope
 from vrcomfort.optics.poisson_taps import POISSON_12, POISSON_15
 from vrcomfort.optics.pyramid import levels
-from vrcomfort.protocol.conditions import Kernel
+from vrcomfort.protocol.conditions import DepthOfField, Kernel
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 
 KERNELS = ("scatter", "poisson12", "poisson15_near", "mip", "mip_slices")
 radii = st.floats(-16, 16)
@@ -155,6 +160,25 @@ def edge():
     return np.where((columns() < 32)[..., None], [1.0, 0, 0], [0, 0, 1.0])
 
 
+def test_turned_taps_make_noise_of_ghosts(ctx):
+    """Hillaire et al. 2008, Fig. 2: a bright dot is seen twelve times, or scattered over the disc.
+
+    Each ghost is one patch, of the four pixels between which a tap's colour is interpolated.
+    """
+    rgb = np.zeros((40, 40, 3))
+    rgb[20, 20] = 1.0
+    patches = {}
+    for turned in (True, False):
+        found = blur(ctx, "poisson12", rgb, 10.0, limit_px=10.0, rotate_taps=turned)
+        expected = poisson_taps.poisson12(
+            found.points, radius_limit_px=found.limit_px, rotate_taps=turned
+        )
+        np.testing.assert_allclose(found.rgb, expected, atol=2**-9)
+        patches[turned] = label(found.rgb[..., 0] > 0)[1]
+    assert patches[False] == len(POISSON_12)  # one of them beside the dot itself
+    assert patches[True] > 2 * patches[False]
+
+
 def test_twelve_taps_do_not_leak_a_sharp_front(ctx, edge):
     front = columns() < 32
     found = blur(ctx, "poisson12", edge, np.where(front, 0.0, 6.0), limit_px=6.0).rgb
@@ -259,6 +283,45 @@ def test_slices_jump_where_a_level_begins_and_the_cross_fade_does_not(ctx):
     np.testing.assert_array_equal(sharp_then_half[32:], 0.5)
     faded = blur(ctx, "mip", rgb, radius, limit_px=4.0).rgb[4, :, 0].astype(float)
     assert np.abs(faded[30:32] - faded[32:34]).max() < 0.01
+
+
+@pytest.mark.parametrize("eye", [None, Pose((0.03, 0, -0.1), axis_angle([0, 1, 0], 0.1))])
+def test_slices_stand_where_they_are_put_whatever_the_focus(ctx, rng, eye):
+    """Sky, and something at the very lens, too; distances are those from the head."""
+    rgb = rng.uniform(0, 1, (17, 23, 3)).astype("f2")
+    distance_m = rng.choice([0.02, 0.9, 1.5, 2.5, 7.0, 3e4, np.inf], (17, 23))
+    settings = {"kernel": "mip_slices", "slices_m": (1.0, 2.0, 5.0, 1000.0)}
+    near, far = (
+        depth_of_field(ctx, rgb, distance_m, focus_m, eye=eye, **settings) for focus_m in (0.5, 50)
+    )
+    np.testing.assert_array_equal(near, far)
+    fov = square_pixels((23, 17))
+    uv = np.stack(np.meshgrid((np.arange(23) + 0.5) / 23, (np.arange(17) + 0.5) / 17), axis=-1)
+    where = eye or Pose()
+    forward = rotate(where.inverse().orientation, [0, 0, -1])
+    from_head_m = distance_m * head_depth_slope(fov, forward, uv) - where.position[2]
+    expected = pyramid.sliced(rgb, from_head_m, settings["slices_m"])
+    np.testing.assert_allclose(near, expected, atol=2**-9)
+
+
+def test_slices_that_stand_still_know_no_largest_radius(ctx):
+    """The circles of confusion that they do not follow limit nothing."""
+    colour, depth = textures(ctx, np.zeros((8, 8, 3)), 30.0)
+    focus = ctx.texture((1, 1), 4, np.full(4, 0.1, "f4").tobytes(), dtype="f4")
+    found = {}
+    for slices_m in (None, (1.0, 2.0, 3.0)):
+        settings = DepthOfField(kernel="mip_slices", slices_m=slices_m)
+        effect = DepthOfFieldPass(
+            ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(8, 8)
+        )
+        effect.render(seen(square_pixels((8, 8))))
+        found[slices_m] = effect.limit_px, len(effect.clamps())
+    assert found == {None: (pytest.approx(0.14), 1), (1.0, 2.0, 3.0): (8.0, 0)}
+
+
+def test_slices_that_do_not_recede_are_refused():
+    with pytest.raises(ValidationError, match="must rise: the nearest billboard first"):
+        DepthOfField(kernel="mip_slices", slices_m=(2.0, 1.0))
 
 
 def test_every_texel_is_the_mean_of_the_pixels_it_covers(ctx, rng):

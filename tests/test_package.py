@@ -20,7 +20,7 @@ import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import (
-    FocusRuleName, Kernel, MoveRamp, RefocusLawName, SpeedBlur, Vignette
+    FocusRuleName, Kernel, MoveRamp, RefocusLawName, RelocationBlur, SpeedBlur, Vignette
 )
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
@@ -48,7 +48,7 @@ fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
     StereoRenderer(context, (16, 16)).begin(scene, condition)
-narrow = Condition(name="n", vignette=Vignette(colour="scene"))
+narrow = Condition(name="n", vignette=Vignette(colour="scene"), relocation_blur=RelocationBlur())
 StereoRenderer(context, (16, 16)).begin(scene, narrow)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)

@@ -26,7 +26,9 @@ class FrameAt:
     head_pose: Pose
     avatar_pose: Pose = field(default_factory=Pose)
     discontinuity: bool = False
+    snap_turn: bool = False
     gaze: Gaze | None = None
+    hands: tuple[Pose | None, Pose | None] = (None, None)
 
     @property
     def predicted_display_time_ns(self) -> int:

@@ -72,6 +72,15 @@ def test_patterns_reach_nodes_and_head_locking_reaches_children(tmp_path):
     assert [node.casts_shadow for node in scene.nodes] == [True, False, True]
 
 
+def test_what_is_below_a_node_in_a_hand_goes_with_that_hand(tmp_path):
+    scene = scene_with(
+        tmp_path, '[nodes."stone 1"]\nhand = "right"\n[nodes."stone 2"]\nhand = "left"\n'
+    )
+    assert [node.hand for node in scene.nodes] == ["right", "left", "left"]
+    assert scene.has_hands
+    assert not scene_with(tmp_path, "").has_hands
+
+
 def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
     scene = scene_with(
         tmp_path,
@@ -99,6 +108,8 @@ def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
             2,
             "'gone'",
         ),
+        ('[nodes.moss]\nhand = "both"\n', 2, "'left' or 'right'"),
+        ('[nodes.moss]\nhead_locked = true\nhand = "left"\n', 1, "exclude each other; keep one"),
         ("exposure = \n", 1, "not valid TOML"),
         ("\nexposure = 1e39\n", 2, "exposure: should be less than or equal to"),
         ("[spawn]\nposition = [0, 1e39, 0]\n", 2, "should be less than or equal to 1000000"),

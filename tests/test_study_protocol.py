@@ -12,7 +12,7 @@ from tests.support.study import PROTOCOL, tiny_protocol
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
-from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
 
@@ -42,6 +42,7 @@ def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
         ("exposure_s = 10.0", "exposure_s = ", (3, 14), "not valid TOML"),
         ('title = "A tiny study"\n', "", (1, 1), "`title` is missing"),
         ("[ratings]", "[rating]", (36, 1), "did you mean `ratings`?"),
+        ("[ratings]", "[locomotion]\nsnap_turn_deg = 0.1\n[ratings]", (37, 1), "or equal to 1"),
         ('"blur"\n', '"blur"\nlable = "x"\n', (12, 1), "did you mean `label`?"),
         ('rule = "explicit"', 'rule = "explict"', (15, 1), "'williams'"),
         ('[{ scene = "room.glb", condition = "p', '[{ scene = "room.glb", condition = "b',
@@ -105,6 +106,7 @@ def test_carnegie_2015_has_the_numbers_of_the_paper():
     assert (protocol.exposure_s, protocol.training_s) == (900, 60)
     assert protocol.headset.ipd_m == 0.063
     assert protocol.locomotion.walking_speed_m_s == 1.4
+    assert protocol.locomotion.snap_turn_deg is None
     asked = [(ask.timepoint, ask.when, ask.wait_s) for ask in protocol.questionnaires]
     assert asked == [
         ("baseline", "session_start", 0),
@@ -203,6 +205,7 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('focus = { method = "fixed", law = "instant" }', 'nothing with method = "fixed"'),
         ('focus = { law = "instant", cutoff_hz = 4.0 }', 'nothing with law = "instant"'),
         ('focus = { method = "gaze", ring_deg = 3.0 }', 'nothing with method = "gaze"'),
+        ('motion_blur = { mode = "full", neck = {} }', '`neck` does nothing with mode = "full"'),
         (
             'focus = { method = "autofocus_zone", zone_statistic = "maximum", mean = "metres" }',
             '`mean` does nothing with zone_statistic = "maximum"',
@@ -210,6 +213,8 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('focus = { zone_statistic = "mean" }', 'nothing with method = "nine_ray"'),
         ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
         ('depth_of_field = { kernel = "mip", rings = 3 }', 'nothing with kernel = "mip"'),
+        ("depth_of_field = { slices_m = [1, 2] }", "`slices_m` does nothing with kernel ="),
+        ("depth_of_field = { rotate_taps = false }", '`rotate_taps` does nothing with kernel ='),
         ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),
         ('quality = "fast"', "`quality` does nothing without depth_of_field or motion_blur"),
         ('focus = { method = "gaze", without_gaze = "nine_ray", ring_deg = 3.0 }', None),
@@ -242,6 +247,8 @@ def test_settings_that_do_nothing_are_refused(tmp_path, settings, says):
         ('focus = { method = "fixed", fixed_m = 1e-9 }', "`fixed_m`: should be greater than"),
         ('focus = { law = "duration", duration_s = 1e308 }', "`duration_s`: should be less than"),
         ("focus = { refocus_s = 5e-324 }", "`refocus_s`: should be greater than or equal to 0.001"),
+        ("depth_of_field = { slices_m = [2, 1] }", "`slices_m`: must rise: the nearest"),
+        ("motion_blur = { neck = { behind_m = 10 } }", "`behind_m`: should be less than or equal"),
         ("motion_blur = { fade_with_turning = 3 }", "`fade_with_turning`: should be a table {"),
         ("depth_of_field = { full_blur_m = 1e308 }", "`full_blur_m`: should be less than"),
     ],
@@ -283,7 +290,8 @@ def unbounded(model):
 
 def test_needs_name_settings_and_values_that_there_are():
     for effect, table in NEEDS.items():
-        fields = {"focus": Focus, "depth_of_field": DepthOfField}[effect].model_fields
+        models = {"focus": Focus, "depth_of_field": DepthOfField, "motion_blur": MotionBlur}
+        fields = models[effect].model_fields
         for key, needs in table.items():
             assert {key, *needs} <= fields.keys()
             for choice, values in needs.items():

@@ -40,11 +40,15 @@ class Frame:
         False where nobody sees the frame.
     discontinuity
         True where the pose before has nothing to do with this one (first frame, loop, teleport).
+    snap_turn
+        True where the avatar was turned at once: that is no motion, and the rest of the frame is.
     paused
         True where the participant sees nothing of it (headset taken off or asleep): time that
         does not count as exposure.
     gaze
         Where the participant looks, None without an eye tracker.
+    hands
+        stage-from-aim of the left and the right hand, None where the headset does not know it.
     head_valid
         False where the headset does not know the head: the poses are the last known.
     head_tracked
@@ -62,8 +66,10 @@ class Frame:
     avatar_pose: Pose
     should_render: bool = True
     discontinuity: bool = False
+    snap_turn: bool = False
     paused: bool = False
     gaze: Gaze | None = None
+    hands: tuple[Pose | None, Pose | None] = (None, None)
     head_valid: bool = True
     head_tracked: bool = True
     session_state: str = ""

@@ -2,7 +2,8 @@
 // Each pixel from the levels of a pyramid that are about as blurred as it should be.
 //
 // Input:  colour_and_coc of colour_and_coc.frag (signed CoC RADIUS, px of image width), levels of
-//         mip_downsample.frag.
+//         mip_downsample.frag; AT_DISTANCES: depth (reverse-Z) and the eye that drew it, slices_m
+//         (metres along the head's forward axis, rising).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // Level k, blown up bilinearly, spreads a point with the variance of a disc of radius 2^k px: its
@@ -10,11 +11,21 @@
 // levels the cross-fade is linear in variance, so that it is right for every radius.
 // SLICES: no cross-fade. A billboard with level k stands where the radius is 2^(k - 1/2), on either
 // side of the focus, and covers what is blurred more: a hard edge where a surface meets it.
+// AT_DISTANCES: the billboard with level k stands at slices_m[k - 1] and covers what is behind it.
 // The levels hold whatever was in the image: sharp things have halos in blurred surroundings.
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
 // (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
 uniform sampler2D colour_and_coc;
 uniform sampler2D levels[LEVELS];
+#ifdef AT_DISTANCES
+#include "coc.glsl"
+uniform sampler2D depth;
+uniform vec4 tangents;
+uniform vec3 head_forward_in_view;
+uniform float near_m;
+uniform float offset_m;  // the eye is this far in front of the head centre
+uniform float slices_m[LEVELS];
+#endif
 
 out vec4 blurred;
 
@@ -22,7 +33,13 @@ float own_px;
 
 // How far level k has faded in over level k - 1.
 float fade(int k) {
-#ifdef SLICES
+#if defined(AT_DISTANCES)
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec2 uv = gl_FragCoord.xy / vec2(textureSize(depth, 0));
+    float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
+    // near / z + offset_m >= slice, without the infinite distance of the sky.
+    return step((slices_m[k - 1] - offset_m) * texelFetch(depth, pixel, 0).r, near);
+#elif defined(SLICES)
     return step(exp2(float(k) - 0.5), own_px);
 #else
     float sharper = k > 1 ? exp2(2.0 * float(k - 1)) : 0.0;

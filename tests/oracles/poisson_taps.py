@@ -24,8 +24,15 @@ from vrcomfort.optics.poisson_taps import (
 )
 
 
-def poisson12(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: float = 1.0) -> Array:
-    """Return (h, w, 3) colours: own pixel and twelve taps, turned per pixel.
+def poisson12(
+    points: ArrayLike,
+    /,
+    *,
+    radius_limit_px: float,
+    pixel_aspect: float = 1.0,
+    rotate_taps: bool = True,
+) -> Array:
+    """Return (h, w, 3) colours: own pixel and twelve taps, turned per pixel or not.
 
     Notes
     -----
@@ -35,7 +42,7 @@ def poisson12(points: ArrayLike, /, *, radius_limit_px: float, pixel_aspect: flo
     image = np.asarray(points, dtype=np.float64)
     height, width, _ = image.shape
     repeats = (-(-height // ROTATIONS_PX), -(-width // ROTATIONS_PX), 1)
-    turn = np.tile(rotations(), repeats)[:height, :width]
+    turn = np.tile(rotations(), repeats)[:height, :width] if rotate_taps else np.array([1.0, 0.0])
     diameter_px = 2 * np.abs(image[..., 3])
     total = np.concatenate([image[..., :3], np.ones((height, width, 1))], axis=-1)
     for x, y in POISSON_12:

@@ -1,7 +1,7 @@
 """Blur by a MIP pyramid that is blown up again ("Four Tricks for Fast Blurring", 2001).
 
-Trick three. NumPy twins, in float64, of ``mip_downsample.frag`` and ``mip.frag`` in
-``shaders/depth_of_field``. Radii are in pixels.
+Trick three. NumPy twins, in float64, of ``shaders/common/mip_downsample.frag`` and
+``shaders/depth_of_field/mip.frag``. Radii are in pixels.
 """
 
 from __future__ import annotations
@@ -49,6 +49,16 @@ def magnified(texels: ArrayLike, level: int, shape: tuple[int, int], /) -> Array
         part = (place - low).reshape([-1 if i == axis else 1 for i in range(result.ndim)])
         result = (1 - part) * result.take(low, axis) + part * result.take(high, axis)
     return result
+
+
+def sliced(image: ArrayLike, distance_m: ArrayLike, slices_m: ArrayLike, /) -> Array:
+    """Return (h, w, 3) colours behind billboards: level k covers what is behind the k-th."""
+    shown, distance = np.asarray(image, dtype=np.float64), np.asarray(distance_m)
+    sharp = shown
+    for level, slice_m in enumerate(np.asarray(slices_m), start=1):
+        billboard = magnified(mean_level(sharp, level), level, sharp.shape[:2])
+        shown = np.where((distance >= slice_m)[..., None], billboard, shown)
+    return shown
 
 
 def mip(points: ArrayLike, /, *, radius_limit_px: float, slices: bool = False) -> Array:

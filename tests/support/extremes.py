@@ -176,7 +176,9 @@ def frames(rng, *, tracked, length=3):
                 views=tuple(View(head @ eye, fov(rng)) for eye in eyes),
                 avatar_pose=avatar,
                 discontinuity=index == 0 or rng.random() < 0.1,
+                snap_turn=bool(rng.random() < 0.2),
                 gaze=gaze if tracked else None,
+                hands=(head @ Pose(rng.normal(size=3), turn(rng)) if index else None, head),
             )
         )
     return made
@@ -269,13 +271,15 @@ def _cones_and_far_lights(rng, most):
 
 
 def scene(rng):
-    """Return a scene of triangles on all sides: still, moving, flat (scale 0), held by the head."""
+    """Return a scene of triangles on all sides: still, moving, flat (scale 0), held by the body."""
     primitives = tuple(primitive(rng, rng.choice([1.0, 30_000.0]), index) for index in range(2))
     nodes = (
         Node("still", mesh=(0,)),
         Node("moving", mesh=(1,), moving=True),
         Node("flat", mesh=(0,), scale=np.array([1.0, 0.0, 1.0])),
         Node("held", mesh=(1,), head_locked=True, translation=np.array([0.0, 0.0, -0.5])),
+        Node("left", mesh=(0,), hand="left"),
+        Node("right", mesh=(1,), hand="right", parent=1, moving=True),
     )
     jumps = np.cumsum(rng.normal(0, 1, (4, 3)) * [1.0, 1e2, 1e3], axis=0)
     path = Channel(1, "translation", np.array([0.0, 1e-3, 0.02, 1.0]), jumps, "LINEAR")

@@ -79,6 +79,7 @@ def openxr_setup(
             image_size_px=size_px,
             refresh_hz=refresh_hz,
             walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+            snap_turn_deg=protocol.locomotion.snap_turn_deg,
         )
         before_wait = rehearsal.before_frame if rehearsal else None
         headset = owned.enter_context(

@@ -62,6 +62,9 @@ class Locomotion:
     ----------
     speed_m_s
         Total speed, along slopes and steps too.
+    snap_turn_deg
+        The thumb-stick turns by this angle at once, each time that it leaves its middle; None
+        turns smoothly.
 
     Attributes
     ----------
@@ -69,8 +72,13 @@ class Locomotion:
         world-from-stage.
     """
 
-    def __init__(self, speed_m_s: float = WALKING_SPEED_M_S) -> None:
+    def __init__(
+        self, speed_m_s: float = WALKING_SPEED_M_S, *, snap_turn_deg: float | None = None
+    ) -> None:
         self._speed_m_s = speed_m_s
+        self._snap_turn_rad = None if snap_turn_deg is None else np.radians(snap_turn_deg)
+        # Who comes with the stick held aside does not turn by that.
+        self._stick_aside = True
         self._floors = Floors()
         self._spawn: Pose | None = None
         self._torso_rad = 0.0
@@ -92,6 +100,7 @@ class Locomotion:
         if spawn is None:
             return False
         self._torso_rad = _yaw_rad(spawn)
+        self._stick_aside = True
         self.avatar = spawn @ floor_under(head).inverse()
         return True
 
@@ -99,18 +108,34 @@ class Locomotion:
         """Take note that the stage's origin has moved: nobody moves in the world by that."""
         self.avatar = self.avatar @ new_from_old.inverse()
 
-    def step(self, head: Pose, wish: Wish, duration_s: float) -> None:
+    def step(self, head: Pose, wish: Wish, duration_s: float) -> bool:
         """Walk and turn for one frame.
 
         Who leans or steps beside the floor walks as if from the nearest point on it, and so
         never gets further away.
+
+        Returns
+        -------
+        bool
+            True where the stick has turned the stage at once.
         """
         seconds = min(duration_s, LONGEST_S)
-        self._turn(head, wish.turn_rad + wish.turn_rate * TURNING_SPEED_RAD_S * seconds)
+        snap_rad = self._snap_rad(wish)
+        smooth_rad = wish.turn_rate * TURNING_SPEED_RAD_S * seconds
+        stick_rad = smooth_rad if self._snap_turn_rad is None else snap_rad
+        self._turn(head, wish.turn_rad + stick_rad)
         length = np.hypot(wish.right, wish.forward)
         if length > 1e-9:
             wanted = np.array([wish.right, wish.forward]) / length
             self._walk(head, self._world_from_torso(wanted), self._speed_m_s * seconds)
+        return snap_rad != 0
+
+    def _snap_rad(self, wish: Wish) -> float:
+        """Return the snap turn to the left that begins now, or 0."""
+        before, self._stick_aside = self._stick_aside, wish.turn_rate != 0
+        if self._snap_turn_rad is None or before or not self._stick_aside:
+            return 0.0
+        return float(np.copysign(self._snap_turn_rad, wish.turn_rate))
 
     def _turn(self, head: Pose, angle_rad: float) -> None:
         """Turn the stage about the place where the participant stands."""

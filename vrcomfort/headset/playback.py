@@ -40,6 +40,7 @@ class _Sample:
     fraction: float
     time_ns: int
     cut: bool
+    snap_turn: bool = False
 
 
 class PlaybackHeadset:
@@ -171,14 +172,18 @@ class PlaybackHeadset:
         first_ns, last_ns = int(times[0]), int(times[-1])
         while True:
             for index in range(len(times)):
-                sample = _Sample(index, 0.0, int(times[index]), bool(cuts[index]))
+                snap_turn = self._turns_at(index)
+                sample = _Sample(index, 0.0, int(times[index]), bool(cuts[index]), snap_turn)
                 yield sample, start_ns + sample.time_ns - first_ns
             if not self._loop:
                 return
             start_ns += last_ns - first_ns + self._period_ns(sample)
 
     def _resampled(self) -> Iterator[_Sample]:
-        bounds = [*np.flatnonzero(self._trace.cuts).tolist(), len(self._trace)]
+        jumps = self._trace.cuts
+        if self._trace.snap_turns is not None:
+            jumps = jumps | self._trace.snap_turns
+        bounds = [*np.flatnonzero(jumps).tolist(), len(self._trace)]
         while True:
             for first, end in pairwise(bounds):
                 yield from self._resampled_piece(first, end)
@@ -186,15 +191,20 @@ class PlaybackHeadset:
                 return
 
     def _resampled_piece(self, first: int, end: int) -> Iterator[_Sample]:
-        """Yield the display times between two cuts: never a pose across one."""
+        """Yield the display times between two cuts or snap turns: never a pose across one."""
         assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
         times = self._trace.time_ns[first:end]
         count = 0
         first_ns, last_ns = int(times[0]), int(times[-1])
         while (time_ns := first_ns + _periods_ns(count, self._rate)) <= last_ns + 1:
             before, fraction = _place(times, time_ns)
-            yield _Sample(first + before, fraction, time_ns, count == 0)
+            cut = count == 0 and bool(self._trace.cuts[first])
+            snap_turn = count == 0 and self._turns_at(first)
+            yield _Sample(first + before, fraction, time_ns, cut, snap_turn)
             count += 1
+
+    def _turns_at(self, index: int) -> bool:
+        return self._trace.snap_turns is not None and bool(self._trace.snap_turns[index])
 
     def _period_ns(self, sample: _Sample) -> int:
         if self._rate is not None:
@@ -214,7 +224,9 @@ class PlaybackHeadset:
             views=self._views(head, sample),
             avatar_pose=self._anchor if trace.avatar is None else _pose_at(trace.avatar, sample),
             discontinuity=sample.cut,
+            snap_turn=sample.snap_turn,
             gaze=None if trace.gaze is None else trace.gaze.at(sample.time_ns),
+            hands=(_hand_at(trace.left_hand, sample), _hand_at(trace.right_hand, sample)),
         )
 
     def _views(self, head: Pose, sample: _Sample) -> tuple[View, View]:
@@ -277,6 +289,14 @@ def _place(times: Times, time_ns: int) -> tuple[int, float]:
     if elapsed <= 1:
         return before, 0.0
     return before, elapsed / int(times[before + 1] - times[before])
+
+
+def _hand_at(track: PoseTrack | None, sample: _Sample) -> Pose | None:
+    """Return where a hand is, None where it is not known at both samples around."""
+    if track is None:
+        return None
+    around = slice(sample.index, sample.index + (1 if sample.fraction == 0.0 else 2))
+    return None if np.isnan(track.positions[around]).any() else _pose_at(track, sample)
 
 
 def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:

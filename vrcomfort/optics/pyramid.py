@@ -1,7 +1,7 @@
 """Blur by a MIP pyramid that is blown up again ("Four Tricks for Fast Blurring", 2001).
 
-Trick three: ``mip_downsample.frag`` and ``mip.frag`` in ``shaders/depth_of_field``. Radii are in
-pixels.
+Trick three: ``mip_downsample.frag`` in ``shaders/common`` and ``mip.frag`` in
+``shaders/depth_of_field``. Radii are in pixels.
 """
 
 from __future__ import annotations

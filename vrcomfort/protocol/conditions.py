@@ -6,6 +6,7 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
@@ -29,7 +30,7 @@ Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
 
-EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "relocation_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
@@ -48,6 +49,8 @@ _FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
 ]
+Carried = Literal["with_head", "in_world"]
+VirtualTurning = Literal["by_mode", "kept", "cancelled"]
 
 
 class Settings(BaseModel):
@@ -134,6 +137,13 @@ class DepthOfField(Settings):
 
     kernel: Kernel = "vrcomfort"
     """How discs are summed: ours, or the method of a source (docs/sources.md)."""
+    slices_m: Annotated[tuple[Distance, ...], Field(min_length=1, max_length=9)] | None = None
+    """Where the billboards of `mip_slices` stand: the k-th covers what is behind it with MIP level
+    k, whatever the focus ("evenly along the Z-axis", Four Tricks). Without it they stand where the
+    circle of confusion asks for their level, on either side of the focus."""
+    rotate_taps: bool = True
+    """Whether `poisson12` turns its taps by an angle of each pixel's own, which makes noise of
+    ghosts (Hillaire et al. 2008, Fig. 2, shows both)."""
     law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
     """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
     defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
@@ -179,6 +189,13 @@ class DepthOfField(Settings):
     """Scales the blur of each of K views, whose radius is 2/√K of the lens at 1, at most half,
     and 0.97 of it with up to eleven (`views` from 2 on). From twelve on, less than 0.75 px per
     dioptre, in an image 90° wide, is left out."""
+
+    @field_validator("slices_m")
+    @classmethod
+    def _slices_recede(cls, value: tuple[float, ...] | None) -> tuple[float, ...] | None:
+        if any(far <= near for near, far in pairwise(value or ())):
+            raise PydanticCustomError("slices", "must rise: the nearest billboard first")
+        return value
 
     @model_validator(mode="after")
     def _views_need_a_lens(self) -> Self:
@@ -233,6 +250,13 @@ def _check_order(unit: str, start: float, end: float) -> None:
         raise PydanticCustomError("ramp_order", message, {"unit": unit})
 
 
+class Neck(Settings):
+    """Where a head turns: a point in the head's frame, seen from its centre between the eyes."""
+
+    behind_m: Annotated[float, Field(ge=0, le=0.5)] = 0.1
+    below_m: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+
+
 class MotionBlur(Settings):
     """Velocity-buffer motion blur, per eye (Chapman 2020; McGuire et al. 2012)."""
 
@@ -241,6 +265,17 @@ class MotionBlur(Settings):
     gather along each pixel's own velocity (Rosado 2007, which Chapman 2020 cites)."""
     mode: CameraMode = "rotation_cancelled"
     """Which camera motion blurs; `vrcomfort.render.camera_motion` says what each cancels."""
+    virtual_turning: VirtualTurning = "by_mode"
+    """Whether turns by locomotion blur, whatever `mode` does with the tracked head. `by_mode`:
+    `rotation_cancelled_eye` and `objects_only` cancel them, the other modes keep them. Snap turns
+    never blur."""
+    neck: Neck | None = None
+    """With `rotation_cancelled`, the point about which the head's rotation is cancelled: the way
+    that the eyes go while the head turns on its neck then leaves no streak either. Without it, the
+    head centre."""
+    hands: Carried = "with_head"
+    """How far a node that is bound to a hand has moved: in the head's frame, or in the world, where
+    what goes with the head blurs falsely in all modes that cancel the head's motion (Chapman)."""
     shutter_fraction: Annotated[float, Field(ge=0, le=1)] = 0.5
     """Part of the frame period during which the shutter is open, centred on the frame's pose. A
     film camera's shutter angle is 360 degrees times this: 0.5 is 180 degrees."""
@@ -279,6 +314,22 @@ class SpeedBlur(SpeedRamps):
 
     max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
+
+
+class RelocationBlur(Settings):
+    """A blur of the whole image at a cut (a teleport, the first frame) that sharpens with time.
+
+    After "Four Tricks for Fast Blurring in Software and Hardware", 2001, trick three: the image at
+    a MIP level that changes over time. The paper gives no times.
+    """
+
+    level: Annotated[float, Field(ge=0, le=9)] = 3.0
+    """MIP level at the cut: its texels are 2^level px wide. 3, an eighth of the resolution, is what
+    the paper calls "very blurred". The angle of a pixel is the headset's."""
+    duration_s: Seconds = 0.5
+    """Time in which the level falls to 0, at a constant rate."""
+    snap_turns: bool = False
+    """Whether a snap turn is a relocation, too."""
 
 
 class Vignette(SpeedRamps):
@@ -321,6 +372,7 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
+    relocation_blur: RelocationBlur | None = None
     vignette: Vignette | None = None
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""

@@ -33,6 +33,9 @@ class Locomotion(Settings):
 
     walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
     """Total speed, stairs included: climbing takes from the horizontal part."""
+    snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
+    """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
+    it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
 
 
 class Trial(Settings):

@@ -48,6 +48,8 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         **{key: {**_FOLLOWING, "law": laws} for key, laws in _LAWS_THAT_TAKE.items()},
     },
     "depth_of_field": {
+        "slices_m": {"kernel": ("mip_slices",)},
+        "rotate_taps": {"kernel": ("poisson12",)},
         "full_blur_m": {"law": ("linear",)},
         "full_blur_dioptre": {"law": ("dioptre",)},
         "aperture_m": _THIN_LENS,
@@ -57,6 +59,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "rings": {"kernel": ("vrcomfort",)},
         "over_blur": {"views": range(2, 257)},
     },
+    "motion_blur": {"neck": {"mode": ("rotation_cancelled",)}},
 }
 """What each setting needs to do anything, by effect; a setting that is not here always does."""
 

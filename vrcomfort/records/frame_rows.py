@@ -10,6 +10,9 @@ from vrcomfort.geometry import Gaze, Pose, View
 from vrcomfort.records.pose_columns import POSE_COLUMNS
 from vrcomfort.records.rows import Cell
 
+CUT, SNAP_TURN = 1, 2
+"""Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
+
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
 
 
@@ -75,6 +78,8 @@ class FrameRow:
         Refreshes of the display that passed between the frame before and this one.
     discontinuity
         Whether the pose before has nothing to do with this one; a playback cuts there again.
+    snap_turn
+        Whether the avatar was turned at once, as it is in a playback again.
     gaze
         Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
     """
@@ -102,6 +107,7 @@ class FrameRow:
     dropped: int = 0
     missed_refreshes: int | None = None
     discontinuity: bool = False
+    snap_turn: bool = False
     resumed: int = 0
     gaze: GazeRow | None = None
 
@@ -141,7 +147,7 @@ class FrameRow:
             self.gpu_ms,
             self.dropped,
             self.missed_refreshes,
-            int(self.discontinuity),
+            CUT if self.discontinuity else SNAP_TURN if self.snap_turn else 0,
             self.resumed,
         ]
 

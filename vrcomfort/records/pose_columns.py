@@ -9,7 +9,7 @@ import numpy as np
 
 from vrcomfort.geometry import Fov, Pose
 
-Body = Literal["head", "left", "right", "avatar"]
+Body = Literal["head", "left", "right", "avatar", "left_hand", "right_hand"]
 Eye = Literal["left", "right"]
 
 _POSE_SUFFIXES = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")

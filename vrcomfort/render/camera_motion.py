@@ -7,8 +7,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array, Pose, interpolate_pose
-from vrcomfort.protocol.conditions import CameraMode
+from vrcomfort.geometry import Array, Pose, interpolate_pose, rotate
+from vrcomfort.protocol.conditions import CameraMode, Carried, Neck, VirtualTurning
+from vrcomfort.scene.node_poses import HandPoses
 
 Float32: TypeAlias = NDArray[np.float32]
 
@@ -21,31 +22,104 @@ def previous_eye_pose(
     head_from_eye: Pose,
     previous_world_from_stage: Pose,
     previous_stage_from_head: Pose,
+    virtual_turning: VirtualTurning = "by_mode",
+    neck: Neck | None = None,
 ) -> Pose:
-    """Return world-from-eye of the previous frame, less the motion that `mode` cancels.
+    """Return world-from-eye of the previous frame, less the motion that is cancelled.
+
+    Parameters
+    ----------
+    virtual_turning
+        Whether turns of the avatar blur: ``kept``, ``cancelled`` (about the head centre), or as
+        the mode has it.
+    neck
+        About which ``rotation_cancelled`` cancels, in place of the head centre.
 
     Notes
     -----
     - ``full``: the previous eye as it was.
     - ``head_cancelled``: the head has not moved in the stage; locomotion is kept.
-    - ``rotation_cancelled``: the head has not turned in the stage, about its own centre, so that
-      pure head rotation gives zero velocity at every depth; translation and locomotion are kept.
+    - ``rotation_cancelled``: the head has not turned in the stage, about its own centre (or its
+      neck), so that pure head rotation gives zero velocity at every depth; translation (of the
+      neck) and locomotion are kept.
     - ``rotation_cancelled_eye``: as Chapman's "Comfort and motion blur in VR" (2020) has it, each
-      eye about itself: the lever arm from head to eye leaves a velocity.
+      eye about itself: the lever arm from head to eye leaves a velocity. The avatar's turns are
+      cancelled in the same way.
     - ``objects_only``: no camera moves, locomotion neither (Chapman's first form: the previous
       view is the present one).
     """
+    previous_stage = previous_world_from_stage
     if mode == "objects_only":
-        return world_from_stage @ stage_from_head @ head_from_eye
+        if virtual_turning != "kept":
+            return world_from_stage @ stage_from_head @ head_from_eye
+        previous_stage = turned_like(world_from_stage, previous_stage, stage_from_head)
+    elif virtual_turning == "cancelled":
+        previous_stage = turned_like(previous_stage, world_from_stage, stage_from_head)
     head = previous_stage_from_head
-    if mode == "head_cancelled":
+    if mode in ("head_cancelled", "objects_only"):
         head = stage_from_head
     elif mode == "rotation_cancelled":
-        head = head.turned_as(stage_from_head)
-    previous_eye = previous_world_from_stage @ head @ head_from_eye
+        head = _not_turned(head, stage_from_head, neck)
+    previous_eye = previous_stage @ head @ head_from_eye
     if mode != "rotation_cancelled_eye":
         return previous_eye
-    return previous_eye.turned_as(world_from_stage @ stage_from_head @ head_from_eye)
+    stage = previous_stage if virtual_turning == "kept" else world_from_stage
+    return previous_eye.turned_as(stage @ stage_from_head @ head_from_eye)
+
+
+def _not_turned(previous: Pose, now: Pose, neck: Neck | None) -> Pose:
+    """Return the previous head in stage, turned about its centre or neck to where it looks now."""
+    if neck is None:
+        return previous.turned_as(now)
+    head_from_neck = Pose(np.array([0.0, -neck.below_m, neck.behind_m]))
+    moved = (now @ head_from_neck).position - (previous @ head_from_neck).position
+    return Pose(now.position - moved, now.orientation)
+
+
+def turned_like(world_from_stage: Pose, other: Pose, stage_from_head: Pose) -> Pose:
+    """Return a stage turned as another is, the head's centre staying where it is in the world."""
+    head = stage_from_head.position
+    lever = rotate(world_from_stage.orientation, head) - rotate(other.orientation, head)
+    return Pose(world_from_stage.position + lever, other.orientation)
+
+
+def hand_poses(
+    carried: Carried,
+    *,
+    world_from_stage: Pose,
+    stage_from_head: Pose,
+    stage_from_hands: tuple[Pose | None, Pose | None],
+    previous_world_from_stage: Pose,
+    previous_stage_from_head: Pose,
+    previous_stage_from_hands: tuple[Pose | None, Pose | None],
+) -> tuple[HandPoses, HandPoses]:
+    """Return world-from-hand now, and as motion blur counts it a frame ago.
+
+    Notes
+    -----
+    - ``with_head``: a hand has moved as far as it has in the head's frame; the pose before is given
+      as if the head had been where it is now. What rests before the head is sharp in every mode.
+    - ``in_world``: the hand where it was in the world. In a mode that cancels the head's motion,
+      the hand that goes with the head blurs ("objects which are moving with the head ... blur
+      incorrectly", Chapman 2020).
+
+    A hand that was not known before has not moved.
+    """
+    found = []
+    for hand, previous in zip(stage_from_hands, previous_stage_from_hands, strict=True):
+        now = before = None if hand is None else world_from_stage @ hand
+        if hand is not None and previous is not None:
+            in_head, before_in_head = (
+                head.inverse() @ each
+                for head, each in ((stage_from_head, hand), (previous_stage_from_head, previous))
+            )
+            if carried == "in_world":
+                before = previous_world_from_stage @ previous
+            elif before_in_head != in_head:  # equal bits stay equal
+                before = world_from_stage @ stage_from_head @ before_in_head
+        found.append((now, before))
+    hands, counted = zip(*found, strict=True)
+    return HandPoses(*hands), HandPoses(*counted)
 
 
 class CameraMotion(NamedTuple):

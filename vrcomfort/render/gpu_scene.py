@@ -47,6 +47,7 @@ from vrcomfort.render.vertex_data import (
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
+from vrcomfort.scene.node_poses import HandPoses
 
 
 class Viewpoint(NamedTuple):
@@ -142,6 +143,15 @@ class GpuScene:
         self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
         if self._joints is not None:
             self._joints.write(self._rows.joints, self._rows.previous_joints)
+
+    def place_hands(self, hands: HandPoses, before: HandPoses, *, with_head: bool) -> None:
+        """Say where the hands are, as `SceneRows.place_hands` has it; call it before `update`."""
+        self._rows.place_hands(hands, before, with_head=with_head)
+
+    @property
+    def hands_move(self) -> bool:
+        """Return whether a hand counts as having been elsewhere a frame ago."""
+        return self._rows.hands_move
 
     @property
     def moves(self) -> bool:

@@ -14,7 +14,7 @@ class HeadStep(NamedTuple):
 
     `head` is stage-from-head, `avatar` world-from-stage, `seconds` the time between the two
     predicted display times, and `periods` that time in frame periods: more than one where frames
-    were dropped.
+    were dropped. `snap_turn`: the avatar was turned at once; `avatar_before` has been, too.
     """
 
     head_before: Pose
@@ -23,6 +23,7 @@ class HeadStep(NamedTuple):
     avatar: Pose
     seconds: float
     periods: int = 1
+    snap_turn: bool = False
 
     def turn_deg_s(self, of: Literal["head", "avatar", "both"]) -> float:
         """Return the speed of turning of the tracked head, of locomotion, or of their sum."""

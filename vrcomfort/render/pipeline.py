@@ -25,7 +25,7 @@ from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
-from vrcomfort.render.camera_motion import previous_eye_pose
+from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
 from vrcomfort.render.condition_passes import ConditionPasses
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
@@ -51,6 +51,7 @@ class _Before(NamedTuple):
     avatar_pose: Pose
     scene_time_s: float
     display_time_ns: int
+    hands: tuple[Pose | None, Pose | None]
 
 
 class StereoRenderer:
@@ -111,6 +112,7 @@ class StereoRenderer:
         """Build the passes as `begin` does, and draw nothing yet."""
         self.release()
         self._scene = scene
+        self._has_hands = scene.has_hands
         self._condition = condition
         account = gpu_memory.account(self.ctx)
         first = account.mark()
@@ -167,8 +169,12 @@ class StereoRenderer:
         passes = self._built()
         passes.scene.gpu.draws = 0
         before = None if frame.discontinuity else self._before
+        if before is not None and frame.snap_turn:
+            before = _without_turn(before, frame)
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
+        if self._has_hands:
+            self._place_hands(frame, before)
         eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
         passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
         samples = passes.find_focus(frame, world_from_head)
@@ -179,7 +185,11 @@ class StereoRenderer:
             if on_eye is not None:
                 on_eye(index, images)
         self._before = _Before(
-            frame.head_pose, frame.avatar_pose, scene_time_s, frame.predicted_display_time_ns
+            frame.head_pose,
+            frame.avatar_pose,
+            scene_time_s,
+            frame.predicted_display_time_ns,
+            frame.hands,
         )
         return RenderedFrame(
             eyes=(passes.tone_maps[0].target, passes.tone_maps[-1].target),
@@ -216,6 +226,22 @@ class StereoRenderer:
             raise RuntimeError("StereoRenderer.begin was not called")
         return self._passes
 
+    def _place_hands(self, frame: Frame, before: _Before | None) -> None:
+        """Put what is bound to the hands where they are; after a cut they have not moved."""
+        blur = self._condition.motion_blur
+        carried = "with_head" if blur is None else blur.hands
+        hands, counted = hand_poses(
+            carried,
+            world_from_stage=frame.avatar_pose,
+            stage_from_head=frame.head_pose,
+            stage_from_hands=frame.hands,
+            previous_world_from_stage=before.avatar_pose if before else frame.avatar_pose,
+            previous_stage_from_head=before.head_pose if before else frame.head_pose,
+            previous_stage_from_hands=before.hands if before else (None, None),
+        )
+        gpu = self._built().scene.gpu
+        gpu.place_hands(hands, counted, with_head=carried == "with_head")
+
     def _eye(
         self, index: int, frame: Frame, world_from_head: Pose, before: _Before | None
     ) -> EyeFrame:
@@ -237,9 +263,17 @@ class StereoRenderer:
             head_from_eye=head_from_eye,
             previous_world_from_stage=before.avatar_pose,
             previous_stage_from_head=before.head_pose,
+            virtual_turning=blur.virtual_turning,
+            neck=blur.neck,
         )
         previous = PreviousCamera(pose, before.scene_time_s)
         return EyeFrame(index, time_ns, head_from_eye, camera, previous, step)
+
+
+def _without_turn(before: _Before, frame: Frame) -> _Before:
+    """Return the frame before as if the avatar had been turned already."""
+    avatar = turned_like(before.avatar_pose, frame.avatar_pose, frame.head_pose)
+    return before._replace(avatar_pose=avatar)
 
 
 def _step(before: _Before, frame: Frame) -> HeadStep:
@@ -252,4 +286,5 @@ def _step(before: _Before, frame: Frame) -> HeadStep:
         seconds=elapsed_ns / 1e9,
         # A runtime's predictions waver about whole periods.
         periods=max(round(elapsed_ns / frame.period_ns), 1),
+        snap_turn=frame.snap_turn,
     )

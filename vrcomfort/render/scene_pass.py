@@ -122,7 +122,7 @@ class ScenePass:
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
         self.still = before.world_from_eye == camera.world_from_eye and (
-            before.time_s == time_s or not self.gpu.moves
+            (before.time_s == time_s or not self.gpu.moves) and not self.gpu.hands_move
         )
         view = self._view(camera)
         if view is None or self._placed != (time_s, before.time_s, camera.head):

@@ -15,7 +15,7 @@ from vrcomfort.render.draw_list import COMMAND, DrawList
 from vrcomfort.render.lighting import LampReach
 from vrcomfort.render.moving_rows import MovingRows
 from vrcomfort.scene.data import Scene
-from vrcomfort.scene.node_poses import NodePoses, relative_rows
+from vrcomfort.scene.node_poses import HandPoses, NodePoses, relative_rows
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
@@ -129,14 +129,36 @@ class SceneRows:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._poses.any_moving
 
+    @property
+    def hands_move(self) -> bool:
+        """Return whether a hand counts as having been elsewhere a frame ago."""
+        return self._poses.hands_move
+
+    def place_hands(self, hands: HandPoses, before: HandPoses, *, with_head: bool) -> None:
+        """Say where the hands are; the next `update` puts there what is bound to them.
+
+        Parameters
+        ----------
+        before
+            Where they count as having been a frame ago: if `with_head`, as the present eye would
+            have seen them then, else in the world.
+        """
+        self._rows[self._poses.in_hand[self._list.node], _MATRIX + 1] = with_head
+        if (hands, before) != (self._poses.hands, self._poses.hands_before):
+            self._poses.hands, self._poses.hands_before = hands, before
+            self._updated = None
+
     def update(self, time_s: float, head: Pose, before_s: float) -> None:
         """Move everything to where it is at a time; doing it again for the other eye is free."""
         if self._updated == (time_s, before_s, head):
             return
         self._updated = (time_s, before_s, head)
-        self._world = self._poses.world_from_node(time_s, head)
+        poses = self._poses
+        self._world = poses.world_from_node(time_s, head, poses.hands)
         self._previous_world = (
-            self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
+            poses.world_from_node(before_s, head, poses.hands_before)
+            if before_s != time_s or poses.hands_move
+            else self._world
         )
         if self._scene.skins:
             self.joints = self._poses.place_from_bind(time_s)

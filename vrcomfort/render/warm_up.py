@@ -18,8 +18,8 @@ LATEST_NS = 2**63 - 1
 def looks_around(spawn: Pose) -> tuple[Frame, ...]:
     """Return a look ahead and one back, from eye height above the point where a scene begins.
 
-    Both eyes are at the same place. The gaze is straight ahead: whether there is an eye tracker
-    matters later.
+    Both eyes and hands are at the same place. The gaze is straight ahead: whether there is an eye
+    tracker matters later.
     """
     heads = (Pose(np.array(EYES_M), yaw_pitch_roll(yaw_rad, 0.0, 0.0)) for yaw_rad in (0.0, np.pi))
     return tuple(
@@ -32,6 +32,7 @@ def looks_around(spawn: Pose) -> tuple[Frame, ...]:
             avatar_pose=spawn,
             discontinuity=True,
             gaze=Gaze(head),
+            hands=(head, head),
         )
         for head in heads
     )

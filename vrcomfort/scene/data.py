@@ -19,6 +19,7 @@ from vrcomfort.scene.skinning import Bending, Skin, Skins, bent
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
+Hand = Literal["left", "right"]
 Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
 Rgb: TypeAlias = tuple[float, float, float]
 
@@ -157,6 +158,9 @@ class Node:
         for everything but what people are to look at, which has 1.
     head_locked
         The node's root frame is the head, not the world.
+    hand
+        The node's root frame is this hand's aim pose, not the world; it is drawn where the
+        headset knows the hand. None for all other nodes.
     lod
         Coarser levels, by rising distance.
     moving
@@ -179,6 +183,7 @@ class Node:
     mesh: tuple[int, ...] = ()
     semantic_weight: float = 0.004
     head_locked: bool = False
+    hand: Hand | None = None
     lod: tuple[LodLevel, ...] = ()
     moving: bool = False
     ambient: float = 1.0
@@ -323,8 +328,16 @@ class Scene:
         """Return the joints of all skins in one list."""
         return Skins(self.skins, [node.skin for node in self.nodes])
 
+    @property
+    def has_hands(self) -> bool:
+        """Return whether a node is bound to a hand."""
+        return any(node.hand is not None for node in self.nodes)
+
     def world_from_node(self, time_s: float) -> Array:
-        """Return (n, 4, 4) world-from-node of all nodes (head-from-node where head-locked)."""
+        """Return (n, 4, 4) world-from-node of all nodes.
+
+        It is head-from-node where head-locked, hand-from-node where bound to a hand.
+        """
         return self.all_skins.stand(self.world_from_joint(time_s))
 
     def positions(self, node: int, primitive: int, time_s: float) -> Array:

@@ -11,6 +11,9 @@ from vrcomfort.geometry import Array, Pose
 from vrcomfort.scene.animation import sample_all
 from vrcomfort.scene.data import Scene, trs_matrix
 
+NOT_DRAWN = np.diag([0.0, 0.0, 0.0, 1.0])
+"""Shrinks a thing to a point, which covers no pixel."""
+
 KEPT = 2
 """Times whose matrices are kept: this frame's and the one before."""
 
@@ -25,8 +28,27 @@ class Placed(NamedTuple):
     place_from_bind: Array
 
 
+class HandPoses(NamedTuple):
+    """world-from-hand of the left and the right hand; None where the headset does not know it."""
+
+    left: Pose | None = None
+    right: Pose | None = None
+
+
+NO_HANDS = HandPoses()
+
+
 class NodePoses:
     """World-from-node matrices of a scene.
+
+    Attributes
+    ----------
+    locked
+        (n,) True for nodes that go with the head or a hand.
+    in_hand
+        (n,) True for those that go with a hand.
+    hands, hands_before
+        Where the hands are now, and count as having been a frame ago.
 
     `Scene.world_from_node` walks all nodes; this keeps the static ones and walks the moving.
     """
@@ -34,7 +56,12 @@ class NodePoses:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self._static = scene.world_from_joint(0.0)
-        self.locked = _locked(scene)
+        head_locked = _locked(scene)
+        self._of_hand = [_in_hand(scene, hand) for hand in HandPoses._fields]
+        self.in_hand = self._of_hand[0] | self._of_hand[1]
+        self._head_locked = head_locked & ~self.in_hand
+        self.locked: NDArray[np.bool_] = head_locked | self.in_hand
+        self.hands = self.hands_before = NO_HANDS
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._walk = np.flatnonzero(self.moving).tolist()
         self.any_moving = bool(self._walk)
@@ -54,8 +81,16 @@ class NodePoses:
             self._placed = dict([*self._placed.items(), (time_s, placed)][-KEPT:])
         return placed
 
-    def world_from_node(self, time_s: float, head: Pose) -> Array:
-        """Return (n, 4, 4) world-from-node at `time_s`; head-locked nodes hang on `head`.
+    @property
+    def hands_move(self) -> bool:
+        """Return whether a hand counts as having been elsewhere a frame ago."""
+        return self.hands != self.hands_before
+
+    def world_from_node(self, time_s: float, head: Pose, hands: HandPoses = NO_HANDS) -> Array:
+        """Return (n, 4, 4) world-from-node at `time_s`.
+
+        Head-locked nodes hang on `head`, nodes bound to a hand on that of `hands`; without it they
+        are not drawn.
 
         Do not write into it: it is kept, for the next frame asks again for this one's time.
         """
@@ -63,7 +98,9 @@ class NodePoses:
         if not self._any_locked:
             return world
         world = world.copy()
-        world[self.locked] = head.matrix() @ world[self.locked]
+        world[self._head_locked] = head.matrix() @ world[self._head_locked]
+        for hand, pose in zip(self._of_hand, hands, strict=True):
+            world[hand] = NOT_DRAWN if pose is None else pose.matrix() @ world[hand]
         return world
 
     def _place(self, time_s: float) -> Array:
@@ -95,3 +132,11 @@ def _locked(scene: Scene) -> NDArray[np.bool_]:
     for index, node in enumerate(scene.nodes):
         locked[index] = node.head_locked or (node.parent >= 0 and locked[node.parent])
     return locked
+
+
+def _in_hand(scene: Scene, hand: str) -> NDArray[np.bool_]:
+    """Return (n,) True for nodes that are bound to a hand, or below one that is."""
+    bound: list[str | None] = []
+    for node in scene.nodes:
+        bound.append(node.hand or (bound[node.parent] if node.parent >= 0 else None))
+    return np.array([each == hand for each in bound], dtype=bool)

@@ -20,6 +20,7 @@ from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
 from vrcomfort.protocol.settings_file import in_words
 from vrcomfort.scene.data import (
     Environment,
+    Hand,
     LodLevel,
     Node,
     PointLight,
@@ -132,9 +133,18 @@ class NodeSettings(_Table):
     semantic_weight: Annotated[float, Field(gt=0, le=1)] | None = None
     """W_S of the autofocus zone: 1 for what people are to look at, 0.004 for the rest."""
     head_locked: bool | None = None
+    hand: Hand | None = None
+    """The node, and what is below it, goes with this hand: its place in the file is the one it has
+    from the controller's aim pose, which points along -Z. It is drawn where the hand is tracked."""
     ambient: Share | None = None
     casts_shadow: bool | None = None
     lod: tuple[Lod, ...] = ()
+
+    @model_validator(mode="after")
+    def _goes_with_one(self) -> NodeSettings:
+        if self.head_locked and self.hand:
+            raise ValueError("`head_locked` and `hand` exclude each other; keep one")
+        return self
 
 
 class SideCar(_Table):
@@ -278,14 +288,16 @@ def _nodes(
         for pattern, entry in settings.items():
             if fnmatchcase(node.name, pattern):
                 new = _changed(new, entry, stand_ins)
-        inherited = node.parent >= 0 and changed[node.parent].head_locked
-        changed.append(replace(new, head_locked=new.head_locked or inherited))
+        above = changed[node.parent] if node.parent >= 0 else new
+        locked = new.head_locked or above.head_locked
+        changed.append(replace(new, head_locked=locked, hand=new.hand or above.hand))
     return tuple(changed)
 
 
 def _changed(node: Node, entry: NodeSettings, stand_ins: dict[str, tuple[int, ...]]) -> Node:
     given = entry.model_dump(
-        include={"semantic_weight", "head_locked", "ambient", "casts_shadow"}, exclude_none=True
+        include={"semantic_weight", "head_locked", "hand", "ambient", "casts_shadow"},
+        exclude_none=True,
     )
     lod = tuple(
         LodLevel(

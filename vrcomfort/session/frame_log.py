@@ -98,6 +98,7 @@ class FrameLog:
             dropped=int(missed > 0),
             missed_refreshes=missed,
             discontinuity=frame.discontinuity,
+            snap_turn=frame.snap_turn,
         )
         gaze = None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze)
         self._waiting[frame.index] = _Waiting(row, gaze)

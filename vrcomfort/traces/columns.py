@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
+from vrcomfort.records.frame_rows import SNAP_TURN
 from vrcomfort.records.pose_columns import HEAD, fov_columns, pose_columns
 from vrcomfort.traces.pose_track import PoseTrack, Times
 from vrcomfort.traces.table import Table
 
 TIME, PERIOD, TRIAL = "xr_time_ns", "period_ns", "trial"
 DISCONTINUITY = "discontinuity"
-"""1 where the pose before has nothing to do with this one (loop, teleport), else 0."""
+"""1 where the pose before has nothing to do with this one (loop, teleport), 2 where the avatar's
+heading before does not (snap turn), else 0."""
 REQUIRED = (TIME, *HEAD)
+HANDS = (pose_columns("left_hand"), pose_columns("right_hand"))
 EYES = (pose_columns("left"), pose_columns("right"))
 FOVS = (fov_columns("left"), fov_columns("right"))
 UNITY_HEADER = ["Time", "x", "y", "z", "alpha", "beta", "gamma"]
@@ -74,11 +79,37 @@ def cuts_of(
     """
     cuts = np.zeros(len(table.rows), dtype=bool)
     if table.has([DISCONTINUITY]):
-        cuts |= table.integers(DISCONTINUITY) != 0
+        marks = table.integers(DISCONTINUITY)
+        cuts |= (marks != 0) & (marks != SNAP_TURN)
     if trial:
         cuts |= [now != earlier for now, earlier in zip(trial, (before, *trial), strict=False)]
     cuts[:1] |= start
     return cuts
+
+
+def hands_of(table: Table) -> tuple[PoseTrack | None, PoseTrack | None]:
+    """Return stage-from-aim of both hands, NaN in blank rows; None where the file has none."""
+    left, right = (
+        _track_with_gaps(table, columns) if has_group(table, columns) else None for columns in HANDS
+    )
+    return left, right
+
+
+def _track_with_gaps(table: Table, columns: tuple[str, ...]) -> PoseTrack:
+    cells = [table.text(name) for name in columns]
+    known = [any(cell.strip() for cell in row) for row in zip(*cells, strict=True)]
+    kept = np.flatnonzero(known)
+    poses = np.full((len(known), len(columns)), np.nan)
+    if len(kept):
+        rows = tuple(table.rows[i] for i in kept.tolist())
+        lines = tuple(table.lines[i] for i in kept.tolist())
+        poses[kept] = track_of(replace(table, rows=rows, lines=lines), columns).cells()
+    return PoseTrack(poses[:, :3], poses[:, 3:])
+
+
+def snap_turns_of(table: Table) -> NDArray[np.bool_] | None:
+    """Return (n,) bool where the avatar was turned at once, or None where the file says nothing."""
+    return table.integers(DISCONTINUITY) == SNAP_TURN if table.has([DISCONTINUITY]) else None
 
 
 def periods_of(table: Table) -> Times | None:

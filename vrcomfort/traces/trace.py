@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 from decimal import Decimal, InvalidOperation
 from functools import cached_property
 from itertools import chain
+from math import isnan
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,12 +24,13 @@ from numpy.typing import NDArray
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import CUT, SNAP_TURN, FrameRow, GazeRow
 from vrcomfort.records.pose_columns import AVATAR, HEAD
 from vrcomfort.traces.columns import (
     DISCONTINUITY,
     EYES,
     FOVS,
+    HANDS,
     PERIOD,
     TIME,
     TRIAL,
@@ -36,10 +38,12 @@ from vrcomfort.traces.columns import (
     cuts_of,
     eyes_of,
     fovs_of,
+    hands_of,
     has_group,
     periods_of,
     require_trace,
     require_unity,
+    snap_turns_of,
     track_of,
 )
 from vrcomfort.traces.gaze_track import GazeTrack, read_gaze
@@ -70,6 +74,10 @@ class Trace:
         (n, 2, 4) half angles left, right, up, down of both eyes in radians, or None.
     avatar
         world-from-stage, or None where the trace knows no world.
+    snap_turns
+        (n,) bool, True where the avatar was turned at once, or None where there is none.
+    left_hand, right_hand
+        stage-from-aim, NaN where the hand was not known, or None where the trace has no hand.
     trial
         Name of the trial of each sample, or None.
     gaze
@@ -87,6 +95,9 @@ class Trace:
     eyes: tuple[PoseTrack, PoseTrack] | None = None
     fovs: Array | None = None
     avatar: PoseTrack | None = None
+    snap_turns: NDArray[np.bool_] | None = None
+    left_hand: PoseTrack | None = None
+    right_hand: PoseTrack | None = None
     trial: tuple[str, ...] | None = None
     gaze: GazeTrack | None = None
     warnings: tuple[str, ...] = ()
@@ -133,6 +144,9 @@ class Trace:
             eyes=None if self.eyes is None else (self.eyes[0][keep], self.eyes[1][keep]),
             fovs=None if self.fovs is None else self.fovs[keep],
             avatar=None if self.avatar is None else self.avatar[keep],
+            snap_turns=None if self.snap_turns is None else self.snap_turns[keep],
+            left_hand=None if self.left_hand is None else self.left_hand[keep],
+            right_hand=None if self.right_hand is None else self.right_hand[keep],
             trial=tuple(np.array(self.trial)[keep].tolist()) if self.trial else None,
         )
 
@@ -164,6 +178,7 @@ def _part_of(table: Table, before: Trace | None) -> Trace:
     trial = tuple(map(sys.intern, table.text(TRIAL))) if table.has([TRIAL]) else None
     last = None if before is None else int(before.time_ns[-1])
     last_trial = before.trial[-1] if before is not None and before.trial else None
+    left_hand, right_hand = hands_of(table)
     return Trace(
         time_ns=table.rising(TIME, table.integers(TIME), after=last),
         head=track_of(table, HEAD),
@@ -172,6 +187,9 @@ def _part_of(table: Table, before: Trace | None) -> Trace:
         eyes=eyes_of(table),
         fovs=fovs_of(table),
         avatar=track_of(table, AVATAR) if has_group(table, AVATAR) else None,
+        snap_turns=snap_turns_of(table),
+        left_hand=left_hand,
+        right_hand=right_hand,
         trial=trial,
         warnings=table.warnings,
     )
@@ -185,7 +203,10 @@ def joined(parts: list[Trace]) -> Trace:
     return replace(rest, **{name: _join(fields.pop(name)) for name in _JOINED})
 
 
-_JOINED = ("time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "trial")
+_JOINED = (
+    "time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "snap_turns", "left_hand",
+    "right_hand", "trial",
+)  # fmt: skip
 
 
 def _join(values: list[Any]) -> Any:
@@ -265,14 +286,21 @@ def _nanoseconds(table: Table, row: int) -> int:
         raise table.error(row, "Time", f"{cell!r} is not a time in seconds") from None
 
 
+def _marks(trace: Trace) -> NDArray[np.int64]:
+    snap_turns = np.zeros_like(trace.cuts) if trace.snap_turns is None else trace.snap_turns
+    marks: NDArray[np.int64] = np.where(trace.cuts, CUT, np.where(snap_turns, SNAP_TURN, 0))
+    return marks
+
+
 def _written_columns(trace: Trace, rows: slice) -> dict[str, list[str]]:
     columns = {TIME: [str(value) for value in trace.time_ns[rows].tolist()]}
     if trace.period_ns is not None:
         columns[PERIOD] = [str(value) for value in trace.period_ns[rows].tolist()]
     if trace.trial is not None:
         columns[TRIAL] = list(trace.trial[rows])
-    if trace.cuts[1:].any():
-        columns[DISCONTINUITY] = [str(int(cut)) for cut in trace.cuts[rows].tolist()]
+    marks = _marks(trace)
+    if marks[1:].any():
+        columns[DISCONTINUITY] = [str(mark) for mark in marks[rows].tolist()]
     groups: list[tuple[tuple[str, ...], Array]] = [(HEAD, trace.head[rows].cells())]
     if trace.eyes is not None:
         groups += [(name, eye[rows].cells()) for name, eye in zip(EYES, trace.eyes, strict=True)]
@@ -280,7 +308,10 @@ def _written_columns(trace: Trace, rows: slice) -> dict[str, list[str]]:
         groups += [(name, trace.fovs[rows, eye]) for eye, name in enumerate(FOVS)]
     if trace.avatar is not None:
         groups.append((AVATAR, trace.avatar[rows].cells()))
+    for hand, track in zip(HANDS, (trace.left_hand, trace.right_hand), strict=True):
+        if track is not None:
+            groups.append((hand, track[rows].cells()))
     for group, table in groups:
         for name, values in zip(group, table.T.tolist(), strict=True):
-            columns[name] = [repr(value) for value in values]
+            columns[name] = ["" if isnan(value) else repr(value) for value in values]
     return columns

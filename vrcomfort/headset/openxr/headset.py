@@ -14,6 +14,7 @@ from vrcomfort.errors import RuntimeLostError
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.headset.locomotion import Locomotion
 from vrcomfort.headset.openxr import display, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.native import native, watched
@@ -70,9 +71,8 @@ class OpenXrHeadset:
         self._events: list[HeadsetEvent] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
         self._panels = Panels(self._xr.panel_canvas)
-        self._where = ParticipantPose(
-            self._xr, settings.walking_speed_m_s, self._events.append, self._panels.relocate
-        )
+        walks = Locomotion(settings.walking_speed_m_s, snap_turn_deg=settings.snap_turn_deg)
+        self._where = ParticipantPose(self._xr, walks, self._events.append, self._panels.relocate)
         self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
         self._wait_frame = native("xrWaitFrame")
         self._begin_frame = native("xrBeginFrame", usual=xr.Result.FRAME_DISCARDED)
@@ -287,8 +287,10 @@ class OpenXrHeadset:
             avatar_pose=self._where.avatar,
             should_render=bool(timing.should_render),
             discontinuity=self._cut,
+            snap_turn=self._where.snap_turned,
             paused=self._presence.away,
             gaze=inputs.gaze,
+            hands=(inputs.left.aim, inputs.right.aim),
             head_valid=tracking.valid,
             head_tracked=tracking.tracked,
             session_state=self._xr.lifecycle.state_name,

@@ -21,8 +21,8 @@ class ParticipantPose:
     ----------
     connection
         The session.
-    speed_m_s
-        Of walking.
+    locomotion
+        Where the stage stands in the world.
     notify
         Called when tracking is lost and found, and when the runtime moves a space.
     relocated
@@ -32,17 +32,20 @@ class ParticipantPose:
     ----------
     tracking
         Head and eyes in the stage.
+    snap_turned
+        Whether the last `move` turned the avatar at once.
     """
 
     def __init__(
         self,
         connection: Connection,
-        speed_m_s: float,
+        locomotion: Locomotion,
         notify: Callable[[HeadsetEvent], None],
         relocated: Callable[[Pose], None],
     ) -> None:
         self._xr, self._notify, self._relocated = connection, notify, relocated
-        self._locomotion = Locomotion(speed_m_s)
+        self._locomotion = locomotion
+        self.snap_turned = False
         self.tracking = Tracking(connection.session, connection.stage, notify)
 
     @property
@@ -84,12 +87,14 @@ class ParticipantPose:
 
         Walk in a scene only, for nobody walks blindly.
         """
+        self.snap_turned = False
         if not self.tracking.found:
             return False  # nobody is anywhere yet
         if self._locomotion.arrive(self.tracking.head):
             return True
         if in_scene:
-            self._locomotion.step(self.tracking.head, wish_of(inputs), passed_s)
+            head = self.tracking.head
+            self.snap_turned = self._locomotion.step(head, wish_of(inputs), passed_s)
         return False
 
     def recenter(self) -> None:

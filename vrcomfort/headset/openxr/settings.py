@@ -32,6 +32,8 @@ class OpenXrSettings:
         rests do not count.
     walking_speed_m_s
         Total speed of walking by thumb-stick.
+    snap_turn_deg
+        By which the other thumb-stick turns at once; None turns smoothly.
     """
 
     application: str = "vrcomfort"
@@ -43,3 +45,4 @@ class OpenXrSettings:
     image_timeout_s: float = 5.0
     patience_s: float = 600.0
     walking_speed_m_s: float = WALKING_SPEED_M_S
+    snap_turn_deg: float | None = None

@@ -34,7 +34,7 @@ class EyeUniforms(NamedTuple):
     eye_in_view: tuple[float, float, float]
 
 
-class _WithoutPlace(NamedTuple):
+class ForwardUniforms(NamedTuple):
     """The fields of `EyeUniforms` without the last: distances along the head's forward axis."""
 
     tangents: tuple[float, float, float, float]
@@ -97,6 +97,7 @@ class DepthToCoc:
         infinity_m: float,
     ) -> None:
         self._settings, self._size_px = settings, depth.size
+        self.depth = depth
         self._inputs = {"depth": depth, "focus": focus}
         self._constants = Together(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
@@ -131,7 +132,7 @@ class DepthToCoc:
     def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
         """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        used = eye if self._along_ray else _WithoutPlace(*eye[:-1])
+        used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
         return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px))
 
 
@@ -171,6 +172,8 @@ class CocPasses:
         )
         self.now: Uniforms = Together()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
+        self.eye: ForwardUniforms | None = None
+        """The last eye; None before the first."""
         self._is_rendered = False
         self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
         """Side of :attr:`tile_min_max`."""
@@ -198,6 +201,7 @@ class CocPasses:
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
         eye = eye_uniforms(fov, near_m, head_from_eye)
+        self.eye = ForwardUniforms(*eye[:-1])
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)

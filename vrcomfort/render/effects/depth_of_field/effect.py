@@ -30,6 +30,9 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
         reason += ", with peripheral blur"
     if settings.distance_along == "ray":
         reason += ", by the distance along each ray"
+    if settings.kernel == "mip_slices" and settings.slices_m:
+        places = ", ".join(f"{place:g}" for place in settings.slices_m)
+        reason = f"MIP levels on billboards {places} m away, whatever the focus"
     if settings.views > 1:
         reason = f"the scene is drawn in {settings.views} views through the lens of each eye"
     return PlannedPass("depth_of_field", True, reason)
@@ -76,6 +79,7 @@ class DepthOfFieldPass:
         infinity_m: float = Focus().infinity_m,
     ) -> None:
         self._size_px = size_px
+        self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
         self._coc = CocPasses(
             ctx,
             colour=colour,
@@ -101,11 +105,13 @@ class DepthOfFieldPass:
     @property
     def limit_px(self) -> float:
         """Return the largest radius that the last eye could have."""
+        if self._slices_m:
+            return 2.0 ** len(self._slices_m)  # of a disc as blurred as the last level
         return self._coc.limit_now_px
 
     def clamps(self) -> tuple[str, ...]:
         """Return what the largest radius has cut off so far, in words; waits for the GPU."""
-        return self._coc.clamps()
+        return () if self._slices_m else self._coc.clamps()
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

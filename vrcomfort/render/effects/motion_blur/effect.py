@@ -27,9 +27,16 @@ def plan(scene: Scene, condition: Condition) -> PlannedPass:
         return PlannedPass("motion_blur", False, "the condition has none")
     if settings.shutter_fraction == 0:
         return PlannedPass("motion_blur", False, "its shutter is open for no time")
-    if settings.mode == "objects_only" and not any(node.moving for node in scene.nodes):
+    turns = settings.virtual_turning == "kept"
+    moves = scene.has_hands or any(node.moving for node in scene.nodes)
+    if settings.mode == "objects_only" and not turns and not moves:
         return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
     reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    if settings.neck is not None and settings.mode == "rotation_cancelled":
+        reason += f", about a neck {settings.neck.behind_m:g} m behind"
+        reason += f" and {settings.neck.below_m:g} m below the eyes"
+    if settings.virtual_turning != "by_mode":
+        reason += f", virtual turning {settings.virtual_turning}"
     return PlannedPass("motion_blur", True, reason)
 
 

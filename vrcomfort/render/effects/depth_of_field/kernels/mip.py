@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from math import ceil
 from typing import NamedTuple
 
 import moderngl
+import numpy as np
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.mip_chain import MipChain
 from vrcomfort.optics import pyramid
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 
 
-class _Size(NamedTuple):
-    size_px: tuple[int, int]
+class _Slices(NamedTuple):
+    slices_m: bytes
 
 
 class MipKernel:
@@ -24,7 +25,8 @@ class MipKernel:
     ----------
     slices
         False: each pixel cross-fades between the two levels around its radius. True: billboards
-        that slice the scene, one level each, without a cross-fade.
+        that slice the scene, one level each, without a cross-fade; at `slices_m`, where the
+        settings have them.
 
     Notes
     -----
@@ -38,45 +40,39 @@ class MipKernel:
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
+        settings: DepthOfField,
         *,
         slices: bool = False,
     ) -> None:
-        levels = pyramid.levels(coc.limit_px)
-        self._halves: list[FullscreenPass] = []
-        source = coc.colour_and_coc
-        for level in range(1, levels + 1):
-            self._halves.append(_half(ctx, source, level, coc.size_px))
-            source = self._halves[-1].target
+        self._coc, self._slices_m = coc, settings.slices_m if slices else None
+        levels = len(self._slices_m or ()) or pyramid.levels(coc.limit_px)
+        self._chain = MipChain(ctx, coc.colour_and_coc, levels, coc.size_px)
         self._shown = FullscreenPass(
             ctx,
             "depth_of_field/mip.frag",
             size_px=coc.size_px,
             inputs={
                 "colour_and_coc": coc.colour_and_coc,
-                "levels": [half.target for half in self._halves],
+                "levels": self._chain.levels,
+                **({"depth": coc.depth_to_coc.depth} if self._slices_m else {}),
             },
+            constants=self._places(),
             filtered={"levels"},
-            defines={"LEVELS": levels} | ({"SLICES": 1} if slices else {}),
+            defines={"LEVELS": levels, **self._defines(slices=slices)},
         )
         self.target = self._shown.target
 
     def render(self, pixel_aspect: float) -> None:  # noqa: ARG002 - texels are squares of pixels
         """Blur the present points."""
-        for half in self._halves:
-            half.render()
-        self._shown.render()
+        self._chain.render()
+        self._shown.render(self._coc.eye if self._slices_m else None)
 
+    def _defines(self, *, slices: bool) -> dict[str, int]:
+        if not slices:
+            return {}
+        return {"SLICES": 1} | ({"AT_DISTANCES": 1} if self._slices_m else {})
 
-def _half(
-    ctx: moderngl.Context, source: moderngl.Texture, level: int, size_px: tuple[int, int]
-) -> FullscreenPass:
-    width, height = size_px
-    return FullscreenPass(
-        ctx,
-        "depth_of_field/mip_downsample.frag",
-        size_px=(ceil(width / 2**level), ceil(height / 2**level)),
-        inputs={"source": source},
-        constants=_Size(size_px),
-        defines={"TEXEL": 2 ** (level - 1)},
-    )
+    def _places(self) -> _Slices | None:
+        if self._slices_m is None:
+            return None
+        return _Slices(np.array(self._slices_m, dtype=np.float32).tobytes())

@@ -28,6 +28,7 @@ class Poisson12Kernel:
     A sharp front does not leak, for a nearer tap weighs as much as it is blurred. A blurred front
     keeps its outline: sharp pixels beside it look at themselves only. The angles belong to the
     screen: the grain that replaces ghosts is the same in both eyes, and stays when the head turns.
+    Without `rotate_taps` all angles are 0, and ghosts stay.
     """
 
     def __init__(
@@ -35,12 +36,12 @@ class Poisson12Kernel:
         ctx: moderngl.Context,
         colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
-        settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
+        settings: DepthOfField,
     ) -> None:
         taps = poisson_taps.POISSON_12.astype(np.float32)
-        turns = poisson_taps.rotations().astype(np.float32)
+        turns = poisson_taps.rotations() if settings.rotate_taps else np.array([[[1.0, 0.0]]])
         rotations = gl.color_texture(ctx, turns.shape[1::-1], components=2, dtype="f4")
-        rotations.write(turns.tobytes())
+        rotations.write(turns.astype(np.float32).tobytes())
         self._pass = FullscreenPass(
             ctx,
             "depth_of_field/poisson12.frag",

@@ -1,5 +1,5 @@
 #version 450 core
-// Half of an image: the average of 2x2 texels, each of which is itself an average.
+// Half of an image: the average of 2x2 texels, each of which is itself an average. No blur amount.
 //
 // Input:  source, whose texels are TEXEL px wide: the image (1), or a level of the pyramid.
 // Output: rgb. Size / (2 TEXEL), rounded up; texel t covers pixels [2 TEXEL t, 2 TEXEL (t + 1)), and

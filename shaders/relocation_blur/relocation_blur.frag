@@ -1,0 +1,33 @@
+#version 450 core
+// The whole image at one MIP level, blown up to full size.
+//
+// Input:  image (linear HDR), levels of common/mip_downsample.frag (level 1 first); level, above 0 and
+//         at most LEVELS. A texel of level k is 2^k px WIDE.
+// Output: the blurred image, linear HDR, full resolution.
+//
+// Trilinear: each level is blown up bilinearly, and between levels k and k + 1 the image cross-fades
+// linearly, which "is visually indistinguishable from an extremely smooth change in the level".
+// NumPy twin: tests/oracles/relocation_blur.py. "Four Tricks for Fast Blurring in Software and
+// Hardware" (Gamasutra 2001), trick three, "MIP-Mapping Abused for Full-Screen Blurs".
+uniform sampler2D image;
+uniform sampler2D levels[LEVELS];
+uniform float level;
+
+out vec4 blurred;
+
+// Texel t of level k begins at pixel 2^k t.
+vec3 blown_up(sampler2D texels, int k) {
+    vec2 size = vec2(textureSize(texels, 0));
+    return textureLod(texels, gl_FragCoord.xy / exp2(float(k)) / size, 0.0).rgb;
+}
+
+void main() {
+    vec4 sharp = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+    vec3 sum = max(1.0 - level, 0.0) * sharp.rgb;
+    for (int k = 1; k <= LEVELS; ++k) {
+        float share = 1.0 - abs(level - float(k));
+        if (share > 0.0)
+            sum += share * blown_up(levels[k - 1], k);
+    }
+    blurred = vec4(min(sum, 65504.0), sharp.a);
+}

@@ -1,0 +1,108 @@
+"""Blurs one eye's whole image at a relocation, and lets it sharpen again."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.mip_chain import MipChain
+from vrcomfort.optics.relocation_blur import level_after, levels
+from vrcomfort.protocol.conditions import Condition, RelocationBlur
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+
+class _Level(NamedTuple):
+    level: float
+
+
+def plan(_: Scene, condition: Condition) -> PlannedPass:
+    """Plan the blur after a relocation; level 0 is the image itself."""
+    settings = condition.relocation_blur
+    if settings is None:
+        return PlannedPass("relocation_blur", False, "the condition has none")
+    if settings.level == 0:
+        return PlannedPass("relocation_blur", False, "its level is 0, the image itself")
+    when = "a cut or a snap turn" if settings.snap_turns else "a cut"
+    reason = f"MIP level {settings.level:g} at {when}, sharp after {settings.duration_s:g} s"
+    return PlannedPass("relocation_blur", True, reason)
+
+
+def build(inputs: EffectInputs) -> RelocationBlurPass:
+    """Build the blur after a relocation."""
+    return RelocationBlurPass(
+        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
+    )
+
+
+class RelocationBlurPass:
+    """Draws `colour` (linear HDR RGBA16F) at a MIP level that falls with time into `target`.
+
+    The level is a frame's, not an eye's: both eyes are as blurred. Once it has reached 0 the copy
+    is exact.
+    """
+
+    limit_px = 0.0
+    """A MIP level has no radius."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        settings: RelocationBlur,
+        size_px: tuple[int, int],
+    ) -> None:
+        self._settings, self._colour = settings, colour
+        self._chain = MipChain(ctx, colour, levels(settings.level), size_px)
+        self._pass = FullscreenPass(
+            ctx,
+            "relocation_blur/relocation_blur.frag",
+            size_px=size_px,
+            inputs={"image": colour, "levels": self._chain.levels},
+            filtered={"levels"},
+            defines={"LEVELS": len(self._chain.levels)},
+        )
+        self._copy = gl.copier(ctx)
+        self.target = self._pass.target
+        self._relocated_ns: int | None = None
+
+    def render(self, eye: EyeFrame) -> None:
+        """Blur the present image by the time since the last relocation."""
+        level = self._level(eye)
+        if level == 0:
+            self._copy(self._colour, self.target)
+            return
+        self._draw(level)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames long after a relocation leave out."""
+        self._draw(self._settings.level)
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return nothing: it has no limit."""
+        return ()
+
+    def forget(self) -> None:
+        """Be as if nobody had ever been relocated."""
+        self._relocated_ns = None
+
+    def _level(self, eye: EyeFrame) -> float:
+        step, settings = eye.step, self._settings
+        if step is None or (settings.snap_turns and step.snap_turn):
+            self._relocated_ns = eye.display_time_ns
+        if self._relocated_ns is None:
+            return 0.0
+        elapsed_s = (eye.display_time_ns - self._relocated_ns) / 1e9
+        return level_after(settings.level, elapsed_s=elapsed_s, duration_s=settings.duration_s)
+
+    def _draw(self, level: float) -> None:
+        self._chain.render(levels(level))
+        self._pass.render(_Level(level))
+
+
+KIND = EffectKind("relocation_blur", plan, build)
