@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("numpy", "scipy", "statsmodels")
+SOFTWARE = ("numpy", "scipy")
 SCHEMA = 1
 """Version of the layout of results.json."""
 

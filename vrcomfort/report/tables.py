@@ -115,4 +115,6 @@ def _flat_mixed(found: Row) -> list[Row]:
     if found["not_tested"]:
         return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
     keys = {key: found[key] for key in ("outcome", "n_participants", "n_values")}
-    return [{**keys, "term": name, **term} for name, term in found["terms"].items()]
+    terms = [{**keys, "term": name, **term} for name, term in found["terms"].items()]
+    omnibus = [{**keys, "term": name, **test} for name, test in found["omnibus"].items()]
+    return terms + omnibus

@@ -150,7 +150,9 @@ def _modelling(results: dict[str, Any]) -> str:
     )
     return (
         f"{anova}The mixed model has a random intercept per participant, is fitted by restricted "
-        "maximum likelihood to every scored exposure, and takes inner-level degrees of freedom."
+        "maximum likelihood to every scored exposure; its standard errors are those of generalised "
+        "least squares at the fitted variances, its degrees of freedom Satterthwaite’s (Kuznetsova "
+        "et al., 2017)."
     )
 
 
