@@ -153,6 +153,7 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
         if item in columns.values():
             raise table.fault(f"a second column for `{item.name}`; keep one", 1, heading)
         columns[index] = item
+    _require_one_candidate(table, instrument, columns)
     missing = [item for item in instrument.items if item not in columns.values()]
     if missing:
         others = [heading for heading in table.header if instrument.item(heading) is None]
@@ -161,6 +162,21 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
         names = ", ".join(item.name for item in missing)
         raise table.fault(f"no column for {instrument.name.upper()} item {names}{hint}", 1)
     return columns
+
+
+def _require_one_candidate(
+    table: CsvTable, instrument: Instrument, columns: Mapping[int, Item]
+) -> None:
+    """Raise `InputError` where another heading may mean the same item: one may be a sum."""
+    for index, item in columns.items():
+        heading = table.header[index]
+        rival = next((h for h in table.header if instrument.may_mean(h, item)), None)
+        if rival is not None:
+            message = (
+                f"`{heading}` and `{rival}` may both be item {item.name}; rename the one that is "
+                f"not (a sum to `{heading} sum`)"
+            )
+            raise table.fault(message, 1, heading)
 
 
 def _answer(
