@@ -48,7 +48,7 @@ def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_pa
     file.write_text(text[:-3] + tail)
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
     assert summary.analysed == 4
-    half, incomplete = summary.warnings
+    half, incomplete, _loss = summary.warnings
     assert half.startswith("questionnaires.csv, line 161: the last row is half-written")
     assert "P4" in incomplete
     assert "no answer to burping" in incomplete

@@ -11,7 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.descriptives import describe
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up, planned_exposures
+from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.plan import Contrast
 from vrcomfort.stats.effects import rank_biserial
 from vrcomfort.stats.multiplicity import holm
@@ -21,6 +21,7 @@ from vrcomfort.stats.withdrawal import worst_rank
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.pairs import Pairs
     from vrcomfort.report.plan import Plan
     from vrcomfort.stats.signed_rank import Alternative, SignedRank, Zeros
@@ -71,11 +72,10 @@ def contrasts_of(plan: Plan, conditions: list[str], labels: dict[str, str]) -> l
     return list(plan.contrasts) or [Contrast(a=a, b=b) for a, b in combinations(conditions, 2)]
 
 
-def run_tests(table: pd.DataFrame, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
+def run_tests(scored: Exposures, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
     """Test every outcome in every contrast on participants with all exposures; adjust (Holm)."""
-    planned = planned_exposures(table)
     tests = [
-        _test(table, plan, contrast, outcome, planned)
+        _test(scored, plan, contrast, outcome)
         for contrast in contrasts
         for outcome in plan.outcomes
     ]
@@ -85,10 +85,9 @@ def run_tests(table: pd.DataFrame, plan: Plan, contrasts: list[Contrast]) -> lis
     return tests
 
 
-def _test(
-    table: pd.DataFrame, plan: Plan, contrast: Contrast, outcome: str, planned: dict[str, int]
-) -> dict[str, Any]:
-    pairs = pair_up(table, outcome, contrast.a, contrast.b, complete=planned)
+def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> dict[str, Any]:
+    planned = scored.planned
+    pairs = pair_up(scored.table, outcome, contrast.a, contrast.b, complete=planned)
     result: dict[str, Any] = {
         "a": contrast.a,
         "b": contrast.b,
@@ -147,7 +146,7 @@ def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, floa
 
 
 def sensitivity(
-    table: pd.DataFrame, plan: Plan, test: dict[str, Any], lost: dict[str, int]
+    scored: Exposures, plan: Plan, test: dict[str, Any], lost: dict[str, int]
 ) -> list[dict[str, Any]]:
     """Repeat one test on other sets of people.
 
@@ -159,8 +158,8 @@ def sensitivity(
     if test["not_tested"]:
         return []
     a, b, outcome = test["a"], test["b"], test["outcome"]
-    primary = pair_up(table, outcome, a, b, complete=planned_exposures(table))
-    available = pair_up(table, outcome, a, b)
+    primary = pair_up(scored.table, outcome, a, b, complete=scored.planned)
+    available = pair_up(scored.table, outcome, a, b)
     found = {AVAILABLE: signed_rank(available.differences, available.unit, **_options(plan))}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:

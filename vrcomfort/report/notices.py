@@ -1,0 +1,61 @@
+"""What a reader has to know before any number: on the terminal, and at the top of the page."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.report.ordering import natural
+
+if TYPE_CHECKING:
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.study_data import StudyData
+
+TOLERATED_LOSS = 0.1
+"""Share of the people of a comparison who may be missing from its test without a notice."""
+MOST_NAMED = 8
+
+
+def notices(study: StudyData, scored: Exposures, tests: list[dict[str, Any]]) -> list[str]:
+    """Return the sentences, without their full stops."""
+    return [*_losses(study, tests), *_repeated(scored)]
+
+
+def names(people: list[str]) -> str:
+    """Return names in a sentence, the first of them where they are many."""
+    shown = ", ".join(people[:MOST_NAMED])
+    return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
+
+
+def _losses(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+    """Say where more than a tenth of those who met either condition are not in the test."""
+    found = []
+    excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    met = {(s.participant, s.condition) for s in study.sheets}
+    met |= {(t["participant"], t["condition"]) for t in study.trials}
+    for test in {(test["a"], test["b"]): test for test in tests}.values():
+        people = {who for who, what in met if what in (test["a"], test["b"])} - excluded
+        lost = sorted(people.difference(test["participants"]), key=natural)
+        if len(lost) > TOLERATED_LOSS * len(people):
+            needed = test["exposures_per_condition"]
+            several = ", ".join(f"{n} of {c}" for c, n in needed.items() if n > 1)
+            found.append(
+                f"{len(lost)} of {len(people)} participants are not in the tests of {test['a']} "
+                f"and {test['b']}, for which a score of every planned exposure"
+                f"{f' ({several})' if several else ''} is needed: {names(lost)}"
+            )
+    return found
+
+
+def _repeated(scored: Exposures) -> list[str]:
+    """Say who has more exposures of a condition than are planned."""
+    counts = Counter(zip(scored.table["participant"], scored.table["condition"], strict=True))
+    people = {who for (who, what), n in counts.items() if n > scored.planned.get(what, n)}
+    if not people:
+        return []
+    listed = sorted(people, key=natural)
+    have = "has" if len(listed) == 1 else "have"
+    return [
+        f"{names(listed)} {have} more exposures of a condition than are planned; the mean of all "
+        "of them is taken"
+    ]
