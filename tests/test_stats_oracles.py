@@ -90,10 +90,10 @@ def ours_shift(name: str) -> Values:
 def ours_rank_biserial(name: str) -> Values:
     rows, differences, _ = paired(name)
     first = int(np.count_nonzero(rows.dropna()["a"]))
-    found = chosen(rank_biserial(differences), "estimate", "low", "high")
-    return found | prefixed(
-        "paired ", chosen(rank_biserial(differences, interval_n=first), "low", "high")
-    )
+    plain = rank_biserial(differences, interval="fisher_z")
+    paired_n = rank_biserial(differences, interval="fisher_z", interval_n=first)
+    found = chosen(plain, "estimate", "low", "high")
+    return found | prefixed("paired ", chosen(paired_n, "low", "high"))
 
 
 def ours_worst_rank(name: str) -> Values:

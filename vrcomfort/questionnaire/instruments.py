@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import lru_cache
 
 
 @dataclass(frozen=True)
@@ -47,8 +48,7 @@ class Instrument:
 
     def item(self, heading: str) -> Item | None:
         """Return the item that a human-readable heading means, or None."""
-        key = plain(heading)
-        return next((item for item in self.items if key in item.keys), None)
+        return _item_of(self, heading)
 
     def may_mean(self, heading: str, item: Item) -> bool:
         """Return whether a heading that names no item has the words of this one in it.
@@ -68,7 +68,16 @@ class Instrument:
         return spellings[near[0]] if near else None
 
 
-DERIVED = frozenset("sum total score scores raw mean average scale subscale weighted".split())
+@lru_cache(maxsize=4096)
+def _item_of(instrument: Instrument, heading: str) -> Item | None:
+    """Return the item of a heading; a long file has each heading thousands of times."""
+    key = plain(heading)
+    return next((item for item in instrument.items if key in item.keys), None)
+
+
+DERIVED = frozenset(
+    ["sum", "total", "score", "scores", "raw", "mean", "average", "scale", "subscale", "weighted"]
+)
 """Words of headings that stand over what was made of answers."""
 
 

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.descriptives import describe
+from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.plan import Contrast
-from vrcomfort.stats.effects import rank_biserial
 from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
@@ -24,7 +23,8 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.pairs import Pairs
     from vrcomfort.report.plan import Plan
-    from vrcomfort.stats.signed_rank import Alternative, SignedRank, Zeros
+    from vrcomfort.stats.ranks import Alternative
+    from vrcomfort.stats.signed_rank import SignedRank, Zeros
 
 FEWEST_PAIRS = 2
 AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
@@ -107,11 +107,17 @@ def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> di
         zeros=plan.zeros,
         alternative=plan.alternative,
         confidence=plan.confidence,
+        shift_interval=plan.shift_interval,
+        effect_interval=(
+            "normal_shift" if plan.rank_biserial_interval == "normal_shift" else "fisher_z"
+        ),
         interval_n=_interval_n(pairs, plan),
     )
-    return {**result, **describe_test(test), "descriptives": describe_pairs(pairs, contrast)} | {
+    return {
+        **result,
+        **describe_test(test),
+        "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan),
-        "rank_biserial_interval_nonzero_differences": _plain_interval(pairs, plan),
     }
 
 
@@ -119,17 +125,11 @@ def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
     return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
 
 
-def _plain_interval(pairs: Pairs, plan: Plan) -> dict[str, Any] | None:
-    effect = rank_biserial(pairs.differences, confidence=plan.confidence)
-    return None if effect is None else asdict(effect)
-
-
 def _other_zeros(pairs: Pairs, plan: Plan) -> dict[str, Any]:
     other: Zeros = "wilcox" if plan.zeros == "pratt" else "pratt"
     test = signed_rank(
-        pairs.differences, pairs.unit, zeros=other, alternative=plan.alternative,
-        confidence=plan.confidence,
-    )  # fmt: skip
+        pairs.differences, zeros=other, alternative=plan.alternative, intervals=False
+    )
     return describe_test(test)
 
 
@@ -139,10 +139,15 @@ def describe_test(test: SignedRank) -> dict[str, Any]:
     return {**found, "p": test.p, "method": test.method}
 
 
-def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, float | None]]:
+def describe_pairs(
+    pairs: Pairs, contrast: Contrast, confidence: float
+) -> dict[str, dict[str, float | None]]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points."""
-    series = {contrast.a: pairs.a, contrast.b: pairs.b, "difference": pairs.differences}
-    return {name: describe(values * pairs.unit) for name, values in series.items()}
+    return {
+        contrast.a: describe(pairs.a * pairs.unit),
+        contrast.b: describe(pairs.b * pairs.unit),
+        "difference": describe_with_interval(pairs.differences * pairs.unit, confidence),
+    }
 
 
 def sensitivity(
@@ -160,13 +165,15 @@ def sensitivity(
     a, b, outcome = test["a"], test["b"], test["outcome"]
     primary = pair_up(scored.table, outcome, a, b, complete=scored.planned)
     available = pair_up(scored.table, outcome, a, b)
-    found = {AVAILABLE: signed_rank(available.differences, available.unit, **_options(plan))}
+    found = {AVAILABLE: signed_rank(available.differences, **_options(plan))}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:
         against = -1 if test["w_plus"] >= test["w_minus"] else 1
         assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
         found |= {
-            what: worst_rank(primary.differences, signs, **_options(plan))
+            what: worst_rank(
+                primary.differences, signs, zeros=plan.zeros, alternative=plan.alternative
+            )
             for what, signs in assumed.items()
         }
     return [_line(what, result, test) for what, result in found.items()]
@@ -175,10 +182,11 @@ def sensitivity(
 class _Options(TypedDict):
     zeros: Zeros
     alternative: Alternative
+    intervals: bool
 
 
 def _options(plan: Plan) -> _Options:
-    return {"zeros": plan.zeros, "alternative": plan.alternative}
+    return {"zeros": plan.zeros, "alternative": plan.alternative, "intervals": False}
 
 
 def _line(what: str, result: SignedRank, test: dict[str, Any]) -> dict[str, Any]:

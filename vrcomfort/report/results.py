@@ -35,6 +35,7 @@ from vrcomfort.report.withdrawals import (
     sequences,
     why_not,
 )
+from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,6 +72,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
         "plan": plan.model_dump(mode="json"),
+        "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
         "score_basis": scored.basis,
         "weights": dict(WEIGHTS),
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
