@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,22 @@ class Instrument:
     """Names of the answers from `low` to `high`, or of the two ends."""
     citation: str
 
+    @cached_property
+    def _found(self) -> dict[str, Item | None]:
+        """Items by headings that were looked up: a long file has each thousands of times."""
+        return {}
+
+    @cached_property
+    def plain_answers(self) -> frozenset[str]:
+        """Return the answers as they mostly stand in files."""
+        return frozenset(map(str, range(self.low, self.high + 1)))
+
     def item(self, heading: str) -> Item | None:
         """Return the item that a human-readable heading means, or None."""
-        return _item_of(self, heading)
+        if heading not in self._found:
+            key = plain(heading)
+            self._found[heading] = next((item for item in self.items if key in item.keys), None)
+        return self._found[heading]
 
     def may_mean(self, heading: str, item: Item) -> bool:
         """Return whether a heading that names no item has the words of this one in it.
@@ -66,13 +79,6 @@ class Instrument:
         spellings = {key: item.name for item in self.items for key in item.keys}
         near = get_close_matches(plain(heading), spellings, n=1, cutoff=0.75)
         return spellings[near[0]] if near else None
-
-
-@lru_cache(maxsize=4096)
-def _item_of(instrument: Instrument, heading: str) -> Item | None:
-    """Return the item of a heading; a long file has each heading thousands of times."""
-    key = plain(heading)
-    return next((item for item in instrument.items if key in item.keys), None)
 
 
 DERIVED = frozenset(

@@ -216,7 +216,7 @@ def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
 
 
 def _answers_all(sheet: Sheet) -> bool:
-    return all(sheet.answers.get(item) is not None for item in ITEMS)
+    return len(sheet.answers) == len(ITEMS) and None not in sheet.answers.values()
 
 
 def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
