@@ -4,8 +4,9 @@ import json
 
 import pytest
 
-from tests.support.report import Study, foreign
+from tests.support.report import ITEMS, Study, foreign
 from tests.test_report_study import report, total_raw
+from vrcomfort.errors import InputError
 from vrcomfort.report import build_report
 
 
@@ -83,3 +84,77 @@ def test_who_met_neither_condition_is_not_lost(tmp_path):
     scores = {f"P{i}": {"a": 3, "b": 2 + i} for i in range(8)} | {"Q1": {"c": 1}, "Q2": {"c": 2}}
     results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
     assert not any("of a and b" in notice for notice in results["notices"])
+
+
+def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
+    names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
+    scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    (notice,) = summary.warnings
+    assert notice.startswith("`P09` and `P9`; `P10` and `p 10` may be one participant each")
+    assert summary.participants == 6
+
+
+def test_a_participant_in_two_sequences_is_an_error(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(4)}
+    file = foreign(tmp_path / "questionnaires.csv", scores, sequence="ab")
+    text = file.read_text().replace("P2,b,nausea,0,ab", "P2,b,nausea,0,ba")
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"P2 is in sequence `ab` .* and in `ba`"):
+        build_report(file, out=tmp_path / "o")
+
+
+@pytest.mark.parametrize(("lowest", "asked"), [(1, True), (0, False)])
+def test_answers_that_may_be_coded_from_one_are_asked_about(tmp_path, lowest, asked):
+    rows = [
+        f"P{i},{c},{item},{max(lowest, (i + k) % 4)}"
+        for i in range(6)
+        for c in "ab"
+        for k, item in enumerate(ITEMS)
+    ]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
+    warnings = build_report(file, out=tmp_path / "o").warnings
+    assert any("none of 192 answers is 0" in warning for warning in warnings) == asked
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_condition_that_is_its_position_is_told_beside_the_result(tmp_path, turned):
+    study = Study(tmp_path / "s")
+    for i in range(8):
+        order = [("a", "x", 4 + i % 5), ("b", "x", 3 + i % 3)]
+        study.session(f"P{i}", 1, 0, order[:: -1 if turned and i % 2 else 1])
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    told = "everybody met a before b, so that their difference cannot be told from one of order"
+    assert (told in summary.headlines[0]) != turned
+    assert (told in summary.warnings) != turned
+
+
+def test_what_has_no_condition_is_left_out_with_its_place(tmp_path):
+    file = foreign(
+        tmp_path / "questionnaires.csv", {f"P{i}": {"a": 3, "b": i, "": 2} for i in range(6)}
+    )
+    results = report(file, tmp_path / "o")
+    assert [c["name"] for c in results["conditions"]] == ["a", "b"]
+    reasons = {row["reason"] for row in results["quality"]["excluded_questionnaires"]}
+    assert reasons == {"no condition is given"}
+
+
+def test_corrected_degrees_of_freedom_stand_beside_epsilon(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i, "c": 5 + i % 3} for i in range(6)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    effect = json.loads(summary.results.read_text("utf-8"))["anova"][0]["effects"][0]
+    epsilon = effect["sphericity"]["greenhouse_geisser"]
+    page = summary.index.read_text("utf-8")
+    assert f"<td>{2 * epsilon:.2f}, {10 * epsilon:.2f}</td>" in page
+
+
+def test_exact_is_written_only_where_it_was(tmp_path, monkeypatch):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(8)}
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    exact = build_report(source, out=tmp_path / "o").index.read_text("utf-8")
+    assert "p is from the exact permutation distribution" in exact
+    monkeypatch.setattr("vrcomfort.stats.signed_rank.EXACT_UP_TO", 5)
+    summary = build_report(source, out=tmp_path / "p")
+    assert "(asymptotic)" in summary.headlines[0]
+    assert "exact permutation distribution" not in summary.index.read_text("utf-8")

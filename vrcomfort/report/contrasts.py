@@ -97,6 +97,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> di
         "exposures_per_condition": {c: planned.get(c, 0) for c in (contrast.a, contrast.b)},
         "p": None,
         "not_tested": None,
+        "confounded": _confounded(scored.table, contrast, pairs.participants),
     }
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
@@ -119,6 +120,24 @@ def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> di
         "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan),
     }
+
+
+def _confounded(
+    table: pd.DataFrame, contrast: Contrast, participants: tuple[str, ...]
+) -> str | None:
+    """Say so if everybody in a test met one condition before the other: it may be their order."""
+    part = table[table["participant"].isin(participants) & (table["position"] > 0)]
+    places = part.groupby(["participant", "condition"])["position"].mean().unstack()  # noqa: PD010
+    if not {contrast.a, contrast.b} <= set(places.columns):
+        return None
+    gaps = (places[contrast.a] - places[contrast.b]).dropna()
+    if gaps.empty or gaps.min() <= 0 <= gaps.max():
+        return None
+    first, second = (contrast.a, contrast.b) if gaps.max() < 0 else (contrast.b, contrast.a)
+    return (
+        f"everybody met {first} before {second}, so that their difference cannot be told from one "
+        "of order"
+    )
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:

@@ -102,7 +102,7 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
     table = pd.DataFrame([row for row in rows if row], columns=[*_COLUMNS, *OUTCOMES, *ITEMS])
     posts = table["timepoint"] == plan.exposure_timepoint
-    met = [s for s in sheets if s.timepoint == plan.exposure_timepoint]
+    met = [s for s in sheets if s.timepoint == plan.exposure_timepoint and s.condition]
     return Exposures(
         basis="difference_from_baseline" if has_baseline else "raw_post",
         table=table[posts].reset_index(drop=True),
@@ -250,6 +250,7 @@ def _whole_answers(sheet: Sheet) -> dict[str, int]:
 class _Facts:
     """What other files say about an exposure: (participant, session, number) → fact."""
 
+    exposure_timepoint: str
     positions: dict[tuple[str, str, str], int]
     trials: dict[tuple[str, str, str], dict[str, str]]
 
@@ -258,7 +259,7 @@ def _facts(study: StudyData, plan: Plan) -> _Facts:
     trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
     posts = [s for s in study.sheets if s.timepoint == plan.exposure_timepoint]
     exposures = {*trials, *(_moment(s)[:3] for s in posts)}
-    return _Facts(_positions(exposures), trials)
+    return _Facts(plan.exposure_timepoint, _positions(exposures), trials)
 
 
 def _positions(exposures: set[tuple[str, str, str]]) -> dict[tuple[str, str, str], int]:
@@ -280,6 +281,9 @@ def _row(
     *,
     has_baseline: bool,
 ) -> dict[str, Any] | None:
+    if sheet.timepoint == facts.exposure_timepoint and not sheet.condition:
+        excluded.append(_left_out(sheet, "no condition is given"))
+        return None
     before = baselines.of(sheet)
     if has_baseline and before is None:
         excluded.append(_left_out(sheet, "no complete baseline to subtract"))

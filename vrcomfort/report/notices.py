@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import re
+from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.withdrawals import everybody
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -14,11 +16,19 @@ if TYPE_CHECKING:
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
+FEWEST_ANSWERS = 32
+"""Of two questionnaires: fewer may all be above 0 by chance."""
 
 
 def notices(study: StudyData, scored: Exposures, tests: list[dict[str, Any]]) -> list[str]:
     """Return the sentences, without their full stops."""
-    return [*_losses(study, tests), *_repeated(scored)]
+    return [
+        *_losses(study, tests),
+        *_repeated(scored),
+        *_suspect_names(study),
+        *_coded_from_one(study),
+        *_confounded(tests),
+    ]
 
 
 def names(people: list[str]) -> str:
@@ -59,3 +69,34 @@ def _repeated(scored: Exposures) -> list[str]:
         f"{names(listed)} {have} more exposures of a condition than are planned; the mean of all "
         "of them is taken"
     ]
+
+
+def _suspect_names(study: StudyData) -> list[str]:
+    """Say which names may be one person's: they differ in case, spaces or zeros alone."""
+    alike: dict[str, list[str]] = defaultdict(list)
+    for name in everybody(study):
+        plain = re.sub(r"[\W_]+", "", name.casefold())
+        alike[re.sub(r"0+(?=\d)", "", plain)].append(name)
+    pairs = [" and ".join(f"`{name}`" for name in found) for found in alike.values() if found[1:]]
+    if not pairs:
+        return []
+    return [
+        f"{'; '.join(pairs)} may be one participant each, whose name was typed differently; they "
+        "are counted as different people"
+    ]
+
+
+def _coded_from_one(study: StudyData) -> list[str]:
+    """Ask where no answer is 0: all of them may be too high by one."""
+    answers = Counter(answer for sheet in study.sheets for answer in sheet.answers.values())
+    answered = sum(n for answer, n in answers.items() if answer is not None)
+    if answered < FEWEST_ANSWERS or answers[0]:
+        return []
+    return [
+        f"none of {answered} answers is 0: are they coded 1 to 4, with no 4 among them? Then every "
+        "score is too high; take 1 off each answer"
+    ]
+
+
+def _confounded(tests: list[dict[str, Any]]) -> list[str]:
+    return list(dict.fromkeys(test["confounded"] for test in tests if test.get("confounded")))

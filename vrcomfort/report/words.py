@@ -209,8 +209,14 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     return (
         f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
         f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
-        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}."
+        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}.{_order_of(test)}"
     )
+
+
+def _order_of(test: dict[str, Any]) -> str:
+    """Return what makes the result of a test one of the order as well."""
+    said: str | None = test["confounded"]
+    return f" But {said}." if said else ""
 
 
 def _estimates(test: dict[str, Any], a: str) -> tuple[str, str, str]:

@@ -28,7 +28,7 @@ ShiftInterval = Literal["inverted_test", "order_statistics"]
 
 EXACT_UP_TO = 500
 """Pairs up to which the exact distribution is computed: there a test with its intervals costs
-0.2 s, and the asymptotic p is off by less than 1 % (``python -m bench.signed_rank``)."""
+0.2 s, and the asymptotic p was off by .02 % (``python -m bench.signed_rank``)."""
 
 
 @dataclass(frozen=True)
