@@ -39,7 +39,7 @@ class Shift:
     """Whether 0 is in the interval although the test rejects it (p is not monotone with ties)."""
 
 
-EXACT_ORDER_UP_TO = 100
+EXACT_ORDER_UP_TO = 300
 """Differences up to which the order statistic comes from the exact distribution."""
 
 
