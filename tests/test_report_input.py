@@ -48,7 +48,7 @@ def test_half_written_last_row_is_reported_and_its_questionnaire_left_out(tmp_pa
     file.write_text(text[:-3] + tail)
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
     assert summary.analysed == 4
-    half, incomplete = summary.warnings
+    half, incomplete, _loss = summary.warnings
     assert half.startswith("questionnaires.csv, line 161: the last row is half-written")
     assert "P4" in incomplete
     assert "no answer to burping" in incomplete
@@ -166,8 +166,8 @@ def test_faults_of_a_plan_have_their_place(tmp_path, text, words, line):
 
 def test_misspelt_timepoints_of_a_plan_are_told(tmp_path):
     study = Study(tmp_path / "study")
-    for name in ("P1", "P2"):
-        study.session(name, 1, 2, [("a", "room", 5), ("b", "room", 4)])
+    for name, turn in (("P1", 1), ("P2", -1)):
+        study.session(name, 1, 2, [("a", "room", 5), ("b", "room", 4)][::turn])
     plan = write_plan(tmp_path / "p.toml", 'baseline_timepoint = "bsaeline"\n')
     (warning,) = build_report(study.folder, plan=plan, out=tmp_path / "o").warnings
     assert warning.startswith("2 questionnaires at `baseline` are not used")
@@ -202,6 +202,7 @@ def test_shipped_plans_are_valid_and_named_after_their_file(plan):
 
 def test_names_sort_as_people_sort_them():
     assert sorted(["P10", "P2", "p1", "P2b"], key=natural) == ["P2", "P2b", "P10", "p1"]
+    assert sorted(["P9", "P09"], key=natural) == sorted(["P09", "P9"], key=natural)
 
 
 def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):

@@ -9,6 +9,7 @@ import pytest
 
 from tests.support.report import Study, carnegie_like, foreign
 from vrcomfort.report import build_report
+from vrcomfort.report.words import interval
 
 UNEQUAL = {
     "P1": {"a": 3, "b": 2, "c": 1},
@@ -49,7 +50,7 @@ def test_scores_are_of_everybody_in_a_test_of_the_condition(unequal):
     expected = described(out, by="primary", outcome="T")
     for row, line in zip(rows[:3], expected, strict=True):
         assert [row[1], row[2]] == [line["condition"], line["n"]]
-        assert [float(cell) for cell in row[3:5]] == pytest.approx(
+        assert [float(row[3]), float(row[5])] == pytest.approx(
             [float(line["mean"]), float(line["sd"])], abs=0.005
         )
     assert [line["n"] for line in described(out, by="all", outcome="T")] == ["2", "3", "4"]
@@ -107,22 +108,27 @@ def test_estimates_without_an_interval_say_why(tmp_path):
     summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
     assert len(summary.headlines) == 4
     for line in summary.headlines[:3]:  # nobody answered what is of D alone
-        assert re.search(r"shift \S+ points, Z", line)
-        assert re.search(
-            r"r\u00a0=\u00a0\S+, n\u00a0=\u00a04 \(too few for 95\u00a0% intervals\)", line
-        )
+        assert re.search(r"points \(no 95\u00a0% interval: too few differences\), Z", line)
+        assert re.search(r"r\u00a0=\u00a0\S+ \[\S+,\u00a0\S+\], n\u00a0=\u00a04\.", line)
         assert "–" not in line
     page = summary.index.read_text("utf-8")
-    assert "An interval needs 6 differences" in page
-    assert "Neither has an interval below 6 differences" in page
-    assert "p\u00a0≤\u00a0.05." in page
+    assert "An interval of the shift needs 6 differences" in page
+    assert "There is none below 6 differences" in page
     (line,) = (row for row in rows_of(page, "Signed-rank tests") if row[0] == "Total severity")
-    assert (line[10], line[12]) == ("–", "–")
+    assert line[10] == "–"
+    assert line[12].startswith("[")
+
+
+def as_effectsize(folder) -> Path:
+    plan = folder / "plan.toml"
+    plan.write_text('name = "r"\ntitle = "R"\nrank_biserial_interval = "effectsize"\n')
+    return plan
 
 
 def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
     scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 3)} for i in range(8)}
-    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
     line = summary.headlines[0]
     assert re.search(r"points \[\S+,\u00a0\S+\], Z", line)
     assert "r\u00a0=\u00a01.00 (no 95\u00a0% interval: too few differences other than 0)" in line
@@ -130,6 +136,35 @@ def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
 
 def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
     scores = {f"P{i}": {"a": 0, "b": 2 + i} for i in range(7)}
-    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
     line = summary.headlines[0]
     assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% interval: a has no score but 0)" in line
+
+
+@pytest.mark.parametrize(
+    ("found", "written"),
+    [
+        ({"low": 0.0, "high": 7.48, "low_closed": False}, "(0.00,\u00a07.48]"),
+        ({"low": None, "high": 7.48}, "(−∞,\u00a07.48]"),
+        ({"low": 1.0, "high": None, "high_closed": False}, "[1.00,\u00a0∞)"),
+        ({"low": -1.0, "high": 2.0, "holds_rejected_zero": True}, "[−1.00,\u00a02.00] without 0"),
+        ({"low": None, "high": None}, "–"),
+    ],
+)
+def test_ends_that_are_not_in_an_interval_are_written_so(found, written):
+    assert interval(found) == written
+
+
+def test_where_r_and_p_disagree_about_zero_is_counted(tmp_path):
+    """Pratt's p ranks the zeros, which r does not have."""
+    scores = {f"P{i}": {"a": 5, "b": 5 - 2 * (i < 6)} for i in range(8)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    tests = json.loads(summary.results.read_text("utf-8"))["tests"]
+    wrong = sum(
+        (t["p"] <= 0.05) == (t["effect"]["low"] <= 0 <= t["effect"]["high"])
+        for t in tests
+        if t["effect"]
+    )
+    said = f"disagree about 0 in {wrong} of these tests" in summary.index.read_text("utf-8")
+    assert said == (wrong > 0)

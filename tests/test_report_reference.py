@@ -44,7 +44,10 @@ def long_form(path: Path) -> Path:
 
 def test_report_gives_the_tie_safe_numbers(tmp_path):
     source = long_form(tmp_path / "questionnaires.csv")
-    results = json.loads(build_report(source, out=tmp_path / "o").results.read_text("utf-8"))
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "r"\ntitle = "R"\nrank_biserial_interval = "effectsize"\n')
+    summary = build_report(source, plan=plan, out=tmp_path / "o")
+    results = json.loads(summary.results.read_text("utf-8"))
     expected = {
         "T": (3.123865, 0.0006713867, 0.001784926, 1, 0.84, 0.59, 0.94),
         "N": (1.495949, 0.1699219, 0.134667, 7, 0.47, -0.08, 0.80),

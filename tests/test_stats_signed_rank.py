@@ -1,17 +1,20 @@
 """Against R: `sleep` (Student 1908) with coin, stats and exactRankTests; SSQ-like differences."""
 
-from itertools import product
+import time
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import wilcoxon
+from scipy.stats import norm, wilcoxon
 
+from vrcomfort.stats import normal_shift
 from vrcomfort.stats.effects import rank_biserial
-from vrcomfort.stats.ranks import as_integers, fewest_for_interval
-from vrcomfort.stats.shift import hodges_lehmann, walsh_averages
+from vrcomfort.stats.normal_shift import largest_shift, lower_tail, superiority
+from vrcomfort.stats.ranks import as_integers, fewest_for_interval, sign_flip_distribution
+from vrcomfort.stats.shift import hodges_lehmann
 from vrcomfort.stats.signed_rank import EXACT_UP_TO, signed_rank
+from vrcomfort.stats.walsh import WalshSums
 from vrcomfort.stats.withdrawal import fisher_exact, worst_rank
 
 DRUG_1 = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0]
@@ -36,22 +39,27 @@ def test_sleep_without_zeros_is_that_of_r_coin():
 
 
 def test_sleep_shift_is_that_of_r_up_to_its_root_finding():
-    shift = signed_rank(SLEEP, 0.1, zeros="wilcox").shift
+    shift = signed_rank(SLEEP, 0.1, zeros="wilcox", shift_interval="order_statistics").shift
     assert (shift.estimate, shift.low, shift.high) == pytest.approx((-1.4, -2.95, -1.05))
     assert (shift.n, shift.zeros_included) == (9, False)
 
 
-def test_sleep_effect_has_no_width_at_minus_one():
-    effect = signed_rank(SLEEP, 0.1).effect
-    assert (effect.estimate, effect.low, effect.high) == (-1, -1, -1)
+def test_intervals_of_sleep():
+    """At r = −1 all nine are negative: P = Φ(−δ)⁹ is solved by hand."""
+    test = signed_rank(SLEEP, 0.1)
+    assert (test.effect.estimate, test.effect.low) == (-1, -1)
+    assert test.effect.high == pytest.approx(
+        1 - 2 * norm.cdf(2**0.5 * norm.ppf(0.025 ** (1 / 9))), abs=1e-6
+    )
+    assert (test.shift.low, test.shift.high) == pytest.approx((-2.7, -0.9))
 
 
-def test_interval_of_the_rank_biserial_is_the_formula_of_effectsize():
+def test_interval_of_the_rank_biserial_can_be_the_formula_of_effectsize():
     values = [-2, -2, -1, 1, 1, 1, 2, 2, 2, 2, 3]
-    effect = rank_biserial(values, interval_n=14)
+    effect = rank_biserial(values, interval="fisher_z", interval_n=14)
     assert effect.estimate == pytest.approx(31 / 66)
     assert (effect.low, effect.high) == pytest.approx((-0.08480596, 0.80206434), abs=1e-8)
-    assert rank_biserial(values).low == pytest.approx(-0.15701, abs=5e-5)
+    assert rank_biserial(values, interval="fisher_z").low == pytest.approx(-0.15701, abs=5e-5)
 
 
 def test_shift_keeps_or_drops_zeros_as_told():
@@ -67,11 +75,19 @@ def test_small_samples_have_a_shift_without_an_interval():
     assert hodges_lehmann([0, 0], zeros_included=False) is None
 
 
-def test_small_samples_have_a_rank_biserial_without_an_interval():
+def test_small_samples_have_wide_intervals_of_the_rank_biserial():
     effect = rank_biserial([-1, 2, 3, 4, 0, 0, 0])
+    assert effect.estimate == 0.8
+    assert -0.5 < effect.low < 0 < effect.high < 1
+    one = rank_biserial([5])
+    assert (one.estimate, one.high) == (1, 1)
+    assert one.low == pytest.approx(2 * norm.cdf(2**0.5 * norm.ppf(0.025)) - 1, abs=1e-7)
+
+
+def test_fisher_z_intervals_need_as_many_differences_as_a_test_that_can_reject():
+    effect = rank_biserial([-1, 2, 3, 4, 0, 0, 0], interval="fisher_z")
     assert (effect.estimate, effect.low, effect.high) == (0.8, None, None)
-    assert (rank_biserial([1, 2]).estimate, rank_biserial([1, 2]).low) == (1, None)
-    assert rank_biserial([-1, 2, 3, 4], confidence=0.8).low is not None
+    assert rank_biserial([-1, 2, 3, 4], interval="fisher_z", confidence=0.8).low is not None
 
 
 @pytest.mark.parametrize("confidence", [0.75, 0.8, 0.9, 0.9375, 0.95, 0.99, 0.999])
@@ -85,16 +101,12 @@ def test_an_interval_needs_as_many_differences_as_the_exact_test_to_reject(confi
     assert enough.coverage >= confidence - 1e-12
 
 
-@pytest.mark.parametrize(("n", "leaves_out_zero"), [(6, 0.16), (12, 0.08)])
-def test_how_often_the_interval_of_the_rank_biserial_leaves_out_zero(n, leaves_out_zero):
-    samples = [np.arange(1, n + 1) * signs for signs in product((-1, 1), repeat=n)]
-    left_out = [not (e.low <= 0 <= e.high) for e in map(rank_biserial, samples)]
-    assert np.mean(left_out) == pytest.approx(leaves_out_zero, abs=0.005)
-
-
 def test_nothing_but_zeros_is_no_evidence():
     test = signed_rank([0, 0, 0])
     assert (test.z, test.p, test.effect, test.shift.estimate) == (None, 1.0, None, 0.0)
+    assert (test.shift.low, test.shift.high) == (None, None)
+    six = signed_rank([0] * 6).shift
+    assert (six.low, six.high, six.low_closed, six.high_closed) == (0, 0, True, True)
 
 
 def test_large_samples_use_the_asymptotic_form():
@@ -106,12 +118,13 @@ def test_large_samples_use_the_asymptotic_form():
 def test_without_ties_it_is_scipys_exact_test(sizes, random):
     values = [size * random.choice((-1, 1)) for size in sizes]
     for alternative in ("two-sided", "greater", "less"):
-        ours = signed_rank(values, alternative=alternative).p
+        ours = signed_rank(values, alternative=alternative, intervals=False).p
         theirs = wilcoxon(values, alternative=alternative, method="exact").pvalue
         assert ours == pytest.approx(theirs, rel=1e-9)
 
 
 @given(differences)
+@settings(max_examples=40)
 def test_swapping_the_conditions_mirrors_everything(values):
     one, other = signed_rank(values), signed_rank([-v for v in values])
     assert (one.w_plus, one.w_minus, one.p) == (other.w_minus, other.w_plus, other.p)
@@ -121,27 +134,145 @@ def test_swapping_the_conditions_mirrors_everything(values):
 
 @given(differences)
 def test_one_sided_p_values_overlap_in_what_was_observed(values):
-    up = signed_rank(values, alternative="greater").p
-    down = signed_rank(values, alternative="less").p
+    up, down, both = (
+        signed_rank(values, alternative=side, intervals=False).p
+        for side in ("greater", "less", "two-sided")
+    )
     assert up + down >= 1
-    assert signed_rank(values).p == pytest.approx(min(1, 2 * min(up, down)))
+    assert both == pytest.approx(min(1, 2 * min(up, down)))
 
 
 @given(differences)
-def test_shift_lies_in_its_interval_and_among_the_walsh_averages(values):
+def test_shift_lies_between_order_statistics_of_the_walsh_averages(values):
     shift = hodges_lehmann(values)
-    averages = walsh_averages(values)
-    assert averages[0] <= shift.estimate <= averages[-1]
+    sums = sorted(a + b for i, a in enumerate(values) for b in values[i:])
+    assert shift.estimate == np.median(sums) / 2
     if shift.low is not None:
         assert shift.low <= shift.estimate <= shift.high
+        assert {2 * shift.low, 2 * shift.high} <= set(sums)
         assert shift.coverage >= 0.95
+
+
+@given(differences, st.integers(-60, 60))
+def test_walsh_sums_are_ordered_without_being_made(values, bound):
+    sums = sorted(a + b for i, a in enumerate(values) for b in values[i:])
+    found = WalshSums(values)
+    assert found.count == len(sums)
+    assert [found.order_statistic(rank + 1) for rank in range(len(sums))] == sums
+    assert found.at_most(bound) == sum(each <= bound for each in sums)
+    assert found.below(bound) == max((each for each in sums if each < bound), default=None)
+
+
+def p_of_shifted(values, quarters: int, test) -> float:
+    """p of the same test after a shift, in quarters of a step, has been taken off."""
+    moved = [4 * value - quarters for value in values]
+    return signed_rank(
+        moved, zeros=test.zero_method, alternative=test.alternative, intervals=False
+    ).p
+
+
+@given(
+    st.lists(st.integers(-4, 9), min_size=1, max_size=14),
+    st.sampled_from(["pratt", "wilcox"]),
+    st.sampled_from(["two-sided", "greater", "less"]),
+)
+@settings(max_examples=60)
+def test_interval_of_the_shift_is_the_hull_of_what_the_test_does_not_reject(values, zeros, side):
+    test = signed_rank(values, zeros=zeros, alternative=side, effect_interval="fisher_z")
+    if test.shift is None:
+        assert not any(values)
+        return
+    outside = 4 * min(values) - 1, 4 * max(values) + 1
+    kept = [
+        quarters / 4
+        for quarters in range(outside[0], outside[1] + 1)
+        if p_of_shifted(values, quarters, test) > 1 - 0.95
+    ]
+    for kept_end, end, closed, place in (
+        (kept[0], test.shift.low, test.shift.low_closed, outside[0]),
+        (kept[-1], test.shift.high, test.shift.high_closed, outside[1]),
+    ):
+        if end is None:
+            assert kept_end == place / 4
+        elif closed:
+            assert kept_end == end
+        else:
+            assert abs(kept_end - end) == 0.25
+
+
+@given(differences, st.sampled_from(["two-sided", "greater", "less"]))
+@settings(max_examples=40)
+def test_interval_of_the_shift_never_contradicts_p(values, side):
+    test = signed_rank(values, alternative=side, effect_interval="fisher_z")
+    low, high = test.shift.low, test.shift.high
+    above = low is None or low < 0 or (low == 0 and test.shift.low_closed)
+    below = high is None or high > 0 or (high == 0 and test.shift.high_closed)
+    holds_zero = above and below and not test.shift.holds_rejected_zero
+    assert holds_zero == (test.p > 1 - 0.95)
+
+
+def test_one_sided_tests_have_one_sided_bounds():
+    values = [3, 1, 0, 2, -1, 4, 2, 5]
+    greater = signed_rank(values, alternative="greater")
+    assert (greater.shift.high, greater.effect.high) == (None, 1)
+    assert greater.shift.low >= signed_rank(values).shift.low
+    assert greater.effect.low > signed_rank(values).effect.low
+    less = signed_rank([-value for value in values], alternative="less")
+    assert (less.shift.low, less.shift.high) == (None, -greater.shift.low)
+    assert (less.effect.low, less.effect.high) == pytest.approx((-1, -greater.effect.low))
+
+
+@pytest.mark.parametrize(("n", "delta"), [(1, 0.4), (3, -0.7), (6, 0.0), (9, 1.1)])
+def test_distribution_of_w_under_a_normal_shift_is_that_of_samples(n, delta):
+    samples = np.random.default_rng(n).normal(delta, 1, size=(40_000, n))
+    ranks = np.argsort(np.argsort(np.abs(samples), axis=1), axis=1) + 1
+    w_plus = np.sum(ranks * (samples > 0), axis=1)
+    for w in range(n * (n + 1) // 2):
+        assert lower_tail(n, w, delta) == pytest.approx(np.mean(w_plus <= w), abs=0.01)
+
+
+@pytest.mark.parametrize("n", [2, 8, 19, 25])
+def test_without_a_shift_w_is_distributed_as_sign_flips_have_it(n):
+    exact = np.cumsum(sign_flip_distribution(2 * np.arange(1, n + 1))[::2])
+    found = [lower_tail(n, w, 0.0) for w in range(0, exact.size, 1 + exact.size // 20)]
+    assert found == pytest.approx(exact[:: 1 + exact.size // 20], abs=1e-8)
+
+
+def test_exact_and_approximate_ends_of_the_rank_biserial_meet(monkeypatch):
+    """Above the limit the approximation differs by what the module says of it."""
+    n, w_plus = normal_shift.EXACT_UP_TO, 240
+    exact = [superiority(largest_shift(n, w_plus, tail)) for tail in (0.025, 0.975)]
+    monkeypatch.setattr(normal_shift, "EXACT_UP_TO", n - 1)
+    largest_shift.cache_clear()
+    rough = [superiority(largest_shift(n, w_plus, tail)) for tail in (0.025, 0.975)]
+    largest_shift.cache_clear()
+    assert rough == pytest.approx(exact, abs=0.02)
+    assert rough != pytest.approx(exact, abs=1e-6)
+
+
+@given(st.lists(st.integers(1, 10_000), min_size=1, max_size=15, unique=True), st.randoms())
+@settings(max_examples=30)
+def test_without_ties_and_zeros_the_rank_biserial_agrees_with_p(sizes, random):
+    test = signed_rank([size * random.choice((-1, 1)) for size in sizes])
+    assert (test.effect.low <= 0 <= test.effect.high) == (test.p > 0.05)
+    assert test.effect.low <= test.effect.estimate <= test.effect.high
+
+
+def test_a_hundred_thousand_pairs_make_no_table_of_pairs():
+    values = np.rint(np.random.default_rng(1).normal(10, 300, 100_000)).astype(np.int64)
+    start = time.process_time()
+    test = signed_rank(values)
+    assert time.process_time() - start < 20
+    assert (test.method, test.n) == ("asymptotic", 100_000)
+    assert test.shift.low < test.shift.estimate < test.shift.high
+    assert test.shift.high - test.shift.low < 8
 
 
 @given(differences, st.integers(0, 4), st.integers(0, 4))
 def test_worst_rank_adds_extreme_ranks_of_the_assumed_sign(values, first, second):
     test = worst_rank(values, [1] * first + [-1] * second)
     assert test.n == len(values) + first + second
-    assert worst_rank(values, []).p == signed_rank(values).p
+    assert worst_rank(values, []).p == signed_rank(values, intervals=False).p
 
 
 def test_losses_in_one_condition_push_the_result_there():

@@ -182,3 +182,21 @@ def test_a_wrong_row_of_a_long_file(tmp_path, row, column, says):
     with pytest.raises(InputError, match=says) as caught:
         read_sheets(long_file(tmp_path, rows))
     assert (caught.value.line, caught.value.column) == (3, column)
+
+
+@pytest.mark.parametrize(
+    "own", ["8. Nausea", "ssq_nausea", "SsqNausea8", "Nausea (item)", "Nausae", "Feeling of nausea"]
+)
+def test_two_headings_for_one_item_are_both_named(tmp_path, own):
+    headings = [own if heading == "Nausea" else heading for heading in HEADINGS]
+    with pytest.raises(InputError) as caught:
+        score_ssq(wide(tmp_path, "P1" + ",0" * 16 + ",1", headings=[*headings, "Nausea"]))
+    assert caught.value.message.startswith(f"`Nausea` and `{own}` may both be item nausea")
+
+
+@pytest.mark.parametrize(
+    "other", ["Nausea sum", "nausea_raw", "NauseaScore", "Total score", "Sickness", "Age", "Vert"]
+)
+def test_other_columns_are_no_second_heading(tmp_path, other):
+    file = wide(tmp_path, "P1" + ",1" * 16 + ",7", headings=[*HEADINGS, other])
+    assert score_ssq(file)[0]["total_raw"] == 21

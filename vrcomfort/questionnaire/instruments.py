@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import cached_property
 
 
 @dataclass(frozen=True)
@@ -45,16 +46,51 @@ class Instrument:
     """Names of the answers from `low` to `high`, or of the two ends."""
     citation: str
 
+    @cached_property
+    def _found(self) -> dict[str, Item | None]:
+        """Items by headings that were looked up: a long file has each thousands of times."""
+        return {}
+
+    @cached_property
+    def plain_answers(self) -> frozenset[str]:
+        """Return the answers as they mostly stand in files."""
+        return frozenset(map(str, range(self.low, self.high + 1)))
+
     def item(self, heading: str) -> Item | None:
         """Return the item that a human-readable heading means, or None."""
-        key = plain(heading)
-        return next((item for item in self.items if key in item.keys), None)
+        if heading not in self._found:
+            key = plain(heading)
+            self._found[heading] = next((item for item in self.items if key in item.keys), None)
+        return self._found[heading]
+
+    def may_mean(self, heading: str, item: Item) -> bool:
+        """Return whether a heading that names no item has the words of this one in it.
+
+        As "8. Nausea", "ssq_nausea" and "Nausae" have; headings of sums and scores say so.
+        """
+        words = _words(heading)
+        if self.item(heading) is not None or words & DERIVED:
+            return False
+        names = [_words(name) for name in (item.name, item.text, *item.aliases)]
+        return any(name <= words for name in names) or self.nearest(heading) == item.name
 
     def nearest(self, heading: str) -> str | None:
         """Return the item name that looks most like a heading that is none."""
         spellings = {key: item.name for item in self.items for key in item.keys}
         near = get_close_matches(plain(heading), spellings, n=1, cutoff=0.75)
         return spellings[near[0]] if near else None
+
+
+DERIVED = frozenset(
+    ["sum", "total", "score", "scores", "raw", "mean", "average", "scale", "subscale", "weighted"]
+)
+"""Words of headings that stand over what was made of answers."""
+
+
+def _words(heading: str) -> frozenset[str]:
+    """Return the words of a heading in lower case, ``SsqNausea8`` being three."""
+    parts = re.findall(r"[^\W\d_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", heading))
+    return frozenset(part.casefold() for part in parts)
 
 
 def plain(heading: str) -> str:

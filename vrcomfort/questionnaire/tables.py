@@ -153,6 +153,7 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
         if item in columns.values():
             raise table.fault(f"a second column for `{item.name}`; keep one", 1, heading)
         columns[index] = item
+    _require_one_candidate(table, instrument, columns)
     missing = [item for item in instrument.items if item not in columns.values()]
     if missing:
         others = [heading for heading in table.header if instrument.item(heading) is None]
@@ -163,10 +164,27 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
     return columns
 
 
+def _require_one_candidate(
+    table: CsvTable, instrument: Instrument, columns: Mapping[int, Item]
+) -> None:
+    """Raise `InputError` where another heading may mean the same item: one may be a sum."""
+    for index, item in columns.items():
+        heading = table.header[index]
+        rival = next((h for h in table.header if instrument.may_mean(h, item)), None)
+        if rival is not None:
+            message = (
+                f"`{heading}` and `{rival}` may both be item {item.name}; rename the one that is "
+                f"not (a sum to `{heading} sum`)"
+            )
+            raise table.fault(message, 1, heading)
+
+
 def _answer(
     table: CsvTable, instrument: Instrument, cell: str, line: int, column: str
 ) -> int | None:
     text = cell.strip()
+    if text in instrument.plain_answers:
+        return int(text)
     if not text:
         return None
     number = _number(text)
@@ -208,7 +226,7 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     sheets = _LongSheets(table, instrument, keys)
     names = [heading.lower() for heading in table.header]
     for line, cells in zip(table.lines, table.rows, strict=True):
-        row = dict(zip(names, (cell.strip() for cell in cells), strict=True))
+        row = dict(zip(names, map(str.strip, cells), strict=True))
         if (row.get("instrument") or instrument.name).lower() == instrument.name:
             sheets.add(row, line)
     return list(sheets.found.values())
@@ -229,10 +247,12 @@ class _LongSheets:
         item = self._instrument.item(row["item"])
         if item is None:
             raise self._table.fault(_unknown_item(self._instrument, row["item"]), line, "item")
-        keys = {name: row.get(name, "") for name in self._keys}
-        whose = tuple(keys.values())
+        whose = tuple([row.get(name, "") for name in self._keys])
         run = self._run(row, whose, item.name)
-        sheet = self.found.setdefault((*whose, run), Sheet(line, keys, run=run))
+        sheet = self.found.get((*whose, run))
+        if sheet is None:
+            sheet = Sheet(line, dict(zip(self._keys, whose, strict=True)), run=run)
+            self.found[*whose, run] = sheet
         sheet.require_unanswered(item, self._table, line)
         answer = _answer(self._table, self._instrument, row["response"], line, "response")
         sheet.answers[item.name] = answer

@@ -43,7 +43,8 @@ class ReportSummary:
     headlines
         One sentence per test.
     warnings
-        What was left out while reading or scoring, one sentence each.
+        What was left out while reading or scoring, and last what to know before any number: one
+        sentence each.
     """
 
     index: Path
@@ -108,18 +109,12 @@ def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
 def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
     """Return name → SVG text of every figure that the data allow."""
     labels = {c["name"]: c["label"] for c in results["conditions"]}
-    basis = results["score_basis"]
     drawn: dict[str, str | None] = {}
     for test in results["tests"]:
         if test["outcome"] == results["plan"]["outcomes"][0]:
             name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
             drawn[name] = paired_figure(
-                scored.table,
-                test["a"],
-                test["b"],
-                labels=labels,
-                basis=basis,
-                outcome=test["outcome"],
+                scored, test["a"], test["b"], labels=labels, outcome=test["outcome"]
             )
     drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
     drawn["symptoms"] = symptom_figure(results)
@@ -144,7 +139,12 @@ def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
         headlines=tuple(headline(test, labels) for test in results["tests"]),
-        warnings=(*quality["reading"], *_changed(quality["protocol_versions"]), *excluded),
+        warnings=(
+            *quality["reading"],
+            *_changed(quality["protocol_versions"]),
+            *excluded,
+            *results["notices"],
+        ),
     )
 
 

@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.descriptives import describe
+from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up, planned_exposures
+from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.plan import Contrast
-from vrcomfort.stats.effects import rank_biserial
 from vrcomfort.stats.multiplicity import holm
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
@@ -21,9 +20,11 @@ from vrcomfort.stats.withdrawal import worst_rank
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.pairs import Pairs
     from vrcomfort.report.plan import Plan
-    from vrcomfort.stats.signed_rank import Alternative, SignedRank, Zeros
+    from vrcomfort.stats.ranks import Alternative
+    from vrcomfort.stats.signed_rank import SignedRank, Zeros
 
 FEWEST_PAIRS = 2
 AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
@@ -71,11 +72,10 @@ def contrasts_of(plan: Plan, conditions: list[str], labels: dict[str, str]) -> l
     return list(plan.contrasts) or [Contrast(a=a, b=b) for a, b in combinations(conditions, 2)]
 
 
-def run_tests(table: pd.DataFrame, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
+def run_tests(scored: Exposures, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
     """Test every outcome in every contrast on participants with all exposures; adjust (Holm)."""
-    planned = planned_exposures(table)
     tests = [
-        _test(table, plan, contrast, outcome, planned)
+        _test(scored, plan, contrast, outcome)
         for contrast in contrasts
         for outcome in plan.outcomes
     ]
@@ -85,10 +85,9 @@ def run_tests(table: pd.DataFrame, plan: Plan, contrasts: list[Contrast]) -> lis
     return tests
 
 
-def _test(
-    table: pd.DataFrame, plan: Plan, contrast: Contrast, outcome: str, planned: dict[str, int]
-) -> dict[str, Any]:
-    pairs = pair_up(table, outcome, contrast.a, contrast.b, complete=planned)
+def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> dict[str, Any]:
+    planned = scored.planned
+    pairs = pair_up(scored.table, outcome, contrast.a, contrast.b, complete=planned)
     result: dict[str, Any] = {
         "a": contrast.a,
         "b": contrast.b,
@@ -98,6 +97,7 @@ def _test(
         "exposures_per_condition": {c: planned.get(c, 0) for c in (contrast.a, contrast.b)},
         "p": None,
         "not_tested": None,
+        "confounded": _confounded(scored.table, contrast, pairs.participants),
     }
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
@@ -108,29 +108,47 @@ def _test(
         zeros=plan.zeros,
         alternative=plan.alternative,
         confidence=plan.confidence,
+        shift_interval=plan.shift_interval,
+        effect_interval=(
+            "normal_shift" if plan.rank_biserial_interval == "normal_shift" else "fisher_z"
+        ),
         interval_n=_interval_n(pairs, plan),
     )
-    return {**result, **describe_test(test), "descriptives": describe_pairs(pairs, contrast)} | {
+    return {
+        **result,
+        **describe_test(test),
+        "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan),
-        "rank_biserial_interval_nonzero_differences": _plain_interval(pairs, plan),
     }
+
+
+def _confounded(
+    table: pd.DataFrame, contrast: Contrast, participants: tuple[str, ...]
+) -> str | None:
+    """Say so if everybody in a test met one condition before the other: it may be their order."""
+    part = table[table["participant"].isin(participants) & (table["position"] > 0)]
+    places = part.groupby(["participant", "condition"])["position"].mean().unstack()  # noqa: PD010
+    if not {contrast.a, contrast.b} <= set(places.columns):
+        return None
+    gaps = (places[contrast.a] - places[contrast.b]).dropna()
+    if gaps.empty or gaps.min() <= 0 <= gaps.max():
+        return None
+    first, second = (contrast.a, contrast.b) if gaps.max() < 0 else (contrast.b, contrast.a)
+    return (
+        f"everybody met {first} before {second}, so that their difference cannot be told from one "
+        "of order"
+    )
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
     return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
 
 
-def _plain_interval(pairs: Pairs, plan: Plan) -> dict[str, Any] | None:
-    effect = rank_biserial(pairs.differences, confidence=plan.confidence)
-    return None if effect is None else asdict(effect)
-
-
 def _other_zeros(pairs: Pairs, plan: Plan) -> dict[str, Any]:
     other: Zeros = "wilcox" if plan.zeros == "pratt" else "pratt"
     test = signed_rank(
-        pairs.differences, pairs.unit, zeros=other, alternative=plan.alternative,
-        confidence=plan.confidence,
-    )  # fmt: skip
+        pairs.differences, zeros=other, alternative=plan.alternative, intervals=False
+    )
     return describe_test(test)
 
 
@@ -140,14 +158,19 @@ def describe_test(test: SignedRank) -> dict[str, Any]:
     return {**found, "p": test.p, "method": test.method}
 
 
-def describe_pairs(pairs: Pairs, contrast: Contrast) -> dict[str, dict[str, float | None]]:
+def describe_pairs(
+    pairs: Pairs, contrast: Contrast, confidence: float
+) -> dict[str, dict[str, float | None]]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points."""
-    series = {contrast.a: pairs.a, contrast.b: pairs.b, "difference": pairs.differences}
-    return {name: describe(values * pairs.unit) for name, values in series.items()}
+    return {
+        contrast.a: describe(pairs.a * pairs.unit),
+        contrast.b: describe(pairs.b * pairs.unit),
+        "difference": describe_with_interval(pairs.differences * pairs.unit, confidence),
+    }
 
 
 def sensitivity(
-    table: pd.DataFrame, plan: Plan, test: dict[str, Any], lost: dict[str, int]
+    scored: Exposures, plan: Plan, test: dict[str, Any], lost: dict[str, int]
 ) -> list[dict[str, Any]]:
     """Repeat one test on other sets of people.
 
@@ -159,15 +182,17 @@ def sensitivity(
     if test["not_tested"]:
         return []
     a, b, outcome = test["a"], test["b"], test["outcome"]
-    primary = pair_up(table, outcome, a, b, complete=planned_exposures(table))
-    available = pair_up(table, outcome, a, b)
-    found = {AVAILABLE: signed_rank(available.differences, available.unit, **_options(plan))}
+    primary = pair_up(scored.table, outcome, a, b, complete=scored.planned)
+    available = pair_up(scored.table, outcome, a, b)
+    found = {AVAILABLE: signed_rank(available.differences, **_options(plan))}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:
         against = -1 if test["w_plus"] >= test["w_minus"] else 1
         assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
         found |= {
-            what: worst_rank(primary.differences, signs, **_options(plan))
+            what: worst_rank(
+                primary.differences, signs, zeros=plan.zeros, alternative=plan.alternative
+            )
             for what, signs in assumed.items()
         }
     return [_line(what, result, test) for what, result in found.items()]
@@ -176,10 +201,11 @@ def sensitivity(
 class _Options(TypedDict):
     zeros: Zeros
     alternative: Alternative
+    intervals: bool
 
 
 def _options(plan: Plan) -> _Options:
-    return {"zeros": plan.zeros, "alternative": plan.alternative}
+    return {"zeros": plan.zeros, "alternative": plan.alternative, "intervals": False}
 
 
 def _line(what: str, result: SignedRank, test: dict[str, Any]) -> dict[str, Any]:

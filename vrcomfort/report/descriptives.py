@@ -10,6 +10,7 @@ from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.exposures import ITEMS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import in_a_test
+from vrcomfort.stats.means import mean_interval
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +36,14 @@ def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
     }
 
 
+def describe_with_interval(
+    values: NDArray[np.floating[Any]], confidence: float
+) -> dict[str, float | None]:
+    """Return what `describe` does, and the bootstrap-t interval of the mean."""
+    found = mean_interval(values, confidence=confidence)
+    return {**describe(values), "mean_low": found.low, "mean_high": found.high}
+
+
 def describe_all(
     table: pd.DataFrame, plan: Plan, conditions: list[str], tests: list[dict[str, Any]]
 ) -> list[dict[str, Any]]:
@@ -51,7 +60,7 @@ def describe_all(
         {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
         for outcome in plan.outcomes
         for by, level, condition, found in (
-            *_primary(table, outcome, conditions, tests),
+            *_primary(table, plan, outcome, conditions, tests),
             *_exposures(table, outcome, conditions),
         )
     ]
@@ -61,14 +70,19 @@ _Described = list[tuple[str, str, str, dict[str, float | None]]]
 
 
 def _primary(
-    table: pd.DataFrame, outcome: str, conditions: list[str], tests: list[dict[str, Any]]
+    table: pd.DataFrame,
+    plan: Plan,
+    outcome: str,
+    conditions: list[str],
+    tests: list[dict[str, Any]],
 ) -> _Described:
     found: _Described = []
     for condition in conditions:
         part = of_the_tested(table, tests, condition, outcome)
         if len(part):
             means = part.groupby("participant")[outcome].mean() * WEIGHTS[outcome]
-            found.append((PRIMARY, "", condition, describe(means.to_numpy(dtype=float))))
+            described = describe_with_interval(means.to_numpy(dtype=float), plan.confidence)
+            found.append((PRIMARY, "", condition, described))
     return found
 
 

@@ -37,12 +37,15 @@ class Exposures:
         Same columns for the questionnaires after recovery, condition blank.
     excluded
         Questionnaires left out: participant, what, reason.
+    planned
+        Condition → exposures that a participant of the study has; see `planned_exposures`.
     """
 
     basis: Basis
     table: pd.DataFrame
     recovery: pd.DataFrame
     excluded: tuple[dict[str, str], ...]
+    planned: dict[str, int]
 
 
 Moment = tuple[str, str, str, str]
@@ -99,12 +102,53 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
     table = pd.DataFrame([row for row in rows if row], columns=[*_COLUMNS, *OUTCOMES, *ITEMS])
     posts = table["timepoint"] == plan.exposure_timepoint
+    met = [s for s in sheets if s.timepoint == plan.exposure_timepoint and s.condition]
     return Exposures(
         basis="difference_from_baseline" if has_baseline else "raw_post",
         table=table[posts].reset_index(drop=True),
         recovery=table[~posts].reset_index(drop=True),
         excluded=tuple(excluded),
+        planned=planned_exposures(study, plan, met),
     )
+
+
+def planned_exposures(study: StudyData, plan: Plan, sheets: list[Sheet]) -> dict[str, int]:
+    """Return how many exposures of each condition a participant of the study is to have.
+
+    As the protocol has it, where that asks after each exposure; else what most participants have
+    (of two numbers that are as frequent, the larger one: an exposure is lost more easily than one
+    is added). One more exposure of somebody never changes what the others need.
+    """
+    met = Counter((sheet.participant, sheet.condition) for sheet in sheets)
+    counts: dict[str, Counter[int]] = defaultdict(Counter)
+    for (_, condition), count in met.items():
+        counts[condition][count] += 1
+    usual = {
+        condition: max(found, key=lambda count: (found[count], count))
+        for condition, found in counts.items()
+    }
+    return usual | {c: n for c, n in _of_the_protocol(study, plan).items() if c in usual}
+
+
+def _of_the_protocol(study: StudyData, plan: Plan) -> dict[str, int]:
+    """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
+    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": SSQ.name}
+    for manifest in reversed(study.manifests):
+        settings = manifest.get("settings") or {}
+        order, scenes = settings.get("order"), settings.get("scenes")
+        asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
+        if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
+            continue
+        if order.get("rule") != "explicit":
+            return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
+        trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
+        alike = {c: {found[c] for found in trials} for found in trials for c in found}
+        return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
+    return {}
+
+
+def _conditions_of(sequence: dict[str, Any]) -> list[str]:
+    return [str(trial["condition"]) for session in sequence["sessions"] for trial in session]
 
 
 _COLUMNS = ("participant", "session", "position", "timepoint", "condition", "scene", "early")
@@ -172,7 +216,7 @@ def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
 
 
 def _answers_all(sheet: Sheet) -> bool:
-    return all(sheet.answers.get(item) is not None for item in ITEMS)
+    return len(sheet.answers) == len(ITEMS) and None not in sheet.answers.values()
 
 
 def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
@@ -206,6 +250,7 @@ def _whole_answers(sheet: Sheet) -> dict[str, int]:
 class _Facts:
     """What other files say about an exposure: (participant, session, number) → fact."""
 
+    exposure_timepoint: str
     positions: dict[tuple[str, str, str], int]
     trials: dict[tuple[str, str, str], dict[str, str]]
 
@@ -214,7 +259,7 @@ def _facts(study: StudyData, plan: Plan) -> _Facts:
     trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
     posts = [s for s in study.sheets if s.timepoint == plan.exposure_timepoint]
     exposures = {*trials, *(_moment(s)[:3] for s in posts)}
-    return _Facts(_positions(exposures), trials)
+    return _Facts(plan.exposure_timepoint, _positions(exposures), trials)
 
 
 def _positions(exposures: set[tuple[str, str, str]]) -> dict[tuple[str, str, str], int]:
@@ -236,6 +281,9 @@ def _row(
     *,
     has_baseline: bool,
 ) -> dict[str, Any] | None:
+    if sheet.timepoint == facts.exposure_timepoint and not sheet.condition:
+        excluded.append(_left_out(sheet, "no condition is given"))
+        return None
     before = baselines.of(sheet)
     if has_baseline and before is None:
         excluded.append(_left_out(sheet, "no complete baseline to subtract"))

@@ -19,13 +19,15 @@ from scipy.stats import t as t_distribution
 from vrcomfort.questionnaire import SSQ
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up, planned_exposures
+from vrcomfort.report.pairs import pair_up
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.web_page import visible
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
+
+    from vrcomfort.report.exposures import Exposures
 
 COLOURS = ("#b4541a", "#20639b", "#3a7d44", "#7d4f9e", "#8a7a2f", "#5b5b5b")
 """One per condition, of similar lightness and told apart by people with any colour vision."""
@@ -83,10 +85,10 @@ def score_label(basis: str) -> str:
 
 
 def paired_figure(
-    table: pd.DataFrame, a: str, b: str, *, labels: dict[str, str], basis: str, outcome: str
+    scored: Exposures, a: str, b: str, *, labels: dict[str, str], outcome: str
 ) -> str | None:
     """Scores under two conditions, a line per participant over a box (Carnegie & Rhee, Fig. 9)."""
-    pairs = pair_up(table, outcome, a, b, complete=planned_exposures(table))
+    pairs = pair_up(scored.table, outcome, a, b, complete=scored.planned)
     if not pairs.participants:
         return None
     scores = np.column_stack([pairs.b, pairs.a]) * pairs.unit
@@ -96,11 +98,17 @@ def paired_figure(
         up, down = scores[:, 1] > scores[:, 0], scores[:, 1] < scores[:, 0]
         for mask, colour in ((up, COLOURS[0]), (down, COLOURS[1]), (~(up | down), FAINT)):
             if mask.any():
-                axes.plot([1, 2], scores[mask].T, "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
-        axes.set_ylabel(f"SSQ {NAMES[outcome].lower()}, {score_label(basis)}")
+                axes.plot(*_segments(scores[mask]), "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
+        axes.set_ylabel(f"SSQ {NAMES[outcome].lower()}, {score_label(scored.basis)}")
         _count_directions(axes, int(up.sum()), int(down.sum()), len(scores))
-        _zero_line(axes, basis)
+        _zero_line(axes, scored.basis)
     return text[0]
+
+
+def _segments(scores: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return one line for all, broken between participants: a line each is slow for a thousand."""
+    broken = np.column_stack([scores, np.full(len(scores), np.nan)])
+    return np.tile([1.0, 2.0, np.nan], len(scores)), broken.ravel()
 
 
 def _boxes(axes: Axes, scores: np.ndarray[Any, Any], names: tuple[str, ...]) -> None:

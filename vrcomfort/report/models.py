@@ -11,7 +11,7 @@ from scipy.stats import shapiro
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import planned_exposures
+from vrcomfort.report.pairs import condition_sums
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.crossover import crossover
 from vrcomfort.stats.friedman import friedman
@@ -22,9 +22,13 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
+    from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Contrast, Factor, Plan
 
 Result = dict[str, Any]
+
+MOST_FOR_SHAPIRO = 5000
+"""Residuals up to which the p of Shapiro and Wilk's test is accurate."""
 
 
 def guarded(outcome: str, analyse: Callable[[], Result]) -> Result:
@@ -82,51 +86,57 @@ def _levels(table: pd.DataFrame, factor: Factor) -> pd.Series:
 
 def _residual_check(residuals: np.ndarray[Any, np.dtype[np.float64]]) -> Result | None:
     flat = residuals.ravel()
-    if flat.size < 4 or np.ptp(flat) <= 1e-9:
+    if not 4 <= flat.size <= MOST_FOR_SHAPIRO or np.ptp(flat) <= 1e-9:
         return None
     found = shapiro(flat)
     return {"shapiro_w": float(found.statistic), "p": float(found.pvalue), "n": int(flat.size)}
 
 
-def run_friedman(table: pd.DataFrame, conditions: list[str], outcome: str) -> Result:
+def run_friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
     """Friedman's test over more than two conditions, on integer sums of complete people."""
-    return guarded(outcome, lambda: _friedman(table, conditions, outcome))
+    return guarded(outcome, lambda: _friedman(scored, conditions, outcome))
 
 
-def _friedman(table: pd.DataFrame, conditions: list[str], outcome: str) -> Result:
-    planned = planned_exposures(table)
-    grouped = table.groupby(["participant", "condition"])[outcome]
-    sums, counts = grouped.sum().unstack(), grouped.size().unstack()  # noqa: PD010
-    complete = (counts == counts.columns.map(planned)).all(axis=1)
-    return asdict(friedman(sums.loc[complete, conditions].to_numpy(dtype=np.int64)))
+def _friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
+    _, sums, _ = condition_sums(scored.table, outcome, conditions, complete=scored.planned)
+    return asdict(friedman(sums))
 
 
-def run_crossover(table: pd.DataFrame, contrast: Contrast, outcome: str) -> Result:
+def run_crossover(scored: Exposures, contrast: Contrast, outcome: str) -> Result:
     """Condition, position and sequence effects where everybody keeps one order of a and b."""
-    done = guarded(outcome, lambda: _crossover(points(table, outcome), contrast))
+    table = points(scored.table, outcome)
+    done = guarded(outcome, lambda: _crossover(table, contrast, scored.planned))
     return {"a": contrast.a, "b": contrast.b, **done}
 
 
-def _crossover(table: pd.DataFrame, contrast: Contrast) -> Result:
+def _crossover(table: pd.DataFrame, contrast: Contrast, planned: dict[str, int]) -> Result:
     pair = table[table["condition"].isin([contrast.a, contrast.b])]
     if pair["condition"].nunique() < 2:
         raise InputError("nobody finished both conditions")
     if (pair["position"] == 0).any():
         raise InputError("the data do not say in which order the conditions came")
+    left_out = _without_one_place(pair)
+    pair = pair[~pair["participant"].isin(left_out)]
     if pair["position"].nunique() != 2:
         raise InputError("not a two-position crossover: conditions come in more than two places")
-    planned = planned_exposures(pair)
     grouped = pair.groupby(["participant", "condition"])
-    if (grouped["position"].nunique() > 1).any():  # noqa: PD101 - per group
-        raise InputError("some participants met one condition in different positions")
     score, count = grouped["score"].mean().unstack(), grouped.size().unstack()  # noqa: PD010
     place = grouped["position"].first().unstack()  # noqa: PD010
-    complete = (count == count.columns.map(planned)).all(axis=1)
+    complete = (count >= count.columns.map(planned)).all(axis=1)
     score, place = score[complete], place[complete]
     a_first = (place[contrast.a] < place[contrast.b]).to_numpy()
     first = np.where(a_first, score[contrast.a], score[contrast.b])
     second = np.where(a_first, score[contrast.b], score[contrast.a])
-    return asdict(crossover(first, second, a_first))
+    return {**asdict(crossover(first, second, a_first)), "left_out": left_out}
+
+
+def _without_one_place(pair: pd.DataFrame) -> list[str]:
+    """Return the few who met one condition in different positions, as with a repeated exposure."""
+    places = pair.groupby(["participant", "condition"])["position"].nunique()
+    people = places[places > 1].index.get_level_values("participant").unique()
+    if 2 * len(people) > pair["participant"].nunique():
+        raise InputError("most participants met one condition in different positions")
+    return sorted(map(str, people), key=natural)
 
 
 def run_mixed(table: pd.DataFrame, plan: Plan, reference: str, outcome: str) -> Result:

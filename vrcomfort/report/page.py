@@ -41,8 +41,19 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         methods=words.methods(results),
         basis=words.basis_sentence(results["score_basis"]),
         described=_described(results),
+        disagreements=_disagreements(results),
         fewest=fewest_for_interval(results["plan"]["confidence"]),
         headlines=[words.headline(t, labels) for t in _most_wanted(results)],
+    )
+
+
+def _disagreements(results: dict[str, Any]) -> int:
+    """Count the tests whose p and whose interval of r say different things of 0."""
+    level = 1 - results["plan"]["confidence"]
+    return sum(
+        (test["p"] <= level) == (test["effect"]["low"] <= 0 <= test["effect"]["high"])
+        for test in results["tests"]
+        if not test["not_tested"] and test["effect"] and test["effect"]["low"] is not None
     )
 
 

@@ -42,12 +42,6 @@ class Pairs:
         return self.a - self.b
 
 
-def planned_exposures(table: pd.DataFrame) -> dict[str, int]:
-    """Return how many exposures a condition has for those who had the most."""
-    counts = table.groupby(["participant", "condition"]).size().groupby("condition").max()
-    return {str(name): int(count) for name, count in counts.items()}
-
-
 def in_a_test(tests: list[dict[str, Any]], condition: str, outcome: str | None = None) -> set[str]:
     """Return who is in any test of a condition (of one outcome), whomever it compares with."""
     return {
@@ -69,16 +63,29 @@ def pair_up(
     Parameters
     ----------
     complete
-        Exposures per condition that a participant must have; any number will do otherwise.
+        Exposures per condition that a participant must have at least; any number will do
+        otherwise.
     """
-    grouped = table.groupby(["participant", "condition"])[outcome]
-    sums, counts = grouped.sum().to_dict(), grouped.size().to_dict()
-    people = sorted(table["participant"].unique(), key=natural)
-    needed = [(c, 1 if complete is None else complete.get(c, 1)) for c in (a, b)]
-    people = [p for p in people if all(counts.get((p, c), 0) >= n for c, n in needed)]
-    common = lcm(*(counts[p, c] for p in people for c in (a, b)))
-    scaled = {
-        c: np.array([sums[p, c] * (common // counts[p, c]) for p in people], dtype=np.int64)
-        for c in (a, b)
-    }
-    return Pairs(tuple(people), scaled[a], scaled[b], WEIGHTS[outcome] / common)
+    people, sums, common = condition_sums(table, outcome, [a, b], complete=complete)
+    return Pairs(tuple(people), sums[:, 0], sums[:, 1], WEIGHTS[outcome] / common)
+
+
+def condition_sums(
+    table: pd.DataFrame, outcome: str, conditions: list[str], *, complete: dict[str, int] | None
+) -> tuple[list[str], Integers, int]:
+    """Return who has all conditions, their integer sums, and how many exposures each sum is of.
+
+    The sums have shape (n, conditions); see `pair_up` for `complete`.
+    """
+    part = table[table["condition"].isin(conditions)]
+    grouped = part.groupby(["participant", "condition"])[outcome]
+    sums = grouped.sum().unstack().reindex(columns=conditions)  # noqa: PD010 - no values to pivot
+    counts = grouped.size().unstack(fill_value=0)  # noqa: PD010
+    counts = counts.reindex(columns=conditions, fill_value=0)
+    needed = [1 if complete is None else complete.get(name, 1) for name in conditions]
+    counts = counts[(counts >= needed).all(axis=1)]
+    people = sorted(counts.index, key=natural)
+    counted = counts.loc[people].to_numpy(dtype=np.int64)
+    common = lcm(*map(int, np.unique(counted)))
+    found = sums.loc[people].to_numpy(dtype=np.float64).astype(np.int64)
+    return people, found * (common // counted), common

@@ -56,9 +56,15 @@ class Plan(Settings):
     alternative: Literal["two-sided", "greater", "less"] = "two-sided"
     """`greater`: more discomfort under a."""
     zeros: Literal["pratt", "wilcox"] = "pratt"
-    rank_biserial_interval: Literal["effectsize", "nonzero_differences"] = "effectsize"
-    """The n in the interval's standard error. R's ``effectsize`` counts the non-zero scores of
-    condition a; the non-zero differences are the n that the formula is for."""
+    shift_interval: Literal["inverted_test", "order_statistics"] = "inverted_test"
+    """`inverted_test`: every shift that the printed test does not reject. `order_statistics`: of
+    the Walsh averages, as R's ``wilcox.test`` has it; it may contradict p where there are ties."""
+    rank_biserial_interval: Literal["normal_shift", "effectsize", "nonzero_differences"] = (
+        "normal_shift"
+    )
+    """`normal_shift`: by inversion over normal differences. The others are Fisher-z intervals, too
+    narrow where there is an effect; they differ in the n of the standard error. R's ``effectsize``
+    counts the non-zero scores of condition a; the formula is for the non-zero differences."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
     baseline_timepoint: str = "baseline"
     exposure_timepoint: str = "post"

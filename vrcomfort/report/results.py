@@ -24,8 +24,8 @@ from vrcomfort.report.models import (
     run_friedman,
     run_mixed,
 )
+from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import planned_exposures
 from vrcomfort.report.quality import quality
 from vrcomfort.report.withdrawals import (
     count_withdrawals,
@@ -35,6 +35,7 @@ from vrcomfort.report.withdrawals import (
     sequences,
     why_not,
 )
+from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("numpy", "scipy", "statsmodels")
+SOFTWARE = ("numpy", "scipy")
 SCHEMA = 1
 """Version of the layout of results.json."""
 
@@ -63,7 +64,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     check_levels(plan, scored.table, study.labels)
     named = [*conditions, *_unfinished(contrasts, conditions)]
     found = find_withdrawals(study)
-    tests = run_tests(scored.table, plan, contrasts)
+    tests = run_tests(scored, plan, contrasts)
     analysed = _analysed(tests, scored.table)
     reasons = why_not(study, scored, found, in_every_test=_in_every_test(tests, analysed))
     results = {
@@ -71,6 +72,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
         "plan": plan.model_dump(mode="json"),
+        "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
         "score_basis": scored.basis,
         "weights": dict(WEIGHTS),
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
@@ -79,15 +81,16 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
             "analysed": analysed,
             "left_out": [row for row in reasons if row["participant"] not in analysed],
             "in_some_tests": [row for row in reasons if row["participant"] in analysed],
-            "exposures_per_condition": planned_exposures(scored.table),
+            "exposures_per_condition": scored.planned,
             "sequences": sequences(study, analysed, found),
         },
+        "notices": notices(study, scored, tests),
         "tests": tests,
-        "sensitivity": _sensitivity(scored.table, plan, tests, found),
+        "sensitivity": _sensitivity(scored, plan, tests, found),
         "descriptives": describe_all(scored.table, plan, conditions, tests),
         "recovery": describe_recovery(scored.recovery, plan),
         "items": mean_answers(scored.table, conditions, tests),
-        **_models(scored.table, plan, conditions, contrasts),
+        **_models(scored, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
@@ -95,25 +98,25 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
 
 
 def _sensitivity(
-    table: pd.DataFrame, plan: Plan, tests: list[dict[str, Any]], found: list[Withdrawal]
+    scored: Exposures, plan: Plan, tests: list[dict[str, Any]], found: list[Withdrawal]
 ) -> list[dict[str, Any]]:
     return [
         line
         for test in tests
-        for line in sensitivity(table, plan, test, lost_signs(found, test["a"], test["b"]))
+        for line in sensitivity(scored, plan, test, lost_signs(found, test["a"], test["b"]))
     ]
 
 
 def _models(
-    table: pd.DataFrame, plan: Plan, conditions: list[str], contrasts: list[Contrast]
+    scored: Exposures, plan: Plan, conditions: list[str], contrasts: list[Contrast]
 ) -> dict[str, list[dict[str, Any]]]:
-    outcomes = plan.outcomes
+    outcomes, table = plan.outcomes, scored.table
     reference = _reference(contrasts, conditions)
     several = outcomes if len(conditions) > 2 else ()
     return {
         "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
-        "friedman": [run_friedman(table, conditions, outcome) for outcome in several],
-        "crossover": [run_crossover(table, c, outcome) for c in contrasts for outcome in outcomes],
+        "friedman": [run_friedman(scored, conditions, outcome) for outcome in several],
+        "crossover": [run_crossover(scored, c, outcome) for c in contrasts for outcome in outcomes],
         "mixed_models": [run_mixed(table, plan, reference, outcome) for outcome in outcomes],
     }
 

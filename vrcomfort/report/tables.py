@@ -12,6 +12,7 @@ from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
 
 Row = dict[str, Any]
 
+DESCRIBED = ("mean", "mean_low", "mean_high", "sd", "median", "q1", "q3")
 _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 """How a text begins that a spreadsheet would compute, or might once it has cut the blank off."""
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
@@ -75,11 +76,11 @@ def _flat_test(test: Row) -> Row:
             "w_minus", "z", "p_exact", "p_asymptotic", "p", "method", "p_holm")  # fmt: skip
     row = {key: test.get(key) for key in keys}
     row |= _interval("hodges_lehmann", test.get("shift"))
+    ends = ("low_closed", "high_closed", "holds_rejected_zero")
+    row |= {f"hodges_lehmann_{end}": (test.get("shift") or {}).get(end) for end in ends}
     row |= _interval("rank_biserial", test.get("effect"))
-    plain = _interval("rank_biserial", test.get("rank_biserial_interval_nonzero_differences"))
-    row |= {f"{key}_nonzero_n": plain[key] for key in ("rank_biserial_low", "rank_biserial_high")}
     for name, found in (test.get("descriptives") or {}).items():
-        row |= {f"{stat}_{name}": found[stat] for stat in ("mean", "sd", "median", "q1", "q3")}
+        row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
     return {**row, "not_tested": test["not_tested"]}
 
 
@@ -115,4 +116,6 @@ def _flat_mixed(found: Row) -> list[Row]:
     if found["not_tested"]:
         return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
     keys = {key: found[key] for key in ("outcome", "n_participants", "n_values")}
-    return [{**keys, "term": name, **term} for name, term in found["terms"].items()]
+    terms = [{**keys, "term": name, **term} for name, term in found["terms"].items()]
+    omnibus = [{**keys, "term": name, **test} for name, test in found["omnibus"].items()]
+    return terms + omnibus

@@ -6,6 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.errors import InputError
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.withdrawal import fisher_exact
@@ -192,12 +193,36 @@ def _in_words(each: Withdrawal) -> str:
     return f"withdrew after {where}" if each.how == AFTER else f"{each.how} in {where}"
 
 
+def _one_sequence_each(study: StudyData) -> dict[str, str]:
+    """Return participant → sequence.
+
+    Raises
+    ------
+    InputError
+        If a participant is in two: then two people have one name, or an order was noted wrongly.
+    """
+    named = [(s.participant, s.sequence, s.place) for s in study.sheets]
+    named += [
+        (p["participant"], p.get("sequence", ""), "participants.csv") for p in study.participants
+    ]
+    found: dict[str, tuple[str, str]] = {}
+    for who, sequence, place in named:
+        if not sequence:
+            continue
+        before, there = found.setdefault(who, (sequence, place))
+        if before != sequence:
+            raise InputError(
+                f"participant {who} is in sequence `{before}` ({there}) and in `{sequence}` "
+                f"({place}); give two people two names, or correct one of them"
+            )
+    return {who: sequence for who, (sequence, _) in found.items()}
+
+
 def sequences(
     study: StudyData, analysed: list[str], found: list[Withdrawal]
 ) -> list[dict[str, Any]]:
     """Count participants, withdrawals and analysed per sequence."""
-    sequence = {s.participant: s.sequence for s in study.sheets if s.sequence}
-    sequence |= {p["participant"]: p["sequence"] for p in study.participants if p["sequence"]}
+    sequence = _one_sequence_each(study)
     gone = {each.participant for each in found}
     return [
         {

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from vrcomfort.report.figures import NAMES
+from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
+from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 MINUS = "−"
 NONE = "–"
@@ -39,11 +41,17 @@ def p_equals(value: float | None) -> str:
 
 
 def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = False) -> str:
-    """Write [low, high]."""
-    if not found or found.get("low") is None:
+    """Write [low, high], with a round bracket where the end itself is not in the interval."""
+    if not found or (found.get("low") is None and found.get("high") is None):
         return NONE
     write = fraction if bounded else number
-    return f"[{write(found['low'], digits)},\u00a0{write(found['high'], digits)}]"
+    low, high = found["low"], found["high"]
+    first = "−∞" if low is None else write(low, digits)
+    last = "∞" if high is None else write(high, digits)
+    left = "[" if low is not None and found.get("low_closed", True) else "("
+    right = "]" if high is not None and found.get("high_closed", True) else ")"
+    hole = " without 0" if found.get("holds_rejected_zero") else ""
+    return f"{left}{first},\u00a0{last}{right}{hole}"
 
 
 def degrees(value: float) -> str:
@@ -55,7 +63,7 @@ def methods(results: dict[str, Any]) -> list[str]:
     """Return the methods section, one paragraph per item."""
     plan = results["plan"]
     return [text for text in (
-        _scoring(results), _testing(plan), _effects(plan), _modelling(results), plan["note"]
+        _scoring(results), _testing(results), _effects(plan), _modelling(results), plan["note"]
     ) if text]  # fmt: skip
 
 
@@ -89,7 +97,8 @@ def _scoring(results: dict[str, Any]) -> str:
     )
 
 
-def _testing(plan: dict[str, Any]) -> str:
+def _testing(results: dict[str, Any]) -> str:
+    plan = results["plan"]
     zeros = (
         "pairs without a difference were ranked and then dropped (Pratt)"
         if plan["zeros"] == "pratt"
@@ -104,38 +113,70 @@ def _testing(plan: dict[str, Any]) -> str:
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
         "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
-        f"exact; {zeros}; p is from the exact permutation distribution given the ties; Z is "
+        f"exact; {zeros}; p is {_exactness(results)}; Z is "
         "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
         f"method over {family} and all contrasts."
     )
 
 
+def _exactness(results: dict[str, Any]) -> str:
+    """Say how p was found in the tests that were made."""
+    made = {test["method"] for test in results["tests"] if not test["not_tested"]}
+    exact = "from the exact permutation distribution given the ties"
+    normal = f"from the normal approximation above {EXACT_UP_TO} pairs"
+    if made == {"asymptotic"}:
+        return normal
+    return f"{exact}, {normal}" if "asymptotic" in made else exact
+
+
 def _effects(plan: dict[str, Any]) -> str:
-    percent = f"{100 * plan['confidence']:g} %"
     zeros = "including" if plan["zeros"] == "pratt" else "excluding"
+    return (
+        f"The Hodges–Lehmann shift is the median of the Walsh averages, {zeros} pairs without a "
+        f"difference. {_shift_interval(plan)} r is the matched-pairs rank-biserial correlation "
+        f"over non-zero differences. {_r_interval(plan)} Intervals of means are bootstrap-t "
+        f"({RESAMPLES} resamples, seed {SEED}; Efron & Tibshirani, 1993)."
+    )
+
+
+def _shift_interval(plan: dict[str, Any]) -> str:
+    percent = f"{100 * plan['confidence']:g} %"
+    few = (
+        f"There is none below {fewest_for_interval(plan['confidence'])} differences, because no "
+        "fewer can reach such an exact two-sided p."
+    )
+    if plan["shift_interval"] == "inverted_test":
+        return (
+            f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
+            "after each shift is taken off, does not reject before adjustment; a round bracket is "
+            f"an end that is itself rejected. {few}"
+        )
+    return (
+        f"Its {percent} interval is bounded by the Walsh averages at the critical ranks of the "
+        "signed-rank distribution without ties, on the conservative side; with ties it may "
+        f"contradict p. {few}"
+    )
+
+
+def _r_interval(plan: dict[str, Any]) -> str:
+    percent = f"{100 * plan['confidence']:g} %"
+    kind = plan["rank_biserial_interval"]
+    if kind == "normal_shift":
+        return (
+            f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
+            "observed r, or one farther out, is not too rare for non-zero differences D from a "
+            "normal distribution of any mean. It drops zeros, which the test may rank, so the two "
+            "may disagree about 0. Whether there is a difference, p says."
+        )
     n = (
-        "the number of non-zero scores in the first condition, as R’s effectsize counts "
-        "(tables/tests.csv also gives it with the number of non-zero differences)"
-        if plan["rank_biserial_interval"] == "effectsize"
+        "the number of non-zero scores in the first condition, as R’s effectsize counts"
+        if kind == "effectsize"
         else "the number of non-zero differences"
     )
     return (
-        f"The Hodges–Lehmann shift is the median of the Walsh averages, {zeros} pairs without a "
-        f"difference; its {percent} interval is bounded by the Walsh averages at the critical "
-        "ranks of the signed-rank distribution without ties, on the conservative side. r is the "
-        "matched-pairs rank-biserial correlation over non-zero differences, with a Fisher-z "
-        f"interval whose standard error uses {n}. {_limits_of_intervals(plan)}"
-    )
-
-
-def _limits_of_intervals(plan: dict[str, Any]) -> str:
-    confidence = plan["confidence"]
-    return (
-        f"Neither has an interval below {fewest_for_interval(confidence)} differences (r: that are "
-        "not zero), because no fewer can reach an exact two-sided "
-        f"p\u00a0≤\u00a0{fraction(1 - confidence, 3).rstrip('0')}. The interval of r is "
-        "approximate and has no width at ±1; in small samples it may leave out 0 where the exact "
-        "test does not reject. Whether there is a difference, p says."
+        f"Its {percent} interval is a Fisher-z interval whose standard error uses {n}. It is "
+        "approximate, too narrow where there is an effect, and has no width at ±1. Whether there "
+        "is a difference, p says."
     )
 
 
@@ -150,7 +191,9 @@ def _modelling(results: dict[str, Any]) -> str:
     )
     return (
         f"{anova}The mixed model has a random intercept per participant, is fitted by restricted "
-        "maximum likelihood to every scored exposure, and takes inner-level degrees of freedom."
+        "maximum likelihood to every scored exposure; its standard errors are those of generalised "
+        "least squares at the fitted variances, its degrees of freedom Satterthwaite’s (Kuznetsova "
+        "et al., 2017)."
     )
 
 
@@ -166,8 +209,14 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     return (
         f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
         f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
-        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}."
+        f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}.{_order_of(test)}"
     )
+
+
+def _order_of(test: dict[str, Any]) -> str:
+    """Return what makes the result of a test one of the order as well."""
+    said: str | None = test["confounded"]
+    return f" But {said}." if said else ""
 
 
 def _estimates(test: dict[str, Any], a: str) -> tuple[str, str, str]:
@@ -175,9 +224,8 @@ def _estimates(test: dict[str, Any], a: str) -> tuple[str, str, str]:
     shift, effect, n = test["shift"], test["effect"], str(test["n"])
     points, r = f"{number(shift['estimate'])} points", fraction(effect["estimate"])
     percent = f"{100 * effect['confidence']:g}\u00a0%"
-    if shift["low"] is None:
-        return points, r, f"{n} (too few for {percent} intervals)"
-    points = f"{points} {interval(shift)}"
+    found = interval(shift)
+    points += f" (no {percent} interval: too few differences)" if found == NONE else f" {found}"
     if effect["low"] is not None:
         return points, f"{r} {interval(effect, bounded=True)}", n
     few = test["n"] - test["zeros"] < fewest_for_interval(effect["confidence"])

@@ -63,7 +63,8 @@ def cells(
 def _wide(
     table: pd.DataFrame, value: str, participant: str, levels: dict[str, tuple[str, ...]]
 ) -> pd.DataFrame:
-    keys = table[list(levels)].astype(str).agg("\x1f".join, axis=1) if levels else ""
+    names = [table[name].astype(str) for name in levels]
+    keys = ["\x1f".join(cell) for cell in zip(*names, strict=True)] if names else ""
     flat = table.assign(_cell=keys).pivot_table(  # one value per cell: the mean is the value
         index=participant, columns="_cell", values=value, aggfunc="mean"
     )

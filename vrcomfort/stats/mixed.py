@@ -1,16 +1,20 @@
-"""All available data: a linear mixed model with a random participant."""
+"""All available data: a linear mixed model with a random participant.
+
+Our own fit, because the standard errors of statsmodels' ``MixedLM`` (``bse_fe``) are not those of
+its own variance components where cells are missing, and it has no Satterthwaite degrees of
+freedom and no omnibus tests. See `random_intercept`.
+"""
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from statsmodels.regression.mixed_linear_model import MixedLM
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.crossover import Estimate, t_estimate
+from vrcomfort.stats.random_intercept import FTest, fit_random_intercept
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -19,7 +23,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
-    People = NDArray[np.object_]
 
 
 @dataclass(frozen=True)
@@ -30,10 +33,11 @@ class MixedModel:
     n_values: int
     terms: dict[str, Estimate]
     """Fixed effects by name: ``factor: level − reference level``; no intercept."""
+    omnibus: dict[str, FTest]
+    """Test of each factor, all of its levels together, given the others."""
     participant_sd: float
+    """0 where people differ no more than the residuals let expect."""
     residual_sd: float
-    notes: tuple[str, ...]
-    """What the optimiser had to say; empty if it converged inside the parameter space."""
 
 
 def mixed_model(
@@ -47,8 +51,8 @@ def mixed_model(
 ) -> MixedModel:
     """Fit ``value ~ factors + (1 | participant)`` to every row, complete participants or not.
 
-    Degrees of freedom are those of the inner level, values − participants − terms that vary
-    within participants, as in R's ``nlme``; in a balanced crossover they are Satterthwaite's.
+    Standard errors are those of generalised least squares at the fitted variances; degrees of
+    freedom are Satterthwaite's, as in R's ``lmerTest`` (Kuznetsova, Brockhoff & Christensen 2017).
 
     Parameters
     ----------
@@ -64,69 +68,46 @@ def mixed_model(
         apart.
     """
     rows = table.dropna(subset=[value, participant, *factors])
-    columns = _columns(rows, factors, references or {})
-    names = list(columns)
-    design = np.column_stack([np.ones(len(rows)), *columns.values()])
-    people = rows[participant].astype(str).to_numpy(dtype=object)
-    inner = sum(_varies_within(column, people) for column in columns.values())
-    df = len(rows) - np.unique(people).size - inner
-    if df < 1:
-        raise InputError("too few values for a mixed model")
+    columns = {factor: _columns(rows, factor, (references or {}).get(factor)) for factor in factors}
+    terms = {name: column for found in columns.values() for name, column in found.items()}
+    if not terms:
+        raise InputError("no effect has two levels in the data")
+    design = np.column_stack([np.ones(len(rows)), *terms.values()])
     if np.linalg.matrix_rank(design) < design.shape[1]:
         raise InputError(f"{' and '.join(factors)} cannot be told apart in these data")
-    fit, errors, notes = _fit(rows[value].to_numpy(dtype=np.float64), design, people)
-    estimates = np.asarray(fit.fe_params)
+    people, groups = np.unique(rows[participant].astype(str), return_inverse=True)
+    fit = fit_random_intercept(rows[value].to_numpy(dtype=np.float64), design, groups)
+    unit = np.eye(design.shape[1])
+    places = {name: unit[i] for i, name in enumerate(terms, start=1)}
     return MixedModel(
-        n_participants=int(np.unique(people).size),
+        n_participants=people.size,
         n_values=len(rows),
         terms={
-            name: t_estimate(float(estimates[i]), float(errors[i]), df, confidence)
-            for i, name in enumerate(names, start=1)
+            name: t_estimate(
+                float(row @ fit.coefficients),
+                float(np.sqrt(row @ fit.covariance @ row)),
+                fit.degrees_of_freedom(row),
+                confidence,
+            )
+            for name, row in places.items()
         },
-        participant_sd=float(np.sqrt(np.asarray(fit.cov_re).item())),
-        residual_sd=float(np.sqrt(fit.scale)),
-        notes=notes,
+        omnibus={
+            factor: fit.omnibus(np.stack([places[name] for name in found]))
+            for factor, found in columns.items()
+            if found
+        },
+        participant_sd=float(np.sqrt(fit.group_variance)),
+        residual_sd=float(np.sqrt(fit.residual_variance)),
     )
 
 
-def _columns(
-    rows: pd.DataFrame, factors: Sequence[str], references: dict[str, str]
-) -> dict[str, Floats]:
-    """Treatment-coded columns by name."""
-    columns = {}
-    for factor in factors:
-        values = rows[factor].astype(str).to_numpy(dtype=object)
-        levels = sorted(set(values))
-        if not levels:
-            continue
-        reference = references.get(factor, levels[0])
-        for level in levels:
-            if level != reference:
-                name = f"{factor}: {level} − {reference}"
-                columns[name] = (values == level).astype(np.float64)
-    return columns
-
-
-def _varies_within(
-    column: Floats,
-    people: People,
-) -> bool:
-    return any(np.unique(column[people == person]).size > 1 for person in np.unique(people))
-
-
-def _fit(
-    values: Floats,
-    design: Floats,
-    people: People,
-) -> tuple[Any, Floats, tuple[str, ...]]:
-    """Return the fit, the standard errors of the fixed effects and statsmodels' notes."""
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always")
-        try:
-            fit = MixedLM(values, design, groups=people).fit(reml=True)
-            errors = np.asarray(fit.bse_fe, dtype=np.float64)
-        except np.linalg.LinAlgError as error:
-            raise InputError("the scores leave no variance to model") from error
-    if not np.isfinite(errors).all():  # everybody answered alike
-        raise InputError("the scores leave no variance to model")
-    return fit, errors, tuple(dict.fromkeys(str(w.message) for w in caught))
+def _columns(rows: pd.DataFrame, factor: str, reference: str | None) -> dict[str, Floats]:
+    """Treatment-coded columns of one factor by name."""
+    values = rows[factor].astype(str).to_numpy(dtype=object)
+    levels = sorted(set(values))
+    base = reference if reference is not None else next(iter(levels), "")
+    return {
+        f"{factor}: {level} − {base}": (values == level).astype(np.float64)
+        for level in levels
+        if level != base
+    }

@@ -6,7 +6,7 @@ Ranks are kept doubled, so that midranks are integers and sums of ranks compare 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
     Integers = NDArray[np.int64]
     Floats = NDArray[np.float64]
+
+
+Alternative = Literal["two-sided", "greater", "less"]
+"""`greater`: the first of each pair tends to be larger."""
 
 
 def as_integers(values: ArrayLike, unit: float = 1.0, *, tolerance: float = 1e-6) -> Integers:
@@ -68,6 +72,26 @@ def fewest_for_interval(confidence: float) -> int:
     2014, section 3.3).
     """
     return math.ceil(1 - math.log2(1 - confidence))
+
+
+def sign_flip_lower_tail(doubled_ranks: ArrayLike, bound: int) -> float:
+    """Return P(sum of positive doubled ranks ≤ `bound`) under the null hypothesis.
+
+    As `sign_flip_distribution`, but no further than needed; numbers of sign patterns are exact
+    (up to 2^53 of them) and divided last.
+    """
+    ranks = np.sort(np.asarray(doubled_ranks, dtype=np.int64))
+    if bound < 0:
+        return 0.0
+    step = int(np.gcd.reduce(ranks)) if ranks.size else 1
+    ranks, bound = ranks // step, min(bound, int(ranks.sum())) // step
+    patterns = np.zeros(bound + 1)
+    patterns[0] = 1.0
+    reached = 0
+    for rank in ranks[ranks <= bound]:
+        reached = min(reached + int(rank), bound)
+        patterns[rank : reached + 1] += patterns[: reached + 1 - rank].copy()
+    return min(1.0, float(np.ldexp(patterns.sum(), -ranks.size)))
 
 
 def sign_flip_distribution(doubled_ranks: ArrayLike) -> Floats:

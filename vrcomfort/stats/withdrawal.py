@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from vrcomfort.stats.signed_rank import Alternative, SignedRank, Zeros, signed_rank
+from vrcomfort.stats.signed_rank import SignedRank, Zeros, signed_rank
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
+
+    from vrcomfort.stats.ranks import Alternative
 
 
 def worst_rank(
@@ -23,8 +25,8 @@ def worst_rank(
     """Repeat a signed-rank test with participants who could not be paired.
 
     Each lost participant gets a difference larger than any observed, so only its rank and sign
-    matter (Lachin 1999, worst-rank score). The shift and the effect size of the result are
-    dominated by the assumption and are not for reporting.
+    matter (Lachin 1999, worst-rank score). The result has neither shift nor
+    effect size: they would be those of the assumption.
 
     Parameters
     ----------
@@ -38,7 +40,7 @@ def worst_rank(
     signs = np.asarray(lost, dtype=np.int64)
     largest = int(np.max(np.abs(observed), initial=0))
     together = np.concatenate([observed, np.sign(signs) * (largest + 1)])
-    return signed_rank(together, zeros=zeros, alternative=alternative)
+    return signed_rank(together, zeros=zeros, alternative=alternative, intervals=False)
 
 
 def fisher_exact(counts: ArrayLike) -> float:

@@ -205,6 +205,15 @@ def exposures(random: np.random.Generator) -> pd.DataFrame:
                 score = round(mean + random.normal(0, 3), 2)
                 if i * 4 + period not in gone:
                     rows.append((dataset, name, "abcd"[condition], str(period + 1), score))
+    by_hand = {
+        "few": "P1a0 P1b9 P2a4 P2b7 P3a22 P3b30 P4b11 P5a15 P6b3",
+        "people_alike": "P1a5 P1b4 P1c9 P2a7 P2b2 P2c8 P3a6 P3b3 P3c9 P4a4 P4c9 P5b5 P5c7",
+    }
+    rows += [
+        (dataset, cell[:2], cell[2], "1", float(cell[3:]))
+        for dataset, cells in by_hand.items()
+        for cell in cells.split()
+    ]
     return pd.DataFrame(rows, columns=["dataset", "participant", "condition", "period", "score"])
 
 

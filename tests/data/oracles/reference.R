@@ -1,6 +1,6 @@
 # What R says about the data sets beside it: writes r_output.csv and r_session.txt.
 # Run once, in this folder: Rscript reference.R
-# Debian: r-base-core r-cran-{car,coin,effectsize,exactranktests,lme4,lmertest,nlme}
+# Debian: r-base-core r-cran-{car,coin,effectsize,exactranktests,lme4,lmertest}
 suppressPackageStartupMessages({
   library(car)
   library(coin)
@@ -312,28 +312,31 @@ for (set in by_dataset("exposures.csv")) {
   set$score <- as.numeric(set$score)
   set$condition <- factor(set$condition)
   set$period <- factor(set$period)
-  for (formula in list(score ~ condition, score ~ condition + period)) {
+  formulas <- list(score ~ condition, score ~ condition + period)
+  for (formula in formulas[c(TRUE, nlevels(set$period) > 1)]) {
     factors <- attr(terms(formula), "term.labels")
     prefix <- paste0(paste(factors, collapse = " + "), "; ")
-    precise <- lmer(update(formula, . ~ . + (1 | participant)), set, control = PRECISE)
-    inner <- nlme::lme(formula, set, ~ 1 | participant)
-    sds <- as.data.frame(VarCorr(precise))$sdcor
+    model <- lmer(update(formula, . ~ . + (1 | participant)), set, control = PRECISE)
+    sds <- as.data.frame(VarCorr(model))$sdcor
     add("mixed_model", name, prefixed(prefix, c(
       n_participants = length(unique(set$participant)), n_values = nrow(set),
       participant_sd = sds[1], residual_sd = sds[2]
     )))
-    table <- coef(summary(precise))
+    table <- coef(summary(model))
     for (term in setdiff(rownames(table), "(Intercept)")) {
       factor <- factors[startsWith(term, factors)]
       level <- sub(factor, "", term)
       label <- sprintf("%s%s: %s − %s ", prefix, factor, level, levels(set[[factor]])[1])
-      values <- t_row(
-        table[term, "Estimate"], table[term, "Std. Error"], summary(inner)$tTable[term, "DF"]
-      )
+      values <- t_row(table[term, "Estimate"], table[term, "Std. Error"], table[term, "df"])
       add("mixed_model", name, prefixed(label, values))
-      add("mixed_model", name, prefixed(label, c(
-        df_satterthwaite = table[term, "df"], p_satterthwaite = table[term, "Pr(>|t|)"]
-      )))
+    }
+    for (factor in factors) {
+      # The denominator's df depend on the basis: here each level minus the first, as `anova` has
+      # it too, but for models with one term.
+      all_levels <- diag(nrow(table))[startsWith(rownames(table), factor), , drop = FALSE]
+      test <- unlist(contestMD(model, all_levels)[c("F value", "NumDF", "DenDF", "Pr(>F)")])
+      names(test) <- c("f", "df_effect", "df_error", "p")
+      add("mixed_model", name, prefixed(sprintf("%s%s: ", prefix, factor), test))
     }
   }
 }
@@ -351,7 +354,7 @@ for (i in seq_len(nrow(tables))) {
 }
 
 write.csv(do.call(rbind, found), "r_output.csv", row.names = FALSE, quote = FALSE, na = "")
-packages <- c("car", "coin", "effectsize", "exactRankTests", "lme4", "lmerTest", "nlme")
+packages <- c("car", "coin", "effectsize", "exactRankTests", "lme4", "lmerTest")
 data <- setdiff(sort(list.files(pattern = "csv$")), "r_output.csv")
 writeLines(
   c(

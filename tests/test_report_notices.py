@@ -1,0 +1,160 @@
+"""What a report says before any number, and what does not change one."""
+
+import json
+
+import pytest
+
+from tests.support.report import ITEMS, Study, foreign
+from tests.test_report_study import report, total_raw
+from vrcomfort.errors import InputError
+from vrcomfort.report import build_report
+
+
+def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple[int, ...] = ()):
+    """A study of one exposure of each condition; some repeat the first, some lack the second."""
+    study = Study(folder)
+    for i in range(people):
+        exposures = [("a", "x", 4 + i % 5), ("b", "x", None if i in who_lacks else 3 + i % 3)]
+        study.session(f"P{i:02d}", 1, 0, exposures + [("a", "x", 5)] * (i in who_repeats))
+    return folder
+
+
+def test_an_exposure_more_of_two_people_takes_nobody_out(tmp_path):
+    summary = build_report(repeated(tmp_path / "s", 30, (3, 17)), out=tmp_path / "o")
+    assert summary.analysed == 30
+    (notice,) = summary.warnings
+    assert notice.startswith("P03, P17 have more exposures of a condition than are planned")
+    assert notice in summary.index.read_text("utf-8")
+
+
+def test_an_exposure_more_of_two_people_leaves_them_out_of_the_crossover_alone(tmp_path):
+    folder = Study(tmp_path / "s")
+    for i in range(12):
+        order = [("a", "x", 4 + i % 5), ("b", "x", 3 + i % 3)][:: 1 if i % 2 else -1]
+        folder.session(f"P{i:02d}", 1, 0, order + [("a", "x", 5)] * (i in (2, 5)))
+    found = report(tmp_path / "s", tmp_path / "o")["crossover"][0]
+    assert (found["n_ab"], found["n_ba"], found["left_out"]) == (5, 5, ["P02", "P05"])
+
+
+def test_an_exposure_more_is_averaged_with_the_planned(tmp_path):
+    results = report(repeated(tmp_path / "s", 12, (0,)), tmp_path / "o")
+    plain = report(repeated(tmp_path / "t", 12, ()), tmp_path / "p")
+    assert results["participants"]["exposures_per_condition"] == {"a": 1, "b": 1}
+    means = [r["tests"][0]["descriptives"]["a"]["mean"] for r in (results, plain)]
+    first, added = total_raw(4), total_raw(5)
+    assert means[0] - means[1] == pytest.approx(3.74 * (added - first) / 2 / 12)
+
+
+@pytest.mark.parametrize(("lacking", "told"), [(3, False), (4, True)])
+def test_a_loss_of_more_than_a_tenth_is_told_first(tmp_path, lacking, told):
+    lost = tuple(range(lacking))
+    summary = build_report(repeated(tmp_path / "s", 30, (), lost), out=tmp_path / "o")
+    notices = [w for w in summary.warnings if "are not in the tests of a and b" in w]
+    assert len(notices) == told
+    page = summary.index.read_text("utf-8")
+    if told:
+        assert notices[0].startswith("4 of 30 participants")
+        assert notices[0].endswith("P00, P01, P02, P03")
+        assert page.index(notices[0]) < page.index('id="results"')
+
+
+def test_the_protocol_says_how_many_exposures_are_planned(tmp_path):
+    """All lost the second exposure of a: no mode can know that there was to be one."""
+    study = Study(tmp_path / "s")
+    for i in range(6):
+        folder = study.session(f"P{i}", 1, 0, [("a", "x", 4), ("b", "x", 3), ("b", "y", 2)])
+        settings = {
+            "scenes": ["x", "y"], "conditions": [{"name": "a"}, {"name": "b"}],
+            "order": {"rule": "williams"},
+            "questionnaires": [
+                {"instrument": "ssq", "timepoint": "post", "when": "after_trial", "wait_s": 0}
+            ],
+        }  # fmt: skip
+        manifest = {
+            "participant": f"P{i}", "session": 1, "protocol": {"sha256": "0"},
+            "settings": settings, "clamps": [],
+        }  # fmt: skip
+        (folder / "manifest.json").write_text(json.dumps(manifest))
+    results = report(tmp_path / "s", tmp_path / "o")
+    assert results["participants"]["exposures_per_condition"] == {"a": 2, "b": 2}
+    assert "of every planned exposure (2 of a, 2 of b)" in results["notices"][0]
+
+
+def test_who_met_neither_condition_is_not_lost(tmp_path):
+    scores = {f"P{i}": {"a": 3, "b": 2 + i} for i in range(8)} | {"Q1": {"c": 1}, "Q2": {"c": 2}}
+    results = report(foreign(tmp_path / "questionnaires.csv", scores), tmp_path / "o")
+    assert not any("of a and b" in notice for notice in results["notices"])
+
+
+def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
+    names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
+    scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    (notice,) = summary.warnings
+    assert notice.startswith("`P09` and `P9`; `P10` and `p 10` may be one participant each")
+    assert summary.participants == 6
+
+
+def test_a_participant_in_two_sequences_is_an_error(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(4)}
+    file = foreign(tmp_path / "questionnaires.csv", scores, sequence="ab")
+    text = file.read_text().replace("P2,b,nausea,0,ab", "P2,b,nausea,0,ba")
+    file.write_text(text)
+    with pytest.raises(InputError, match=r"P2 is in sequence `ab` .* and in `ba`"):
+        build_report(file, out=tmp_path / "o")
+
+
+@pytest.mark.parametrize(("lowest", "asked"), [(1, True), (0, False)])
+def test_answers_that_may_be_coded_from_one_are_asked_about(tmp_path, lowest, asked):
+    rows = [
+        f"P{i},{c},{item},{max(lowest, (i + k) % 4)}"
+        for i in range(6)
+        for c in "ab"
+        for k, item in enumerate(ITEMS)
+    ]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
+    warnings = build_report(file, out=tmp_path / "o").warnings
+    assert any("none of 192 answers is 0" in warning for warning in warnings) == asked
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_condition_that_is_its_position_is_told_beside_the_result(tmp_path, turned):
+    study = Study(tmp_path / "s")
+    for i in range(8):
+        order = [("a", "x", 4 + i % 5), ("b", "x", 3 + i % 3)]
+        study.session(f"P{i}", 1, 0, order[:: -1 if turned and i % 2 else 1])
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    told = "everybody met a before b, so that their difference cannot be told from one of order"
+    assert (told in summary.headlines[0]) != turned
+    assert (told in summary.warnings) != turned
+
+
+def test_what_has_no_condition_is_left_out_with_its_place(tmp_path):
+    file = foreign(
+        tmp_path / "questionnaires.csv", {f"P{i}": {"a": 3, "b": i, "": 2} for i in range(6)}
+    )
+    results = report(file, tmp_path / "o")
+    assert [c["name"] for c in results["conditions"]] == ["a", "b"]
+    reasons = {row["reason"] for row in results["quality"]["excluded_questionnaires"]}
+    assert reasons == {"no condition is given"}
+
+
+def test_corrected_degrees_of_freedom_stand_beside_epsilon(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i, "c": 5 + i % 3} for i in range(6)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    effect = json.loads(summary.results.read_text("utf-8"))["anova"][0]["effects"][0]
+    epsilon = effect["sphericity"]["greenhouse_geisser"]
+    page = summary.index.read_text("utf-8")
+    assert f"<td>{2 * epsilon:.2f}, {10 * epsilon:.2f}</td>" in page
+
+
+def test_exact_is_written_only_where_it_was(tmp_path, monkeypatch):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(8)}
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    exact = build_report(source, out=tmp_path / "o").index.read_text("utf-8")
+    assert "p is from the exact permutation distribution" in exact
+    monkeypatch.setattr("vrcomfort.stats.signed_rank.EXACT_UP_TO", 5)
+    summary = build_report(source, out=tmp_path / "p")
+    assert "(asymptotic)" in summary.headlines[0]
+    assert "exact permutation distribution" not in summary.index.read_text("utf-8")

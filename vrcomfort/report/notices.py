@@ -1,0 +1,102 @@
+"""What a reader has to know before any number: on the terminal, and at the top of the page."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter, defaultdict
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.withdrawals import everybody
+
+if TYPE_CHECKING:
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.study_data import StudyData
+
+TOLERATED_LOSS = 0.1
+"""Share of the people of a comparison who may be missing from its test without a notice."""
+MOST_NAMED = 8
+FEWEST_ANSWERS = 32
+"""Of two questionnaires: fewer may all be above 0 by chance."""
+
+
+def notices(study: StudyData, scored: Exposures, tests: list[dict[str, Any]]) -> list[str]:
+    """Return the sentences, without their full stops."""
+    return [
+        *_losses(study, tests),
+        *_repeated(scored),
+        *_suspect_names(study),
+        *_coded_from_one(study),
+        *_confounded(tests),
+    ]
+
+
+def names(people: list[str]) -> str:
+    """Return names in a sentence, the first of them where they are many."""
+    shown = ", ".join(people[:MOST_NAMED])
+    return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
+
+
+def _losses(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+    """Say where more than a tenth of those who met either condition are not in the test."""
+    found = []
+    excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    met = {(s.participant, s.condition) for s in study.sheets}
+    met |= {(t["participant"], t["condition"]) for t in study.trials}
+    for test in {(test["a"], test["b"]): test for test in tests}.values():
+        people = {who for who, what in met if what in (test["a"], test["b"])} - excluded
+        lost = sorted(people.difference(test["participants"]), key=natural)
+        if len(lost) > TOLERATED_LOSS * len(people):
+            needed = test["exposures_per_condition"]
+            several = ", ".join(f"{n} of {c}" for c, n in needed.items() if n > 1)
+            found.append(
+                f"{len(lost)} of {len(people)} participants are not in the tests of {test['a']} "
+                f"and {test['b']}, for which a score of every planned exposure"
+                f"{f' ({several})' if several else ''} is needed: {names(lost)}"
+            )
+    return found
+
+
+def _repeated(scored: Exposures) -> list[str]:
+    """Say who has more exposures of a condition than are planned."""
+    counts = Counter(zip(scored.table["participant"], scored.table["condition"], strict=True))
+    people = {who for (who, what), n in counts.items() if n > scored.planned.get(what, n)}
+    if not people:
+        return []
+    listed = sorted(people, key=natural)
+    have = "has" if len(listed) == 1 else "have"
+    return [
+        f"{names(listed)} {have} more exposures of a condition than are planned; the mean of all "
+        "of them is taken"
+    ]
+
+
+def _suspect_names(study: StudyData) -> list[str]:
+    """Say which names may be one person's: they differ in case, spaces or zeros alone."""
+    alike: dict[str, list[str]] = defaultdict(list)
+    for name in everybody(study):
+        plain = re.sub(r"[\W_]+", "", name.casefold())
+        alike[re.sub(r"0+(?=\d)", "", plain)].append(name)
+    pairs = [" and ".join(f"`{name}`" for name in found) for found in alike.values() if found[1:]]
+    if not pairs:
+        return []
+    return [
+        f"{'; '.join(pairs)} may be one participant each, whose name was typed differently; they "
+        "are counted as different people"
+    ]
+
+
+def _coded_from_one(study: StudyData) -> list[str]:
+    """Ask where no answer is 0: all of them may be too high by one."""
+    answers = Counter(answer for sheet in study.sheets for answer in sheet.answers.values())
+    answered = sum(n for answer, n in answers.items() if answer is not None)
+    if answered < FEWEST_ANSWERS or answers[0]:
+        return []
+    return [
+        f"none of {answered} answers is 0: are they coded 1 to 4, with no 4 among them? Then every "
+        "score is too high; take 1 off each answer"
+    ]
+
+
+def _confounded(tests: list[dict[str, Any]]) -> list[str]:
+    return list(dict.fromkeys(test["confounded"] for test in tests if test.get("confounded")))

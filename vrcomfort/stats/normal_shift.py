@@ -1,0 +1,122 @@
+"""The signed-rank sum of n differences from N(δ, 1), and the δ that it is compatible with.
+
+Sorted by size, the smallest has rank 1 and is positive with density φ(t − δ), negative with
+φ(t + δ). So the generating function of W+ is an integral over ordered sizes, done size by size:
+
+    F_j(a, x) = j ∫_0^a F_{j−1}(t, x) [φ(t + δ) + x^j φ(t − δ)] dt,   F_0 = 1,
+
+where the coefficient of x^w in F_n(∞, x) is P(W+ = w). The integrals are taken at Chebyshev nodes.
+Above `EXACT_UP_TO` differences the arcsine of the root of W+ over its largest value is taken as
+normal, with the exact mean and variance of W+ (Lehmann 2006, Nonparametrics, appendix 4.1) and
+continuity correction. At n = 25 that moves the ends of an interval of the rank-biserial by at most
+.02 (.035 where the rank-biserial is beyond .9).
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.optimize import brentq
+from scipy.special import owens_t
+from scipy.stats import norm
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+EXACT_UP_TO = 25
+NODES = 96
+BLOCK = 24
+"""Columns of a matrix product: few enough that OpenBLAS starts no threads, which made these small
+products 30 times as dear on a busy machine."""
+TAIL = 8.5
+"""Standard deviations after which the normal density counts as zero."""
+
+
+@cache
+def _chebyshev() -> tuple[Floats, Floats]:
+    """Return nodes on [0, 1] and the matrix of integrals from 0 to each node, the last being 1."""
+    nodes = -np.cos(np.pi * np.arange(NODES) / (NODES - 1))
+    to_values = chebyshev.chebvander(nodes, NODES - 1)
+    integrals = np.stack([chebyshev.chebint(unit, lbnd=-1) for unit in np.eye(NODES)])
+    matrix = chebyshev.chebvander(nodes, NODES) @ integrals.T @ np.linalg.inv(to_values) / 2
+    return (nodes + 1) / 2, np.asarray(matrix, dtype=np.float64)
+
+
+def lower_tail(n: int, w: int, delta: float) -> float:
+    """Return P(W+ ≤ w) of n differences from N(δ, 1)."""
+    if w < 0:
+        return 0.0
+    if w >= n * (n + 1) // 2:
+        return 1.0
+    return _integrated(n, w, delta) if n <= EXACT_UP_TO else _normal(n, w, delta)
+
+
+def _integrated(n: int, w: int, delta: float) -> float:
+    nodes, integrals = _chebyshev()
+    end = abs(delta) + TAIL
+    negative = norm.pdf(end * nodes + delta)[:, None]
+    positive = norm.pdf(end * nodes - delta)[:, None]
+    found = np.zeros((NODES, w + 1))
+    found[:, 0] = 1.0
+    for rank in range(1, n + 1):
+        reached = min(rank * (rank + 1) // 2, w) + 1  # no sum of the ranks so far is larger
+        part = negative * found[:, :reached]
+        if rank < reached:
+            part[:, rank:] += positive * found[:, : reached - rank]
+        for first in range(0, reached, BLOCK):
+            block = slice(first, min(first + BLOCK, reached))
+            found[:, block] = rank * end * integrals @ part[:, block]
+    return float(found[-1].sum())
+
+
+def _moments(n: int, delta: float) -> tuple[float, float]:
+    """Return mean and standard deviation of W+, by the pairs whose sum is positive."""
+    own, pair = float(norm.cdf(delta)), float(norm.cdf(math.sqrt(2) * delta))
+    # Owen (1956): P(D₁ > 0, D₁ + D₂ > 0), and P(D₁ + D₂ > 0, D₁ + D₃ > 0), in closed form.
+    own_and_pair = (own + pair) / 2 - float(owens_t(delta, 1.0))
+    two_pairs = pair - 2 * float(owens_t(math.sqrt(2) * delta, 1 / math.sqrt(3)))
+    mean = n * own + n * (n - 1) / 2 * pair
+    variance = (
+        n * own * (1 - own)
+        + n * (n - 1) / 2 * pair * (1 - pair)
+        + 2 * n * (n - 1) * (own_and_pair - own * pair)
+        + n * (n - 1) * (n - 2) * (two_pairs - pair**2)
+    )
+    return mean, math.sqrt(variance)
+
+
+def _normal(n: int, w: int, delta: float) -> float:
+    mean, sd = _moments(n, delta)
+    largest = n * (n + 1) / 2
+    share, expected = (w + 0.5) / largest, mean / largest
+    distance = math.asin(math.sqrt(share)) - math.asin(math.sqrt(expected))
+    slope = 0.5 / math.sqrt(expected * (1 - expected)) / largest
+    return float(norm.cdf(distance / (slope * sd)))
+
+
+@lru_cache(maxsize=4096)
+def largest_shift(n: int, w: int, probability: float) -> float:
+    """Return the δ at which P(W+ ≤ w) has fallen to `probability`; infinite if it never does."""
+    if w >= n * (n + 1) // 2:
+        return math.inf
+
+    def excess(delta: float) -> float:
+        return lower_tail(n, w, delta) - probability
+
+    low, high = -1.0, 1.0
+    while excess(low) < 0:
+        low *= 2
+    while excess(high) > 0:
+        high *= 2
+    return float(brentq(excess, low, high, xtol=1e-8))
+
+
+def superiority(delta: float) -> float:
+    """Return 2 P(D₁ + D₂ > 0) − 1 of two differences from N(δ, 1)."""
+    return 2 * float(norm.cdf(math.sqrt(2) * delta)) - 1
