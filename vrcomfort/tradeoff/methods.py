@@ -17,9 +17,25 @@ Family: TypeAlias = Literal["none", "source", "ours", "dial"]
 
 OURS = "vrcomfort"
 FOCUS = Focus(method="fixed", fixed_m=1.5)
-LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 3.5, "full_blur_dioptre": 2.0}
-"""A large lens: 1.75 % of the image's width per dioptre. Nothing in the walks is nearer than the
-limit of 2 D allows, so that the reference, which has no limit, shows the same blur."""
+LensName: TypeAlias = Literal["1.75", "3.5", "7", "eye"]
+"""Percentage of the image's width that a circle of confusion's radius reaches at 2 D, or an eye."""
+LENS_NAMES: tuple[LensName, ...] = get_args(LensName)
+
+
+def _camera(percent: float) -> dict[str, Any]:
+    return {"law": "dioptre", "max_radius_percent": percent, "full_blur_dioptre": 2.0}
+
+
+LENSES: dict[LensName, dict[str, Any]] = {
+    "1.75": _camera(1.75),
+    "3.5": _camera(3.5),
+    "7": _camera(7.0),
+    "eye": {"law": "eye", "pupil_mm": 4.0, "max_radius_percent": 3.5},
+}
+"""Nothing in the walks is nearer than the limit of 2 D allows, so that the reference, which has no
+limit, shows the same blur."""
+LENS = LENSES["3.5"]
+"""A large lens: 1.75 % of the image's width per dioptre."""
 SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
 
 PER_PIXEL_SAMPLES = 8

@@ -12,7 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
 from vrcomfort.gpu.timer import is_software
 from vrcomfort.render.image_error import margin_px
-from vrcomfort.tradeoff.cases import Case, Scope, cases
+from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import Measured, measure
 from vrcomfort.tradeoff.methods import effects_with
@@ -83,13 +83,19 @@ class _ReferenceJob(NamedTuple):
 def _draw(
     work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
 ) -> list[Drawn]:
-    jobs = [_ReferenceJob(case, eye) for case in todo for eye in (0, 1)]
+    jobs = [_ReferenceJob(case, eye) for case in _with_later(todo, scope) for eye in range(eyes_of(case, scope))]
     advance = progress("references", len(jobs))
     found = []
     for drawn in work(partial(_draw_one, scope, store), jobs):
         found.append(drawn)
         advance()
     return found
+
+
+def _with_later(todo: list[Case], scope: Scope) -> list[Case]:
+    """Return the cases with those a frame later, which flicker needs."""
+    times = (False, True) if scope.flicker else (False,)
+    return [replace(case, later=later) for case in todo for later in times]
 
 
 def _draw_one(scope: Scope, store: Store, job: _ReferenceJob) -> Drawn:
