@@ -1,0 +1,81 @@
+"""What one eye's image sends through memory, effect by effect: `gpu.traffic` around its passes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Any
+
+import moderngl
+
+from vrcomfort.frame import Frame
+from vrcomfort.gpu import shaders
+from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.scene.data import Scene
+from vrcomfort.tradeoff.passes import PASSES, outermost
+from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
+
+NO_EFFECT = ("scene", "tone_map", "focus")
+"""Passes that a frame without effects has too, or that are drawn once for both eyes."""
+
+
+def traffic_of(
+    ctx: moderngl.Context,
+    scene: Scene,
+    condition: Condition,
+    pair: tuple[Frame | None, Frame],
+    size_px: tuple[int, int],
+    *,
+    count_reads: bool = False,
+) -> dict[str, Traffic]:
+    """Draw the left eye of a frame, and return what each kind of pass sent through memory.
+
+    Parameters
+    ----------
+    pair
+        The frame before, None where nothing moves, and the one to look at.
+    count_reads
+        Compiles shaders that count their texture reads: slower, the same pictures.
+    """
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    with shaders.counting_reads() if count_reads else nullcontext():
+        renderer.build(scene, condition)
+    before, frame = pair
+    if before is not None:
+        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    recorder = Recorder(ctx)
+    with recorder.recording(), _sorted_by_pass(recorder) as found:
+        renderer.render(frame, time_s(frame))
+    renderer.release()
+    sums = {name: added_up(draws) for name, draws in found.items()}
+    if count_reads:
+        return sums
+    return {name: each._replace(reads=None) for name, each in sums.items()}
+
+
+def of_effects(found: dict[str, Traffic]) -> Traffic:
+    """Return what the effects of an eye's image amount to."""
+    effects = [each for name, each in found.items() if name not in NO_EFFECT]
+    reads = [each.reads for each in effects if each.reads is not None]
+    return Traffic(
+        sum(each.passes for each in effects),
+        sum(each.draws for each in effects),
+        sum(each.bytes for each in effects),
+        sum(reads) if reads else None,
+    )
+
+
+@contextmanager
+def _sorted_by_pass(recorder: Recorder) -> Iterator[dict[str, list[Draw]]]:
+    """Sort the draws by the outermost pass that makes them."""
+    found: dict[str, list[Draw]] = {}
+
+    def around(name: str, draw: Any) -> None:
+        first = len(recorder.draws)
+        draw()
+        found.setdefault(name, []).extend(recorder.draws[first:])
+
+    with outermost(around, PASSES):
+        yield found
