@@ -19,7 +19,7 @@ from typing import get_args
 import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur
+from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur, Vignette
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
@@ -46,6 +46,8 @@ fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
     StereoRenderer(context, (16, 16)).begin(scene, condition)
+narrow = Condition(name="n", vignette=Vignette(colour="scene"))
+StereoRenderer(context, (16, 16)).begin(scene, narrow)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))

@@ -65,7 +65,7 @@ def test_the_plan_holds_what_is_needed_and_gives_reasons():
     assert needed(lit, PLAIN) == ["shadow", "scene", "tone_map"]
     assert needed(dark, DEFOCUS) == ["focus", "scene", "depth_of_field", "tone_map"]
     assert needed(dark, STREAKS) == ["scene", "velocity", "motion_blur", "tone_map"]
-    swapped = BOTH.model_copy(update={"effect_order": "motion_blur_first"})
+    swapped = BOTH.model_copy(update={"effect_order": ("motion_blur", "depth_of_field")})
     assert needed(dark, swapped)[-3:] == ["motion_blur", "depth_of_field", "tone_map"]
     assert all(item.reason for item in plan_passes(lit, BOTH))
 

@@ -6,9 +6,9 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.protocol.quality_levels import Quality, filled
@@ -28,6 +28,16 @@ ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
+
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
+EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
+"""In the order in which they come where a condition does not say otherwise."""
+
+_FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
+    "depth_of_field_first": ("depth_of_field", "motion_blur"),
+    "motion_blur_first": ("motion_blur", "depth_of_field"),
+}
+"""Words of the first version, which protocols of recorded studies have."""
 
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
@@ -227,22 +237,58 @@ class MotionBlur(Settings):
     blur scale when the head is rotating", Chapman 2020, who gives no speeds)."""
 
 
-class SpeedBlur(Settings):
-    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+class SpeedRamps(Settings):
+    """How much of an effect the participant's speed brings.
 
-    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
-    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
-    here it is an angle. Both ramps may be there: the larger wins; one that is absent does not
-    count. It comes after the other effects.
+    The larger ramp wins; one that is absent does not count.
     """
 
     speed_of: Literal["head", "avatar", "both"] = "both"
     """`head`: of the tracked head in its room; `avatar`: of locomotion alone, as in Budhiraja et
-    al.; `both`: of the head in the scene."""
+    al. 2017; `both`: of the head in the scene."""
     turning: TurnRamp | None = None
     moving: MoveRamp | None = None
+
+
+class SpeedBlur(SpeedRamps):
+    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+
+    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
+    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
+    here it is an angle.
+    """
+
     max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
+
+
+class Vignette(SpeedRamps):
+    """A field-of-view restrictor that closes with the participant's speed, alike in both eyes.
+
+    After Fernandes & Feiner 2016, who darken the border of the view while the user moves. Angles
+    are degrees of visual angle across the field, centred on the head's forward axis. Without ramps
+    the field is `open_deg` wide all the time.
+    """
+
+    open_deg: Annotated[float, Field(gt=0, le=180)] = 110.0
+    """Diameter of the clear field at rest. One that is wider than the headset's cannot be seen."""
+    restricted_deg: Annotated[float, Field(ge=0, le=180)] = 60.0
+    """Diameter of the clear field at full speed."""
+    feather_deg: Annotated[float, Field(ge=0.01, le=90)] = 10.0
+    """Width of the border, outside the clear field, in which the cover begins."""
+    attack_s: Annotated[float, Field(ge=0, le=3600)] = 0.3
+    """Time in which the field closes from `open_deg` to `restricted_deg`, at a constant rate."""
+    release_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
+    """Time in which it opens again."""
+    colour: Literal["black", "scene"] = "black"
+    """Of the cover; `scene` is the mean colour of what the left eye sees, for both eyes."""
+
+    @model_validator(mode="after")
+    def _narrows(self) -> Self:
+        if self.restricted_deg > self.open_deg:
+            message = "`restricted_deg` must not be more than `open_deg`"
+            raise PydanticCustomError("vignette_order", message)
+        return self
 
 
 class Condition(Settings):
@@ -256,10 +302,31 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
-    effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
-    """Says something where both are there; speed blur comes after either."""
+    vignette: Vignette | None = None
+    effect_order: tuple[EffectName, ...] = EFFECTS
+    """Which effect comes first; those that are not named come last, in their usual order."""
 
     @model_validator(mode="before")
     @classmethod
     def _take_what_the_level_says(cls, data: Any) -> Any:
         return filled(data)
+
+    @field_validator("effect_order", mode="before")
+    @classmethod
+    def _name_former_orders(cls, value: Any) -> Any:
+        return _FORMER_ORDERS.get(value, value) if isinstance(value, str) else value
+
+    @field_validator("effect_order")
+    @classmethod
+    def _name_each_once(cls, value: tuple[EffectName, ...]) -> tuple[EffectName, ...]:
+        for name in value:
+            if value.count(name) > 1:
+                message = "`{name}` is named more than once; name each effect once"
+                raise PydanticCustomError("effect_twice", message, {"name": name})
+        return (*value, *(name for name in EFFECTS if name not in value))
+
+    @property
+    def effects(self) -> dict[EffectName, Settings]:
+        """Return the settings of the effects that the condition names, in their order."""
+        named = {name: getattr(self, name) for name in self.effect_order}
+        return {name: settings for name, settings in named.items() if settings is not None}

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import lens_and_shutter
-from vrcomfort.protocol.conditions import Condition, DepthOfField
+from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
@@ -96,10 +96,9 @@ class Reference:
     ) -> None:
         self._condition = condition
         self._size_px = size_px
-        self._lens_effect = (
-            condition.depth_of_field if plan.depth_of_field(condition).needed else None
-        )
-        moving = plan.motion_blur(scene, condition).needed
+        blurred = plan.effect("depth_of_field", scene, condition).needed
+        self._lens_effect = condition.depth_of_field if blurred else None
+        moving = plan.effect("motion_blur", scene, condition).needed
         self._shutter_effect = condition.motion_blur if moving else None
         self._seed = seed
         self._ctx, self._scene = ctx, scene
@@ -179,7 +178,11 @@ class Reference:
         left_out = {
             "peripheral blur": lens and lens.peripheral,
             "fading with turning": shutter and shutter.fade_with_turning,
-            "speed blur": plan.speed_blur(self._condition).needed,
+            **{
+                name.replace("_", " "): plan.effect(name, self._scene, self._condition).needed
+                for name in EFFECTS
+                if name not in ("depth_of_field", "motion_blur")
+            },
         }
         parts = ["no lens" if lens is None else _lens_note(lens)]
         parts += [f"{name} is left out" for name, there in left_out.items() if there]
