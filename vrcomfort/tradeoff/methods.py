@@ -43,6 +43,7 @@ PER_PIXEL_SAMPLES = 8
 
 RINGS = (1, 2, 3)
 TAPS = (2, 6, 12, 16, 24, 48)
+SAMPLES = (4, 8, 16, 24, 32, 48, 64)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
@@ -111,18 +112,23 @@ def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:
 
 
 def _lens(quick: bool) -> list[Method]:
+    steps = {"samples": _few(SAMPLES, quick), "taps": _few(TAPS, quick), "rings": RINGS}
+    dials = [
+        _dial("depth_of_field", "ours", name, steps[name], _lens_condition)
+        for name in steps
+        if name in DepthOfField.model_fields
+    ]
     return [
-        _no_blur("depth_of_field"),
+        no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
-        *_dial("depth_of_field", "ours", "taps", _few(TAPS, quick), _lens_condition),
-        *_dial("depth_of_field", "ours", "rings", RINGS, _lens_condition),
+        *(method for dial in dials for method in dial),
         *_views(quick),
     ]
 
 
 def _shutter(quick: bool) -> list[Method]:
     return [
-        _no_blur("motion_blur"),
+        no_blur("motion_blur"),
         *_sources("motion_blur", MotionBlur, "method", _per_pixel_condition),
         *_dial("motion_blur", "ours", "samples", _few(STREAK_SAMPLES, quick), _shutter_condition),
     ]
@@ -134,10 +140,11 @@ def _both(quick: bool) -> list[Method]:  # noqa: ARG001 - two orders, and no dia
         Method(order, "both", "ours", _condition("both", order, True, True, effect_order=order))
         for order in orders
     ]
-    return [_no_blur("both"), *ours]
+    return [no_blur("both"), *ours]
 
 
-def _no_blur(effect: Effect) -> Method:
+def no_blur(effect: Effect) -> Method:
+    """Return the plain frame."""
     return Method("no blur", effect, "none", Condition(name="no_blur", focus=FOCUS))
 
 

@@ -1,37 +1,24 @@
-"""The passes of a frame that are told apart, and a way to do something around each."""
+"""Does something around each part of a frame that is told apart: scene, effects, tone map."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
-from vrcomfort.render.effects.speed_blur import SpeedBlurPass
-from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.tone_map import ToneMapPass
-
-PASSES: dict[type[Any], str] = {
-    ScenePass: "scene",
-    LensViews: "lens_views",
-    DepthOfFieldPass: "depth_of_field",
-    MotionBlurPass: "motion_blur",
-    SpeedBlurPass: "speed_blur",
-    ToneMapPass: "tone_map",
-    FullscreenPass: "other",
-}
-"""What is told apart: the outermost of these at any moment."""
+Around = Callable[[str, Callable[[], None]], None]
+"""Called with the name of a part and what draws it."""
 
 
 @contextmanager
-def outermost(
-    around: Callable[[str, Callable[[], None]], None], owners: Mapping[type[Any], str]
-) -> Iterator[None]:
-    """Call `around` with the name and the drawing of each outermost pass that is drawn inside."""
-    kept = [(owner, owner.render) for owner in owners]
+def outermost(around: Around, parts: Sequence[tuple[str, Any]]) -> Iterator[None]:
+    """Call `around` for each part whose `render` is called inside, unless another draws it.
+
+    Parameters
+    ----------
+    parts
+        Names and objects: those of :meth:`StereoRenderer.parts`.
+    """
     depth = [0]
 
     def wrapped(method: Callable[..., Any], name: str) -> Callable[..., Any]:
@@ -48,10 +35,10 @@ def outermost(
 
         return render
 
-    for owner, method in kept:
-        owner.render = wrapped(method, owners[owner])
+    for name, part in parts:
+        part.render = wrapped(part.render, name)
     try:
         yield
     finally:
-        for owner, method in kept:
-            owner.render = method
+        for _, part in parts:
+            del part.render

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from dataclasses import replace
 from typing import Any
 
 import moderngl
@@ -14,12 +15,13 @@ from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
-from vrcomfort.tradeoff.passes import PASSES, outermost
+from vrcomfort.tradeoff.cases import Case, Scope, condition_of, frames
+from vrcomfort.tradeoff.methods import Method
+from vrcomfort.tradeoff.passes import outermost
+from vrcomfort.tradeoff.shots import context
+from vrcomfort.tradeoff.store import scene_and_hash
+from vrcomfort.tradeoff.timing import NO_EFFECT
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
-
-NO_EFFECT = ("scene", "tone_map", "focus")
-"""Passes that a frame without effects has too, or that are drawn once for both eyes."""
-
 
 def traffic_of(
     ctx: moderngl.Context,
@@ -46,13 +48,40 @@ def traffic_of(
     if before is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
     recorder = Recorder(ctx)
-    with recorder.recording(), _sorted_by_pass(recorder) as found:
+    with recorder.recording(), _sorted_by_pass(recorder, renderer) as found:
         renderer.render(frame, time_s(frame))
     renderer.release()
     sums = {name: added_up(draws) for name, draws in found.items()}
     if count_reads:
         return sums
     return {name: each._replace(reads=None) for name, each in sums.items()}
+
+
+def traffic_of_method(method: Method, case: Case, scope: Scope) -> dict[str, Any]:
+    """Return what a method's effects send through memory for one eye's whole image.
+
+    ``reads_per_pixel`` and ``bytes_per_pixel`` of that image, ``passes`` and ``draws``.
+    """
+    whole = replace(case, window=None)
+    scene, _ = scene_and_hash(case.scene)
+    before, frame = frames(whole, scope)
+    found = of_effects(
+        traffic_of(
+            context(),
+            scene,
+            condition_of(whole, scope, method.condition),
+            (before if case.motion != "still" else None, frame),
+            scope.size_px,
+            count_reads=True,
+        )
+    )
+    pixels = scope.size_px[0] * scope.size_px[1]
+    return {
+        "reads_per_pixel": (found.reads or 0) / pixels,
+        "bytes_per_pixel": found.bytes / pixels,
+        "passes": found.passes,
+        "draws": found.draws,
+    }
 
 
 def of_effects(found: dict[str, Traffic]) -> Traffic:
@@ -68,7 +97,9 @@ def of_effects(found: dict[str, Traffic]) -> Traffic:
 
 
 @contextmanager
-def _sorted_by_pass(recorder: Recorder) -> Iterator[dict[str, list[Draw]]]:
+def _sorted_by_pass(
+    recorder: Recorder, renderer: StereoRenderer
+) -> Iterator[dict[str, list[Draw]]]:
     """Sort the draws by the outermost pass that makes them."""
     found: dict[str, list[Draw]] = {}
 
@@ -77,5 +108,5 @@ def _sorted_by_pass(recorder: Recorder) -> Iterator[dict[str, list[Draw]]]:
         draw()
         found.setdefault(name, []).extend(recorder.draws[first:])
 
-    with outermost(around, PASSES):
+    with outermost(around, renderer.parts()):
         yield found
