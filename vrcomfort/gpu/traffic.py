@@ -87,9 +87,7 @@ def added_up(draws: Sequence[Draw]) -> Traffic:
 def _passes(draws: Sequence[Draw]) -> int:
     if not draws:
         return 0
-    return 1 + sum(
-        not (_same_target(a, b) or _next_level(a, b)) for a, b in pairwise(draws)
-    )
+    return 1 + sum(not (_same_target(a, b) or _next_level(a, b)) for a, b in pairwise(draws))
 
 
 def _same_target(a: Draw, b: Draw) -> bool:
@@ -120,7 +118,8 @@ class Recorder:
     @contextmanager
     def recording(self) -> Iterator[None]:
         """Note what is drawn inside, in `draws`."""
-        draw, indirect = moderngl.VertexArray.render, moderngl.VertexArray.render_indirect
+        arrays: Any = moderngl.VertexArray
+        draw, indirect = arrays.render, arrays.render_indirect
 
         def render(array: moderngl.VertexArray, *arguments: Any, **options: Any) -> None:
             self._note(array, lambda: draw(array, *arguments, **options))
@@ -128,14 +127,14 @@ class Recorder:
         def render_indirect(array: moderngl.VertexArray, *arguments: Any, **options: Any) -> None:
             self._note(array, lambda: indirect(array, *arguments, **options))
 
-        moderngl.VertexArray.render = render
-        moderngl.VertexArray.render_indirect = render_indirect
+        arrays.render = render
+        arrays.render_indirect = render_indirect
         gl.copy_observers.append(self._note_copy)
         try:
             yield
         finally:
-            moderngl.VertexArray.render = draw
-            moderngl.VertexArray.render_indirect = indirect
+            arrays.render = draw
+            arrays.render_indirect = indirect
             gl.copy_observers.remove(self._note_copy)
 
     def _note(self, array: moderngl.VertexArray, draw: Callable[[], None]) -> None:
@@ -171,7 +170,7 @@ def _covered(fragments: int, targets: Sequence[Surface]) -> float:
 
 
 _SAMPLERS = {0x8B5E, 0x8B62, 0x8DCA, 0x8DD2, 0x9108, 0x8DC1, 0x8DC4}
-"""GL_SAMPLER_2D and what else reads a two-dimensional texture: shadow, integer, multisample, array."""
+"""GL_SAMPLER_2D and what else reads two dimensions: shadow, integer, multisample, array."""
 _BINDINGS = {0x9108: 0x9104, 0x8DC1: 0x8C1D, 0x8DC4: 0x8C1D}
 """By type of sampler, what binds its textures, where that is not GL_TEXTURE_BINDING_2D."""
 _TEXTURE_BINDING_2D, _ACTIVE_TEXTURE, _TEXTURE0, _SAMPLER_BINDING = 0x8069, 0x84E0, 0x84C0, 0x8919
@@ -292,7 +291,9 @@ class _State:
             if kind.value not in _SAMPLERS:
                 continue
             name = text.value.removesuffix(b"[0]")
-            names = [name] if size.value == 1 else [b"%s[%d]" % (name, i) for i in range(size.value)]
+            names = (
+                [name] if size.value == 1 else [b"%s[%d]" % (name, i) for i in range(size.value)]
+            )
             found += [(self._location(program, each), kind.value) for each in names]
         return found
 

@@ -23,7 +23,6 @@ from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.scene.data import Scene
 
-
 Drawn: TypeAlias = Effect | LensViews | ScenePass | ToneMapPass | FocusPass | FixedFocus
 """What has a `render`."""
 

@@ -60,6 +60,8 @@ class Measured(NamedTuple):
     """One for each method, and one for R2."""
     pictures: dict[str, NDArray[np.float32]]
     """Left eye: (h, w, 3) linear light, top row first, of the reference and of each method."""
+    counted: Mask
+    """(h, w, 1) top row first: what of the pictures is judged."""
     reused: int
     """How many rows were there from an earlier run."""
 
@@ -116,7 +118,15 @@ def measure(
     everything = {SCATTER: base, **{name: each for name, each in kept.items() if each}}
     rows = [{**asdict(case), **json.loads(str(each["row"]))} for each in everything.values()]
     pictures = {name: each["picture"] for name, each in everything.items()}
-    return Measured(case, rows, {"reference": base["reference"], **pictures}, reused)
+    shown = {"reference": base["reference"], **pictures}
+    return Measured(case, rows, shown, _counted(case, scope), reused)
+
+
+def _counted(case: Case, scope: Scope) -> Mask:
+    width, height = drawn_px(case, scope)
+    counted = np.zeros((height, width, 1), dtype=bool)
+    counted[judged_area(case, scope)] = True
+    return counted[::-1]
 
 
 def view_of(case: Case, scope: Scope, store: Store) -> tuple[EyeView, ...]:

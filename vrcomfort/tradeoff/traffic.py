@@ -23,6 +23,7 @@ from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import NO_EFFECT
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
+
 def traffic_of(
     ctx: moderngl.Context,
     scene: Scene,

@@ -1,4 +1,4 @@
-"""Rings of samples at half resolution, of what is behind and of what is in front: an engine's way."""
+"""Rings of samples at half resolution, behind and in front apart: an engine's way."""
 
 from __future__ import annotations
 
