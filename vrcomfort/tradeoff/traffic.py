@@ -8,10 +8,13 @@ from dataclasses import replace
 from typing import Any
 
 import moderngl
+import numpy as np
 
-from vrcomfort.frame import Frame
+from vrcomfort.frame import EYE_HEIGHT_M, Frame
+from vrcomfort.geometry import Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
+from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
@@ -22,6 +25,9 @@ from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import NO_EFFECT
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
+
+WALK_M_PER_S, WALK_RAD_PER_S = 1.4, 0.5
+FRAME_NS = round(1e9 / REFRESH_HZ)
 
 
 def traffic_of(
@@ -83,6 +89,32 @@ def traffic_of_method(method: Method, case: Case, scope: Scope) -> dict[str, Any
         "passes": found.passes,
         "draws": found.draws,
     }
+
+
+def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
+    """Return two frames of a head that walks and turns where a scene begins: everything moves."""
+    left, right = default_fovs(size_px)
+    heads = [
+        Pose(np.array([0.0, EYE_HEIGHT_M, -metres]), yaw_pitch_roll(yaw_rad, 0.0, 0.0))
+        for metres, yaw_rad in (
+            (0.0, 0.0),
+            (WALK_M_PER_S / REFRESH_HZ, WALK_RAD_PER_S / REFRESH_HZ),
+        )
+    ]
+    before, after = (
+        Frame(
+            index=number,
+            predicted_display_time_ns=(number + 1) * FRAME_NS,
+            period_ns=FRAME_NS,
+            head_pose=head,
+            views=(View(head, left), View(head, right)),
+            avatar_pose=spawn,
+            discontinuity=number == 0,
+            gaze=Gaze(head),
+        )
+        for number, head in enumerate(heads)
+    )
+    return before, after
 
 
 def of_effects(found: dict[str, Traffic]) -> Traffic:
