@@ -35,7 +35,7 @@ class GpuTimer:
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = _queries(ctx, self, LATENCY + 1)
+        names = queries(ctx, self, LATENCY + 1)
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
@@ -105,7 +105,7 @@ class Stopwatch:
         return self.lap(draw)()
 
     def _gpu_lap(self, draw: Callable[[], object]) -> Lap:
-        pair = self._free.pop() if self._free else _queries(self._ctx, self, 2)
+        pair = self._free.pop() if self._free else queries(self._ctx, self, 2)
         self._stamp(pair[0], _TIMESTAMP)
         draw()
         self._stamp(pair[1], _TIMESTAMP)
@@ -132,7 +132,7 @@ class _Queries(NamedTuple):
         self.delete(len(self.names), self.names)
 
 
-def _queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
+def queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
     """Return the names of new queries, which die with their owner."""
     names = (ctypes.c_uint * count)()
     count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 import moderngl
 
 from vrcomfort.gpu import gl, texel_reads
+from vrcomfort.gpu.timer import queries
 
 
 class Surface(NamedTuple):
@@ -202,7 +203,6 @@ class _State:
             "glGetFramebufferAttachmentParameteriv": (uint, uint, uint, out),
             "glBeginQuery": (uint, uint),
             "glEndQuery": (uint,),
-            "glGenQueries": (ctypes.c_int, out),
             "glGetQueryObjectui64v": (uint, uint, out),
         }
         self._gl = {name: gl.function(ctx, name, *types) for name, types in names.items()}
@@ -210,8 +210,7 @@ class _State:
             ctx, "glGetUniformLocation", uint, ctypes.c_char_p, result=ctypes.c_int
         )
         self._enabled = gl.function(ctx, "glIsEnabled", uint, result=ctypes.c_ubyte)
-        self._query = uint()
-        self._gl["glGenQueries"](1, ctypes.byref(self._query))
+        (self._query,) = queries(ctx, self, 1)
         self._samplers: dict[int, list[tuple[int, int]]] = {}
 
     def inputs(self, program: int) -> list[Surface]:
