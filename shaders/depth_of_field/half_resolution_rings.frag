@@ -23,9 +23,15 @@ layout(location = 1) out vec4 foreground;
 
 const float TURN = 6.28318531;
 
-vec3 colour_at(vec2 place, int level) {
-    return level == 0 ? textureLod(half_image, place, 0.0).rgb
-                      : textureLod(levels[level - 1], place, 0.0).rgb;
+vec3 colour_at(vec2 texels, int level) {
+    vec3 colour = vec3(0.0);
+    if (level == 0)
+        colour = textureLod(half_image, texels / vec2(textureSize(half_image, 0)), 0.0).rgb;
+    // Samplers in an array may be chosen by nothing that differs between pixels.
+    for (int k = 1; k <= LEVELS; ++k)
+        if (k == level)
+            colour = textureLod(levels[k - 1], texels / exp2(float(k)) / vec2(textureSize(levels[k - 1], 0)), 0.0).rgb;
+    return colour;
 }
 
 // The level whose texels fill the gaps between samples of a disc.
@@ -35,7 +41,7 @@ int level_of(float radius_px) {
 }
 
 void main() {
-    vec2 size_px = 2.0 * vec2(textureSize(half_image, 0));
+    vec2 size = vec2(textureSize(half_image, 0));
     vec4 centre = texelFetch(half_image, ivec2(gl_FragCoord.xy), 0);
     float front_px = texelFetch(tiles, ivec2(gl_FragCoord.xy) / TILE, 0).r;
     vec2 reach_px = vec2(max(centre.a, 0.0), front_px);
@@ -51,13 +57,13 @@ void main() {
             for (int i = 0; i < count; ++i) {
                 float angle = TURN * (float(i) + 0.5 * float(ring & 1)) / float(count);
                 vec2 away_px = distance_px * vec2(cos(angle), sin(angle)) * vec2(1.0, pixel_aspect);
-                vec2 place = (2.0 * gl_FragCoord.xy + away_px) / size_px;
-                float tap_px = textureLod(half_image, place, 0.0).a;
+                vec2 texels = gl_FragCoord.xy + 0.5 * away_px;
+                float tap_px = textureLod(half_image, texels / size, 0.0).a;
                 float own_px = side == 0 ? tap_px : -tap_px;
                 float covers = clamp(own_px - distance_px + 1.0, 0.0, 1.0) * step(0.5, own_px);
                 if (covers <= 0.0)
                     continue;
-                vec4 share = covers * vec4(colour_at(place, level), 1.0);
+                vec4 share = covers * vec4(colour_at(texels, level), 1.0);
                 if (side == 0)
                     behind += share;
                 else
