@@ -57,7 +57,8 @@ def test_mantiuk_in_numbers():
 def test_the_plan_says_how_focus_is_found():
     scene = still_life()
     zone = load_protocol("hillaire_2008").condition("blur_on")
-    assert "0.25 of the image's sides" in plan.focus(scene, zone).reason
+    reason = plan.focus(scene, zone).reason
+    assert "0.25 of the image's sides, drawn in 64×64 px and averaged by the GPU in 7" in reason
     assert "peripheral" in plan.effect("depth_of_field", scene, zone).reason
     gaze = load_protocol("mantiuk_2011").condition("gaze_7")
     assert "needs an eye tracker; nine rays ahead without one" in plan.focus(scene, gaze).reason

@@ -1,5 +1,7 @@
 """Texture reads, bytes, draws and passes of passes that are known."""
 
+from collections import namedtuple
+
 import moderngl
 import numpy as np
 import pytest
@@ -65,10 +67,7 @@ def test_pictures_are_the_same_with_counting(ctx):
 
 
 def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
-    class Size:
-        def _asdict(self):
-            return {"size_px": (32, 32)}
-
+    size = namedtuple("Size", "size_px")((32, 32))
     source, chain = gl.color_texture(ctx, (32, 32)), []
     for level in (1, 2, 3):
         chain.append(
@@ -77,7 +76,7 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
                 "depth_of_field/mip_downsample.frag",
                 source,
                 size_px=(32 >> level, 32 >> level),
-                constants=Size(),
+                constants=size,
                 defines={"TEXEL": 2 ** (level - 1)},
             )
         )

@@ -21,19 +21,18 @@ radii = st.floats(-16, 16)
 
 def twin(kernel, found, pixel_aspect):
     limit = {"radius_limit_px": found.limit_px}
-    if kernel == "scatter":
-        return scattering.scatter(found.points, pixel_aspect=pixel_aspect)
-    if kernel == "poisson12":
-        return poisson_taps.poisson12(found.points, pixel_aspect=pixel_aspect, **limit)
-    if kernel == "poisson15_near":
-        return poisson_taps.poisson15_near(found.points, pixel_aspect=pixel_aspect, **limit)
-    if kernel == "half_resolution_disc":
-        return half_resolution.disc(found.points, pixel_aspect=pixel_aspect, **limit)
-    if kernel == "ring_gather":
-        return half_resolution.rings(found.points, pixel_aspect=pixel_aspect)
-    if kernel == "separable_gaussian":
-        return half_resolution.separable_gaussian(found.points, pixel_aspect=pixel_aspect)
-    return pyramid.mip(found.points, slices=kernel == "mip_slices", **limit)
+    aspect = {"pixel_aspect": pixel_aspect}
+    made = {
+        "scatter": lambda points: scattering.scatter(points, **aspect),
+        "poisson12": lambda points: poisson_taps.poisson12(points, **aspect, **limit),
+        "poisson15_near": lambda points: poisson_taps.poisson15_near(points, **aspect, **limit),
+        "half_resolution_disc": lambda points: half_resolution.disc(points, **aspect, **limit),
+        "ring_gather": lambda points: half_resolution.rings(points, **aspect),
+        "separable_gaussian": lambda points: half_resolution.separable_gaussian(points, **aspect),
+        "mip": lambda points: pyramid.mip(points, **limit),
+        "mip_slices": lambda points: pyramid.mip(points, slices=True, **limit),
+    }
+    return made[kernel](found.points)
 
 
 @pytest.fixture

@@ -19,7 +19,9 @@ from typing import get_args
 import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur, Vignette
+from vrcomfort.protocol.conditions import (
+    FocusRuleName, Kernel, MoveRamp, RefocusLawName, SpeedBlur, Vignette
+)
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
@@ -54,10 +56,13 @@ for kernel in get_args(Kernel):
 for taps in (2, 6):
     few = DepthOfField(taps=taps, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))
-zone = Condition(
-    name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
-)
-StereoRenderer(context, (16, 16)).begin(scene, zone)
+rules = [Focus(method=method, without_gaze="nine_ray") for method in get_args(FocusRuleName)]
+for rule in (*rules, Focus(method="autofocus_zone", zone_statistic="minimum")):
+    condition = Condition(name="rule", focus=rule, depth_of_field=DepthOfField())
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
+for law in get_args(RefocusLawName):
+    condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)

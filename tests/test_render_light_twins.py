@@ -7,9 +7,10 @@ import pytest
 from test_effects_optics import evaluate
 
 from tests.oracles import reflection, sky
-from vrcomfort.geometry import normalize
+from vrcomfort.geometry import Fov, Pose, normalize
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.render.lighting import Light
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.eye_blocks import EyeBlocks
 from vrcomfort.scene.data import Environment, Scene
 
 ENVIRONMENT = Environment(
@@ -52,8 +53,9 @@ void main() {{
     source = gl.color_texture(ctx, (len(rows), 1), dtype="f4")
     source.write(padded.tobytes())
     target = gl.color_texture(ctx, (len(rows), 1), dtype="f4")
-    light = Light(ctx, Scene("light", (), (), (), environment=environment))
-    light.update(np.zeros(3), None, None)
+    blocks = EyeBlocks(ctx, Scene("light", (), (), (), environment=environment), (1, 1), lens=False)
+    eye = EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5))
+    blocks.update(eye, PreviousCamera(Pose(), 0.0), None, None)
     ctx.framebuffer([target]).use()
     source.use(0)
     triangle = ctx.vertex_array(ctx.program(shaders.source("common/fullscreen.vert"), program), [])

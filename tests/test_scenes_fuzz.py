@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 
 from tests.support.scene_files import Gltf, png
 from vrcomfort.errors import InputError
-from vrcomfort.gpu import shaders
-from vrcomfort.render.surfaces import _features, _material_block
+from vrcomfort.render.materials import ImageArrays, batch_key, material_blocks
 from vrcomfort.render.vertex_data import vertex_bytes
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
@@ -142,10 +141,10 @@ def assert_says_what_is_wrong(error: InputError, path: Path) -> None:
 
 
 def assert_can_be_drawn(scene: Scene) -> None:
-    layout = shaders.block_dtype("surface.glsl", "Material")
-    for material in scene.materials:
-        assert np.isfinite(_material_block(material, layout)["base_color"]).all()
-        _features(material, vertex_colors=True)
+    images = ImageArrays.of(scene)
+    assert np.isfinite(material_blocks(scene, images)["base_color"]).all()
+    for number, material in enumerate(scene.materials):
+        batch_key(scene, images, number, vertex_colors=True, mirrored=False)
         for name in ("base_color", "normal", "metallic_roughness", "emissive"):
             index = getattr(material, f"{name}_image")
             assert index is None or 0 <= index < len(scene.images)

@@ -68,7 +68,10 @@ def test_everything_is_written(run, tmp_path, cache):
     assert all(math.isfinite(row["rms"]) for row in found["rows"])
     assert all(row["effect_ms"] > 0 for row in found["rows"] if row["family"] == "ours")
     assert "llvmpipe" in found["device"] or found["timer"] == "time stamps of the GPU"
-    for name in ("figures/temple_depth_of_field_lens3.5.svg", "figures/temple_depth_of_field_lens3.5.png"):
+    for name in (
+        "figures/temple_depth_of_field_lens3.5.svg",
+        "figures/temple_depth_of_field_lens3.5.png",
+    ):
         assert (tmp_path / name).stat().st_size > 1000
     page = (tmp_path / "index.html").read_text()
     assert all(name in page for name in names)

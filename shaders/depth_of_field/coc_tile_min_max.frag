@@ -38,6 +38,11 @@ void main() {
         tile_min_max.r = min(tile_min_max.r, radius_at(z.y, corner / size));
         tile_min_max.g = max(tile_min_max.g, radius_at(z.x, corner / size));
     }
+#ifdef ALONG_RAY
+    // The nearest point of a plane may be inside the tile.
+    vec2 nearest = clamp(nearest_uv(z.y), vec2(first) / size, vec2(last + 1) / size);
+    tile_min_max.r = min(tile_min_max.r, radius_at(z.y, nearest));
+#endif
     vec2 middle = 0.5 * vec2(first + last + 1) / size;
     tile_min_max.b = max(abs(radius_within(NO_LIMIT_PX, z.x, middle)),
                   abs(radius_within(NO_LIMIT_PX, z.y, middle)));

@@ -9,11 +9,15 @@ in vec4 in_color;
 in vec4 in_relative_x;
 in vec4 in_relative_y;
 in vec4 in_relative_z;
+in float in_material;
 in vec4 in_thing;  // w: semantic weight
-uniform mat4 clip_from_relative;
+layout(std140, binding = 3) uniform Clip {
+    mat4 clip_from_relative;
+};
 #ifdef ALPHA_MASK
 out vec2 uv;
 out float alpha;
+flat out int material_index;
 #endif
 #ifdef SEMANTIC
 flat out float semantic_weight;
@@ -27,6 +31,7 @@ void main() {
 #ifdef ALPHA_MASK
     uv = in_uv;
     alpha = in_color.a;
+    material_index = int(in_material);
 #endif
 #ifdef SEMANTIC
     semantic_weight = in_thing.w;

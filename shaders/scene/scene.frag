@@ -7,13 +7,14 @@
 #include "view.glsl"
 #include "light.glsl"
 #include "surface.glsl"
+#include "material.glsl"
 #include "sky.glsl"
 
-layout(binding = 0) uniform sampler2D base_color_image;
-layout(binding = 1) uniform sampler2D normal_image;
-layout(binding = 2) uniform sampler2D metallic_roughness_image;
-layout(binding = 3) uniform sampler2D emissive_image;
-layout(binding = 4) uniform sampler2DShadow shadow_map;
+uniform sampler2DArray base_color_images;
+uniform sampler2DArray normal_images;
+uniform sampler2DArray metallic_roughness_images;
+uniform sampler2DArray emissive_images;
+uniform sampler2DShadow shadow_map;
 
 in vec3 relative;
 in vec3 normal;
@@ -22,6 +23,7 @@ in vec2 uv;
 in vec4 color;
 #endif
 flat in vec2 thing;
+flat in int material_index;
 layout(location = 0) out vec4 radiance;
 #ifdef VELOCITY
 #include "velocity.glsl"
@@ -34,9 +36,9 @@ const float HALF_FLOAT_MAX = 65504.0;
 
 // Tangent frame from screen derivatives: no tangents in the vertices.
 // Source: Schueler, "Normal mapping without precomputed tangents", ShaderX 5 (2006).
-vec3 mapped_normal(vec3 n) {
-    vec3 texel = texture(normal_image, uv).xyz * 2.0 - 1.0;
-    texel.xy *= emissive.a;
+vec3 mapped_normal(vec3 n, float layer, float scale_of_map) {
+    vec3 texel = texture(normal_images, vec3(uv, layer)).xyz * 2.0 - 1.0;
+    texel.xy *= scale_of_map;
     vec3 dx = dFdx(relative), dy = dFdy(relative);
     vec2 du = dFdx(uv), dv = dFdy(uv);
     vec3 across_x = cross(dy, n), across_y = cross(n, dx);
@@ -71,7 +73,8 @@ float sunlight(vec3 n) {
 #endif
 
 void main() {
-    vec4 albedo = base_color;
+    Material material = materials[material_index];
+    vec4 albedo = material.base_color;
     float ambient = thing.x;
 #ifdef VERTEX_COLORS
     // A pixel's centre may lie outside the triangle: what is interpolated there leaves its range,
@@ -85,20 +88,20 @@ void main() {
 #endif
 #endif
 #ifdef BASE_COLOR_IMAGE
-    albedo *= texture(base_color_image, uv);
+    albedo *= texture(base_color_images, vec3(uv, material.layers.x));
 #endif
     float coverage = 1.0;
 #ifdef ALPHA_MASK
     // Steepen alpha to one pixel's width around the cut-off, so that an edge covers by its area.
-    coverage = clamp((albedo.a - reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
+    coverage = clamp((albedo.a - material.reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
 #endif
 #ifdef ALPHA_BLEND
     coverage = albedo.a;
 #endif
-    float metallic = reflection.x;
-    float roughness = reflection.y;
+    float metallic = material.reflection.x;
+    float roughness = material.reflection.y;
 #ifdef METALLIC_ROUGHNESS_IMAGE
-    vec4 surface = texture(metallic_roughness_image, uv);
+    vec4 surface = texture(metallic_roughness_images, vec3(uv, material.layers.z));
     metallic *= surface.b;
     roughness *= surface.g;
 #endif
@@ -111,7 +114,7 @@ void main() {
 #endif
     vec3 smooth_normal = n;
 #ifdef NORMAL_IMAGE
-    n = mapped_normal(n);
+    n = mapped_normal(n, material.layers.y, material.emissive.a);
 #endif
     float alpha = filtered_alpha(max(roughness * roughness, 0.01), n);
     vec3 diffuse = albedo.rgb * (1.0 - metallic);
@@ -140,9 +143,9 @@ void main() {
              * (diffuse * INV_PI + specular(n, v, l, f0, alpha));
     }
 #endif
-    vec3 glow = emissive.rgb;
+    vec3 glow = material.emissive.rgb;
 #ifdef EMISSIVE_IMAGE
-    glow *= texture(emissive_image, uv).rgb;
+    glow *= texture(emissive_images, vec3(uv, material.layers.w)).rgb;
 #endif
     sum += glow;
 #ifdef FOG

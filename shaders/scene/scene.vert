@@ -17,6 +17,7 @@ in vec4 in_color;
 in vec4 in_relative_x;
 in vec4 in_relative_y;
 in vec4 in_relative_z;
+in float in_material;
 in vec4 in_thing;  // x: share of ambient light, y: 1 = head-locked, z: bit set of its lamps
 #ifdef VELOCITY
 in vec4 in_previous_x;
@@ -33,6 +34,7 @@ out vec2 uv;
 out vec4 color;
 #endif
 flat out vec2 thing;  // x: share of ambient light, y: bit set of lamps
+flat out int material_index;
 
 vec3 cofactor(vec3 n) {
     // The inverse transpose keeps normals upright under uneven scale; its sign keeps mirrors right.
@@ -51,6 +53,7 @@ void main() {
     color = in_color;
 #endif
     thing = in_thing.xz;
+    material_index = int(in_material);
     gl_Position = clip_now(relative);
 #ifdef VELOCITY
     vec3 before = vec3(dot(in_previous_x, position), dot(in_previous_y, position),

@@ -84,9 +84,7 @@ def rings(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
             else:
                 front += share * (front_px**2 / taps / np.maximum(tap_px**2, 1))[..., None]
     background = _mean(behind, half[..., :3])
-    foreground = np.concatenate(
-        [_mean(front, background), np.clip(front[..., 3:], 0, 1)], axis=-1
-    )
+    foreground = np.concatenate([_mean(front, background), np.clip(front[..., 3:], 0, 1)], axis=-1)
     soft, over = (
         _upsampled(median_filter(each, (3, 3, 1), mode="nearest"), image)
         for each in (background, foreground)
@@ -148,7 +146,7 @@ def _at_levels(levels: list[Array], reach_px: Array, away: Array) -> Array:
 
 
 def _at(image: Array, away: ArrayLike) -> Array:
-    """Return the (h, w, n) image bilinearly read at an offset in texels from each texel's middle."""
+    """Return the (h, w, n) image bilinearly read at an offset in texels from each middle."""
     height, width = image.shape[:2]
     middles = np.stack(np.meshgrid(np.arange(width) + 0.5, np.arange(height) + 0.5), axis=-1)
     return _bilinear(image, middles + away)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
@@ -139,7 +139,14 @@ class Recorder:
             gl.copy_observers.remove(self._note_copy)
 
     def _note(self, array: moderngl.VertexArray, draw: Callable[[], None]) -> None:
-        program = array.program
+        scope, array.scope = array.scope, None  # entered here, so that its target can be asked for
+        try:
+            with scope or nullcontext():
+                self._note_in_scope(array.program, draw)
+        finally:
+            array.scope = scope
+
+    def _note_in_scope(self, program: moderngl.Program, draw: Callable[[], None]) -> None:
         self._counter.clear()
         self._counter.bind_to_storage_buffer(texel_reads.BINDING)
         inputs, targets = self._state.inputs(program.glo), self._state.targets()

@@ -44,6 +44,12 @@ EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
+FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed"]
+
+RefocusLawName = Literal[
+    "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
+]
+
 _FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
     "depth_of_field_first": ("depth_of_field", "motion_blur"),
     "motion_blur_first": ("motion_blur", "depth_of_field"),
@@ -68,12 +74,12 @@ class Focus(Settings):
     al. 2011 (`gaze`).
     """
 
-    method: Literal["nine_ray", "autofocus_zone", "gaze", "fixed"] = "nine_ray"
+    method: FocusRuleName = "nine_ray"
     fixed_m: Distance = 2.0
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
-    """In which unit distances are averaged (nine rays and autofocus zone)."""
+    """In which unit distances are averaged (nine rays, and the mean of the autofocus zone)."""
     outlier_mad: Annotated[float, Field(ge=0.001, le=1e6)] = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
     outlier_floor_fraction: Annotated[float, Field(ge=0, le=1000)] = 0.02
@@ -84,8 +90,11 @@ class Focus(Settings):
     """Side of the autofocus zone over that of the image: its area is the square of it."""
     zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
+    zone_statistic: Literal["mean", "minimum", "maximum"] = "mean"
+    """What the zone's distances come to: their weighted mean, or the nearest or farthest of what
+    weighs more than `semantic_min`; where nothing there does, of everything."""
     zone_mean_on: Literal["gpu", "cpu"] = "gpu"
-    """Where the zone is averaged; the CPU waits for the GPU in every frame."""
+    """Where the zone is averaged or searched; the CPU waits for the GPU in every frame."""
     semantic_min: Weight = 0.004
     """W_S,min: least weight of anything, and that of the sky."""
     semantic_max: Weight = 1.0
@@ -98,10 +107,8 @@ class Focus(Settings):
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
     without_gaze: Literal["stop", "nine_ray"] = "stop"
     """What `gaze` does with a headset that has no eye tracker."""
-    law: Literal[
-        "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
-    ] = "linear"
-    """How focus moves to its target: see `vrcomfort.optics.refocus`."""
+    law: RefocusLawName = "linear"
+    """How focus moves to its target: one file of `vrcomfort.optics.refocus` for each."""
     refocus_s: Seconds = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
     cutoff_hz: Annotated[float, Field(ge=0.001, le=10_000)] = 5.0
@@ -141,6 +148,11 @@ class DepthOfField(Settings):
     law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
     """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
     defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
+    distance_along: Literal["head_axis", "ray"] = "head_axis"
+    """Which distances the law, and the search for the focus, take: `head_axis`, along the head's
+    forward axis, so that a lens is sharp in a plane; `ray`, from the head centre, so that it is
+    sharp on a sphere. An eye accommodates to the distance along its line of sight: where people
+    look 40° aside, the two differ by 1/cos 40° = 1.3."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Distance = 10.0
@@ -187,6 +199,12 @@ class DepthOfField(Settings):
         if self.views > 1 and self.peripheral is not None:
             message = "views > 1 cannot be combined with peripheral blur, which no lens makes"
             raise PydanticCustomError("views_peripheral", message)
+        if self.views > 1 and self.distance_along == "ray":
+            message = (
+                'views > 1 cannot be combined with distance_along = "ray": through points of a '
+                "lens, a plane is in focus"
+            )
+            raise PydanticCustomError("views_ray", message)
         return self
 
     @property

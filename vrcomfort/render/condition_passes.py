@@ -15,15 +15,16 @@ from vrcomfort.render.camera import Lens, PreviousCamera
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
 from vrcomfort.render.effects.effect import Effect, EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.kinds import in_order
-from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
-from vrcomfort.render.focus.rays import screen_tangents
+from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rule import FocusPass, Sight
+from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.frames import EyeImages, head_from_gaze
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.scene.data import Scene
 
-Drawn: TypeAlias = Effect | LensViews | ScenePass | ToneMapPass | FocusPass | FixedFocus
+Drawn: TypeAlias = Effect | LensViews | ScenePass | ToneMapPass | FocusPass
 """What has a `render`."""
 
 
@@ -62,9 +63,12 @@ class ConditionPasses:
             samples=samples,
             lens_law="dioptre" if self._views > 1 else None,
         )
-        self.focus: FocusPass | FixedFocus | None = None
+        self.focus: FocusPass | None = None
         if any("focus" in kind.reads for kind in kinds):
-            self.focus = make_focus_pass(ctx, self.scene.gpu, condition.focus, near_m=near_m)
+            along_ray = blur is not None and blur.distance_along == "ray"
+            self.focus = make_focus_pass(
+                ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
+            )
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
@@ -158,14 +162,15 @@ class ConditionPasses:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
             return ()
-        return self.focus.render(
-            frame_index=frame.index,
-            display_time_ns=frame.predicted_display_time_ns,
-            world_from_head=world_from_head,
-            discontinuity=frame.discontinuity,
-            screen_tangents=screen_tangents(frame.views),
-            gaze=head_from_gaze(frame),
+        sight = Sight(
+            frame.index,
+            frame.predicted_display_time_ns,
+            world_from_head,
+            frame.discontinuity,
+            screen_tangents(frame.views),
+            head_from_gaze(frame),
         )
+        return self.focus.render(sight)
 
     def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
         """Draw one eye and its effects; the left one first."""
@@ -197,7 +202,8 @@ class ConditionPasses:
         lens: Lens | None = None,
     ) -> None:
         previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
-        self.scene.render(replace(eye.camera, lens=lens), scene_time_s, previous)
+        camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
+        self.scene.render(camera, scene_time_s, previous)
         self.triangles += self.scene.triangles
         seen = eye._replace(still=self.scene.still)
         for effect in effects:

@@ -173,11 +173,11 @@ class StereoRenderer:
         before = None if frame.discontinuity else self._before
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
-        passes.scene.update(scene_time_s, world_from_head, before_s)
+        eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
+        passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
         samples = passes.find_focus(frame, world_from_head)
         triangles = passes.focus.triangles if passes.focus else 0
-        for index in range(self._eyes):
-            eye = self._eye(index, frame, before)
+        for index, eye in enumerate(eyes):
             images = passes.render_eye(eye, scene_time_s, before_s)
             triangles += passes.triangles
             if on_eye is not None:
@@ -220,10 +220,11 @@ class StereoRenderer:
             raise RuntimeError("StereoRenderer.begin was not called")
         return self._passes
 
-    def _eye(self, index: int, frame: Frame, before: _Before | None) -> EyeFrame:
+    def _eye(
+        self, index: int, frame: Frame, world_from_head: Pose, before: _Before | None
+    ) -> EyeFrame:
         view, time_ns = frame.views[index], frame.predicted_display_time_ns
         head_from_eye = frame.head_pose.inverse() @ view.pose
-        world_from_head = frame.avatar_pose @ frame.head_pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from vrcomfort.protocol.conditions import Condition, EffectName, Focus
+from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render.effects.kinds import EFFECTS, in_order
+from vrcomfort.render.focus.rules import RULES
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -48,29 +49,10 @@ def shadow(scene: Scene) -> PlannedPass:
 
 
 def focus(scene: Scene, condition: Condition) -> PlannedPass:
-    """Plan the focus rays."""
+    """Plan the search for the focus."""
     if not _readers("focus", scene, condition):
         return PlannedPass("focus", False, "nothing is out of focus without depth of field")
-    if condition.focus.method == "fixed":
-        return PlannedPass("focus", False, f"focus is fixed at {condition.focus.fixed_m:g} m")
-    return PlannedPass("focus", True, _focus_reason(condition.focus))
-
-
-def _focus_reason(settings: Focus) -> str:
-    if settings.method == "autofocus_zone":
-        share = f"{settings.zone_ratio:g} of the image's sides"
-        return (
-            f"depth of field follows what is in the middle: {share}, averaged by the "
-            f"{settings.zone_mean_on.upper()}"
-        )
-    if settings.method == "gaze":
-        instead = (
-            "nine rays ahead without one"
-            if settings.without_gaze == "nine_ray"
-            else "the session stops without one"
-        )
-        return f"depth of field follows the gaze: needs an eye tracker; {instead}"
-    return "depth of field follows what is in front of the head"
+    return RULES[condition.focus.method].plan(condition.focus)
 
 
 def velocity(scene: Scene, condition: Condition) -> PlannedPass:

@@ -75,7 +75,8 @@ class Reference:
     dioptres (``dioptre``, ``eye``, ``thin_lens``) each sample is the exact shear of a thin lens
     without r_max; with ``linear`` it is exact at vertices only. The shutter is centred on the frame
     and poses are extrapolated at constant velocity, less the motion that the previous pose has
-    cancelled. Peripheral blur, speed blur and streaks that fade with turning are left out.
+    cancelled. Peripheral blur, speed blur, distances along rays and streaks that fade with turning
+    are left out.
 
     Parameters
     ----------
@@ -177,6 +178,7 @@ class Reference:
         lens, shutter = self._lens_effect, self._shutter_effect
         left_out = {
             "peripheral blur": lens and lens.peripheral,
+            "the distance along each ray": lens and lens.distance_along == "ray",
             "fading with turning": shutter and shutter.fade_with_turning,
             **{
                 name.replace("_", " "): plan.effect(name, self._scene, self._condition).needed

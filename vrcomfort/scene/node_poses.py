@@ -25,6 +25,7 @@ class NodePoses:
         self.locked = _locked(scene)
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._walk = np.flatnonzero(self.moving).tolist()
+        self.any_moving = bool(self._walk)
         self._any_locked = bool(self.locked.any())
         self._placed: dict[float, Array] = {}
 
@@ -48,16 +49,14 @@ class NodePoses:
         moved = sample_all(self._scene.animations, time_s) if self._walk else {}
         for index in self._walk:
             node = self._scene.nodes[index]
-            parent = world[node.parent] if node.parent >= 0 else np.eye(4)
-            world[index] = parent @ (
-                node.matrix
-                if node.matrix is not None
-                else trs_matrix(
+            local = node.matrix
+            if local is None:
+                local = trs_matrix(
                     moved.get((index, "translation"), node.translation),
                     moved.get((index, "rotation"), node.rotation),
                     moved.get((index, "scale"), node.scale),
                 )
-            )
+            world[index] = local if node.parent < 0 else world[node.parent] @ local
         return world
 
 

@@ -28,6 +28,8 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
         reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
     if settings.peripheral is not None:
         reason += ", with peripheral blur"
+    if settings.distance_along == "ray":
+        reason += ", by the distance along each ray"
     if settings.views > 1:
         reason = f"the scene is drawn in {settings.views} views through the lens of each eye"
     return PlannedPass("depth_of_field", True, reason)
