@@ -75,7 +75,7 @@ def drawn(request):
 
 
 def markers(axes, rows, pixels_per_point):
-    timed = [row for row in rows if row["cost"]]
+    timed = [row for row in rows if row["cost"] and row["family"] != "none"]
     assert len(timed) > 4
     found = []
     for row in timed:

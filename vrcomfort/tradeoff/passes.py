@@ -6,8 +6,17 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+
 Around = Callable[[str, Callable[[], None]], None]
 """Called with the name of a part and what draws it."""
+
+
+def leave_out_records(parts: Sequence[tuple[str, Any]]) -> None:
+    """Let no effect draw what only the record of its limits needs: that is no part of a method."""
+    for _, part in parts:
+        if isinstance(part, DepthOfFieldPass):
+            part.leave_out_records()
 
 
 @contextmanager

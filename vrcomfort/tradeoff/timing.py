@@ -20,7 +20,7 @@ from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.cases import Case, Scope, condition_of, eyes_of, frames
 from vrcomfort.tradeoff.methods import Method, methods, no_blur, pick
-from vrcomfort.tradeoff.passes import outermost
+from vrcomfort.tradeoff.passes import leave_out_records, outermost
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
@@ -146,6 +146,7 @@ class _Timer:
         scene, _ = scene_and_hash(case.scene)
         self._renderer = StereoRenderer(context(), scope.size_px, eyes=eyes_of(case, scope))
         self._renderer.build(scene, condition_of(case, scope, condition))
+        leave_out_records(self._renderer.parts())
 
     def frame(self) -> Laps:
         """Draw a frame, and return what tells the seconds of its parts."""

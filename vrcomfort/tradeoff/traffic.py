@@ -20,7 +20,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.cases import Case, Scope, condition_of, frames
 from vrcomfort.tradeoff.methods import Method
-from vrcomfort.tradeoff.passes import outermost
+from vrcomfort.tradeoff.passes import leave_out_records, outermost
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import NO_EFFECT
@@ -38,6 +38,7 @@ def traffic_of(
     size_px: tuple[int, int],
     *,
     count_reads: bool = False,
+    records: bool = True,
 ) -> dict[str, Traffic]:
     """Draw the left eye of a frame, and return what each kind of pass sent through memory.
 
@@ -47,10 +48,14 @@ def traffic_of(
         The frame before, None where nothing moves, and the one to look at.
     count_reads
         Compiles shaders that count their texture reads: slower, the same pictures.
+    records
+        Whether that is counted too which only the record of limits needs.
     """
     renderer = StereoRenderer(ctx, size_px, eyes=1)
     with shaders.counting_reads() if count_reads else nullcontext():
         renderer.build(scene, condition)
+    if not records:
+        leave_out_records(renderer.parts())
     before, frame = pair
     if before is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
@@ -80,6 +85,7 @@ def traffic_of_method(method: Method, case: Case, scope: Scope) -> dict[str, Any
             (before if case.motion != "still" else None, frame),
             scope.size_px,
             count_reads=True,
+            records=False,
         )
     )
     pixels = scope.size_px[0] * scope.size_px[1]
