@@ -38,6 +38,8 @@ THROUGH = {
     "sum_over": "gather_coarse.frag (test_effects_coarse_layers.py)",
     "bilateral_upsample": "gather_composite.frag (test_effects_coarse_layers.py)",
     "suffices": "gather_half_resolution.frag (test_effects_coarse_layers.py)",
+    "on_image": "scene.frag and depth.frag (test_scenes_extensions.py)",
+    "bent": "scene.vert and depth.vert (test_scenes_skins.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",
 }

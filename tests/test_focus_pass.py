@@ -131,7 +131,9 @@ def test_holes_of_an_alpha_mask_let_rays_through(ctx):
     pixels[:, 8:, 3] = 0
     material = Material(base_color_image=0, alpha_mode="MASK", alpha_cutoff=0.5)
     scene = scene_of(
-        [wall(1.0, Pose(), 1.0)], material=material, images=(Image(pixels, repeat=(False, False)),)
+        [wall(1.0, Pose(), 1.0)],
+        material=material,
+        images=(Image(pixels, wrap=("clamp_to_edge", "clamp_to_edge")),),
     )
     (sample,) = samples_of(ctx, scene, heads=(Pose(),))
     left = ray_directions(2.0)[:, 0] < -1e-6

@@ -8,6 +8,11 @@
 #include "material.glsl"
 uniform sampler2DArray base_color_images;
 in vec2 uv;
+#ifdef UV_1
+in vec2 uv_1;
+#else
+const vec2 uv_1 = vec2(0.0);
+#endif
 in float alpha;
 flat in int material_index;
 #endif
@@ -21,7 +26,7 @@ void main() {
     Material material = materials[material_index];
     float covered = material.base_color.a * alpha;
 #ifdef BASE_COLOR_IMAGE
-    covered *= texture(base_color_images, vec3(uv, material.layers.x)).a;
+    covered *= texture(base_color_images, vec3(on_image(material, BASE_COLOR, uv, uv_1), material.layers.x)).a;
 #endif
     if (covered < material.reflection.z) discard;
 #endif

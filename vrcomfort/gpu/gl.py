@@ -167,6 +167,18 @@ def color_texture(
     return _entered(ctx, texture if samples else point_sampled(texture), components, dtype)
 
 
+_WRAPS = {"repeat": 0x2901, "clamp_to_edge": 0x812F, "mirrored_repeat": 0x8370}
+_WRAP_S, _WRAP_T = 0x2802, 0x2803
+
+
+def wrap(ctx: moderngl.Context, texture: moderngl.TextureArray, ways: tuple[str, str]) -> None:
+    """Say how a texture goes on outside of [0, 1], in u and in v (moderngl mirrors nothing)."""
+    function(ctx, "glBindTexture", ctypes.c_uint, ctypes.c_uint)(_TEXTURE_2D_ARRAY, texture.glo)
+    parameter = function(ctx, "glTexParameteri", ctypes.c_uint, ctypes.c_uint, ctypes.c_int)
+    for axis, way in zip((_WRAP_S, _WRAP_T), ways, strict=True):
+        parameter(_TEXTURE_2D_ARRAY, axis, _WRAPS[way])
+
+
 def image_array(
     ctx: moderngl.Context, size_px: tuple[int, int], layers: Sequence[bytes], *, srgb: bool
 ) -> moderngl.TextureArray:

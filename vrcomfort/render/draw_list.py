@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from vrcomfort.geometry import Array
 from vrcomfort.render import culling
 from vrcomfort.render.materials import BatchKey, ImageArrays, batch_key, materials_per_block
+from vrcomfort.render.skin_boxes import SkinBoxes
 from vrcomfort.scene.data import Node, Scene
 
 COMMAND = np.dtype(
@@ -62,6 +63,10 @@ class DrawList:
         Index into the block that the row's key names.
     blended
         Whether a row writes no depth.
+    first_joint
+        Where in the list of all joints those of a row's skin begin, 0 without one.
+    skin_boxes
+        Around what joints bend.
     """
 
     keys: tuple[BatchKey, ...]
@@ -80,6 +85,8 @@ class DrawList:
     ambient: NDArray[np.float32]
     casts_shadow: NDArray[np.bool_]
     semantic_weight: NDArray[np.float32]
+    first_joint: NDArray[np.intp]
+    skin_boxes: SkinBoxes
 
     @classmethod
     def of(cls, scene: Scene, images: ImageArrays | None = None) -> DrawList:
@@ -108,6 +115,8 @@ class DrawList:
             ambient=np.array([node.ambient for node in nodes], dtype=np.float32),
             casts_shadow=np.array([node.casts_shadow for node in nodes], dtype=bool),
             semantic_weight=np.array([node.semantic_weight for node in nodes], dtype=np.float32),
+            first_joint=np.array([_first_joint(scene, node) for node in nodes], dtype=np.intp),
+            skin_boxes=SkinBoxes.of(scene, [(item.node, item.primitive) for item in items]),
         )
 
     def world_boxes(self, world_from_node: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -170,8 +179,12 @@ def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:
     return np.lexsort((distance_m, key, nearest[key]))
 
 
+def _first_joint(scene: Scene, node: Node) -> int:
+    return 0 if node.skin is None else int(scene.all_skins.first[node.skin])
+
+
 def _items(scene: Scene, images: ImageArrays) -> list[_Item]:
-    mirrored = np.linalg.det(scene.world_from_node(0.0)[:, :3, :3]) < 0
+    mirrored = _mirrored(scene)
     surfaces = scene.primitives
     return [
         _Item(index, primitive, key, from_m, until_m, base)
@@ -184,10 +197,22 @@ def _items(scene: Scene, images: ImageArrays) -> list[_Item]:
                 images,
                 surfaces[primitive].material,
                 vertex_colors=surfaces[primitive].colors is not None,
+                skinned=node.skin is not None,
                 mirrored=bool(mirrored[index]),
             )
         ]
     ]
+
+
+def _mirrored(scene: Scene) -> NDArray[np.bool_]:
+    """Return (nodes,) whether what a node draws is turned inside out."""
+    found = np.linalg.det(scene.world_from_node(0.0)[:, :3, :3]) < 0
+    skins = scene.all_skins
+    bends = np.linalg.det(skins.place_from_bind(scene.world_from_joint(0.0))[:, :3, :3])
+    for index, node in enumerate(scene.nodes):
+        if node.skin is not None:
+            found[index] = bends[skins.first[node.skin]] < 0
+    return np.asarray(found)
 
 
 def _numbered(keys: list[BatchKey]) -> tuple[tuple[BatchKey, ...], NDArray[np.intp]]:

@@ -21,6 +21,7 @@ from vrcomfort.render import culling, lighting
 from vrcomfort.render.batch_drawer import BatchDrawer
 from vrcomfort.render.clip_blocks import ClipBlocks
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
+from vrcomfort.render.joint_buffer import JointBuffer
 from vrcomfort.render.materials import ImageArrays
 from vrcomfort.render.scene_rows import (
     PREVIOUS_FORMAT,
@@ -34,9 +35,15 @@ from vrcomfort.render.scene_rows import (
 )
 from vrcomfort.render.surfaces import Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
+    BENDING_FORMAT,
+    BENDING_NAMES,
+    SECOND_UV_FORMAT,
+    SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
+    bending_bytes,
     index_bytes,
+    second_uv_bytes,
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
@@ -88,6 +95,8 @@ class GpuScene:
         self._depth_rows = RowBuffers(ctx, len(table.node), previous=False)
         self._drawer = BatchDrawer(ctx, scene, images)
         self._clips = ClipBlocks(ctx)
+        joints = scene.all_skins.count
+        self._joints = JointBuffer(ctx, joints) if joints else None
         factory = self._factory(defines or {})
         self._surfaces = [factory.color(key) for key in table.keys]
         self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
@@ -102,11 +111,15 @@ class GpuScene:
     def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
         vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
         indices = gl.buffer(self._ctx, index_bytes(self.scene.primitives))
-        of_vertices = (vertices, VERTEX_FORMAT, *VERTEX_NAMES)
+        of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
+        if (uvs := second_uv_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, uvs), SECOND_UV_FORMAT, *SECOND_UV_NAMES))
+        if (bending := bending_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, bending), BENDING_FORMAT, *BENDING_NAMES))
 
         def arrays(buffers: RowBuffers) -> Callable[[moderngl.Program], moderngl.VertexArray]:
             # Not a method of this object: buffers must go with it, not when cycles are collected.
-            content: list[tuple[Any, ...]] = [of_vertices, (buffers.rows, ROW_FORMAT, *ROW_NAMES)]
+            content = [*of_vertices, (buffers.rows, ROW_FORMAT, *ROW_NAMES)]
             if buffers.previous is not None:
                 content.append((buffers.previous, PREVIOUS_FORMAT, *PREVIOUS_NAMES))
             return partial(_vertex_array, self._ctx, content, indices)
@@ -127,6 +140,8 @@ class GpuScene:
             world-from-head: decides levels of detail and places head-locked nodes.
         """
         self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
+        if self._joints is not None:
+            self._joints.write(self._rows.joints, self._rows.previous_joints)
 
     @property
     def moves(self) -> bool:
@@ -176,7 +191,7 @@ class GpuScene:
             False: opaque and masked surfaces. True: blended ones.
         """
         layer = self._layers[2 * view + blended]
-        self._drawer.begin()
+        self._begin()
         self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
         self.draws += len(layer.batches)
         return layer.triangles
@@ -246,7 +261,7 @@ class GpuScene:
         self._clips.write(clip_from_relative[None])
         self._clips.bind(0)
         drawn = batches(key[order])
-        self._drawer.begin()
+        self._begin()
         self._drawer.draw(drawn, surfaces, self._depth_rows.commands, cull=cull)
         self.draws += len(drawn)
         return self._triangles(rows)
@@ -277,13 +292,19 @@ class GpuScene:
         for batch in batches(key[order]):
             number, surface = divmod(batch.key, len(self._depth_surfaces))
             views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
-        self._drawer.begin()
+        self._begin()
         for number, of_view in views.items():
             begin_view(number)
             self._clips.bind(number)
             self._drawer.draw(of_view, self._depth_surfaces, self._depth_rows.commands)
             self.draws += len(of_view)
         return self._triangles(row)
+
+    def _begin(self) -> None:
+        """Bind what all draws of this scene read."""
+        self._drawer.begin()
+        if self._joints is not None:
+            self._joints.bind()
 
     def _triangles(self, rows: Rows) -> int:
         return int(self._triangles_of_row[rows].sum())

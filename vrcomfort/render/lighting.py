@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.gpu import shaders
-from vrcomfort.scene.data import Environment, PointLight, Scene
+from vrcomfort.scene.data import MOST_LAMPS, Environment, PointLight, Rgb, Scene, SpotLight
 
 
 def has_sun(environment: Environment) -> bool:
@@ -22,7 +22,9 @@ def features(environment: Environment) -> shaders.Defines:
     """Return the defines of what a scene's light needs; absent things are not compiled in."""
     present = {
         "SUN": has_sun(environment),
-        "LAMPS": bool(environment.point_lights),
+        "LAMPS": bool(environment.point_lights or environment.directional_lights),
+        "CONES": any(isinstance(lamp, SpotLight) for lamp in environment.point_lights),
+        "FAR_LAMPS": bool(environment.directional_lights),
         "FOG": environment.fog_density_per_m > 0,
         "CLOUDS": environment.cloud_cover > 0,
     }
@@ -45,10 +47,10 @@ class Light:
 
     def __init__(self, scene: Scene, block: NDArray[np.void]) -> None:
         lamps = scene.environment.point_lights
-        most = len(block["lamp_position"])
-        if len(lamps) > most:
+        count = len(lamps) + len(scene.environment.directional_lights)
+        if count > MOST_LAMPS:
             raise InputError(
-                f"scene {scene.name!r} has {len(lamps)} point lights; at most {most} are drawn"
+                f"scene {scene.name!r} has {count} lamps besides the sun; {MOST_LAMPS} are the most"
             )
         _write_environment(block, scene.environment)
         self._world_m = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
@@ -93,10 +95,13 @@ def relative_to(target_from_world: Array, origin_m: Array) -> Array:
 class LampReach:
     """Which lamps reach which boxes."""
 
-    def __init__(self, lamps: tuple[PointLight, ...]) -> None:
-        self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3).T[:, :, None]
-        self._squares = np.array([lamp.range_m for lamp in lamps])[:, None] ** 2
-        self._powers = 2.0 ** np.arange(len(lamps))
+    def __init__(self, environment: Environment) -> None:
+        lamps, far = environment.point_lights, environment.directional_lights
+        positions = [lamp.position for lamp in lamps] + [(0.0, 0.0, 0.0)] * len(far)
+        ranges_m = [lamp.range_m for lamp in lamps] + [np.inf] * len(far)
+        self._positions = np.array(positions).reshape(-1, 3).T[:, :, None]
+        self._squares = np.array(ranges_m)[:, None] ** 2
+        self._powers = 2.0 ** np.arange(len(ranges_m))
 
     def bits(self, centers: Array, halves: Array) -> Array:
         """Return (n,) bit sets of the lamps whose range touches each of n world-space boxes.
@@ -118,4 +123,18 @@ def _write_environment(block: NDArray[np.void], environment: Environment) -> Non
     block["clouds"][0] = environment.cloud_cover
     for index, lamp in enumerate(environment.point_lights):
         block["lamp_position"][index, 3] = lamp.range_m
-        block["lamp_intensity"][index, :3] = lamp.intensity
+        direction, scale, offset = _cone(lamp)
+        block["lamp_intensity"][index] = (*lamp.intensity, offset)
+        block["lamp_direction"][index] = (*direction, scale)
+    for index, far in enumerate(environment.directional_lights, len(environment.point_lights)):
+        block["lamp_position"][index, :3] = -np.array(far.direction)
+        block["lamp_intensity"][index] = (*far.irradiance, 1.0)
+
+
+def _cone(lamp: PointLight) -> tuple[Rgb, float, float]:
+    """Return direction, scale and offset of ``cone`` in light.glsl."""
+    if not isinstance(lamp, SpotLight):
+        return (0.0, 0.0, 0.0), 0.0, 1.0
+    inner, outer = np.cos(lamp.inner_cone_rad), np.cos(lamp.outer_cone_rad)
+    scale = 1.0 / max(1e-3, inner - outer)
+    return lamp.direction, scale, -outer * scale

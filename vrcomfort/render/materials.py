@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.gpu import shaders
-from vrcomfort.scene.data import Material, Scene
+from vrcomfort.scene.data import Material, Scene, UvMap, Wrap
 
 Features: TypeAlias = tuple[str, ...]
 """Defines of ``scene.frag``."""
@@ -28,23 +28,32 @@ MOST_LAYERS = 2048
 class Slot(NamedTuple):
     """A use that a material has for an image."""
 
-    field: str
-    """Of `Material`."""
+    name: str
     define: str
     sampler: str
     srgb: bool
 
+    def image(self, material: Material) -> int | None:
+        """Return the image, None where there is none."""
+        found: int | None = getattr(material, f"{self.name}_image")
+        return found
+
+    def uv_map(self, material: Material) -> UvMap:
+        """Return where on the image a vertex is."""
+        found: UvMap = getattr(material, f"{self.name}_uv")
+        return found
+
 
 SLOTS = (
-    Slot("base_color_image", "BASE_COLOR_IMAGE", "base_color_images", srgb=True),
-    Slot("normal_image", "NORMAL_IMAGE", "normal_images", srgb=False),
+    Slot("base_color", "BASE_COLOR_IMAGE", "base_color_images", srgb=True),
+    Slot("normal", "NORMAL_IMAGE", "normal_images", srgb=False),
     Slot(
-        "metallic_roughness_image",
+        "metallic_roughness",
         "METALLIC_ROUGHNESS_IMAGE",
         "metallic_roughness_images",
         srgb=False,
     ),
-    Slot("emissive_image", "EMISSIVE_IMAGE", "emissive_images", srgb=True),
+    Slot("emissive", "EMISSIVE_IMAGE", "emissive_images", srgb=True),
 )
 """In the order of ``Material.layers`` (material.glsl)."""
 
@@ -53,7 +62,7 @@ class ArrayKind(NamedTuple):
     """What the images of one texture array share."""
 
     size_px: tuple[int, int]
-    repeat: tuple[bool, bool]
+    wrap: tuple[Wrap, Wrap]
     srgb: bool
     part: int
     """Counts arrays that are alike: one has at most `MOST_LAYERS` images."""
@@ -89,7 +98,7 @@ class ImageArrays:
             (image, slot.srgb)
             for material in scene.materials
             for slot in SLOTS
-            for image in [getattr(material, slot.field)]
+            for image in [slot.image(material)]
             if image is not None
         )
         members: dict[ArrayKind, list[int]] = {}
@@ -98,7 +107,7 @@ class ImageArrays:
         for index, srgb in used:
             image = scene.images[index]
             height, width = image.pixels.shape[:2]
-            first = ArrayKind((width, height), image.repeat, srgb, 0)
+            first = ArrayKind((width, height), image.wrap, srgb, 0)
             count = alike[first] = alike.get(first, -1) + 1
             kind = first._replace(part=count // MOST_LAYERS)
             images = members.setdefault(kind, [])
@@ -108,7 +117,7 @@ class ImageArrays:
 
     def place(self, material: Material, slot: Slot) -> Place | None:
         """Return where a material's image is, None where it has none."""
-        image = getattr(material, slot.field)
+        image = slot.image(material)
         return None if image is None else self.places[image, slot.srgb]
 
 
@@ -148,24 +157,37 @@ class BatchKey(NamedTuple):
         """Return what matters of it where only depth is drawn: holes, and which way it faces."""
         plain: tuple[int | None, ...] = (None,) * len(self.arrays)
         if not self.masked:
-            return BatchKey((), plain, self.double_sided, self.mirrored, None)
-        kept = [name for name in ("ALPHA_MASK", "BASE_COLOR_IMAGE") if name in self.features]
+            skin = ("SKIN",) if "SKIN" in self.features else ()
+            return BatchKey(skin, plain, self.double_sided, self.mirrored, None)
+        of_alpha = ("ALPHA_MASK", "BASE_COLOR_IMAGE", "UV_MAPS", "UV_1", "SKIN")
+        kept = [name for name in of_alpha if name in self.features]
         return self._replace(features=tuple(kept), arrays=(self.arrays[0], *plain[1:]))
 
 
 def batch_key(
-    scene: Scene, images: ImageArrays, material: int, *, vertex_colors: bool, mirrored: bool
+    scene: Scene,
+    images: ImageArrays,
+    material: int,
+    *,
+    vertex_colors: bool,
+    skinned: bool,
+    mirrored: bool,
 ) -> BatchKey:
     """Return what a draw of one material needs."""
     surface = scene.materials[material]
     places = [images.place(surface, slot) for slot in SLOTS]
+    maps = [slot.uv_map(surface) for slot in SLOTS if slot.image(surface) is not None]
     ambient = scene.environment.ambient_in_vertex_alpha and surface.alpha_mode == "OPAQUE"
     present = {
-        **{slot.define: getattr(surface, slot.field) is not None for slot in SLOTS},
+        **{slot.define: slot.image(surface) is not None for slot in SLOTS},
+        "UV_MAPS": any(uv_map != UvMap() for uv_map in maps),
+        "UV_1": any(uv_map.uv_set == 1 for uv_map in maps),
+        "UNLIT": surface.unlit,
         "ALPHA_MASK": surface.alpha_mode == "MASK",
         "ALPHA_BLEND": surface.alpha_mode == "BLEND",
         "DOUBLE_SIDED": surface.double_sided,
         "VERTEX_COLORS": vertex_colors,
+        "SKIN": skinned,
         "AMBIENT_IN_ALPHA": vertex_colors and ambient,
     }
     return BatchKey(
@@ -198,4 +220,8 @@ def material_blocks(scene: Scene, images: ImageArrays) -> NDArray[np.void]:
         row["reflection"] = (material.metallic, material.roughness, material.alpha_cutoff, 0)
         places = [images.place(material, slot) for slot in SLOTS]
         row["layers"] = [0 if place is None else place.layer for place in places]
+        maps = [slot.uv_map(material) for slot in SLOTS]
+        matrices = np.array([uv_map.matrix() for uv_map in maps])
+        row["uv_u"], row["uv_v"] = (np.pad(matrices[:, axis], ((0, 0), (0, 1))) for axis in (0, 1))
+        row["uv_u"][:, 3] = [uv_map.uv_set for uv_map in maps]
     return rows.reshape(blocks, each)

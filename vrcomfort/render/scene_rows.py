@@ -20,14 +20,15 @@ from vrcomfort.scene.node_poses import NodePoses, relative_rows
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
 
-ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4/i"
-ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material")
+ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4 1f4/i"
+ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material",
+             "in_first_joint")  # fmt: skip
 PREVIOUS_FORMAT = "4f4 4f4 4f4/i"
 PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
 _BASE_INSTANCE = 4
 """Place in a command."""
 
-_ROW, _MATRIX = 17, 12
+_ROW, _MATRIX = 18, 12
 """Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
 
 
@@ -81,13 +82,15 @@ class SceneRows:
         Rows at the level of detail for where the head is.
     distance_m
         Of each of them from the head.
+    joints, previous_joints
+        (joints, 4, 4) place-from-bind of all skins.
     """
 
     def __init__(self, scene: Scene, table: DrawList) -> None:
         self._scene = scene
         self._list = table
         self._poses = NodePoses(scene)
-        self._reach = LampReach(scene.environment.point_lights)
+        self._reach = LampReach(scene.environment)
         self._prepare()
 
     def _prepare(self) -> None:
@@ -104,7 +107,10 @@ class SceneRows:
         }
         self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
-        centers, halves = table.world_boxes(world, np.arange(len(table.node)))
+        self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
+        self._world = self._previous_world = world
+        every = np.arange(len(table.node))
+        centers, halves = self._bent(every, *table.world_boxes(world, every))
         self._boxes = culling.boxes(centers, halves)
         self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
         self._rows[:, _MATRIX] = table.ambient
@@ -112,9 +118,9 @@ class SceneRows:
         self._rows[:, _MATRIX + 2] = self._reach.bits(centers, halves)
         self._rows[:, _MATRIX + 3] = table.semantic_weight
         self._rows[:, _MATRIX + 4] = table.material
+        self._rows[:, _MATRIX + 5] = table.first_joint
         of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
         self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
-        self._world = self._previous_world = world
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
 
@@ -132,6 +138,9 @@ class SceneRows:
         self._previous_world = (
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
+        if self._scene.skins:
+            self.joints = self._poses.place_from_bind(time_s)
+            self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
         self._head_m = head.position
         self._from_head = self._boxes.copy()
@@ -144,10 +153,20 @@ class SceneRows:
         moves = self._moves
         if not len(moves.rows):
             return
-        centers, halves = moves.boxes(self._world)
+        centers, halves = self._bent(moves.rows, *moves.boxes(self._world))
         self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
         self._rows[moves.rows, _MATRIX + 2] = self._reach.bits(centers, halves)
         self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
+
+    def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
+        """Return the boxes of (ascending) rows, of skinned ones as their joints bend them."""
+        bent = self._list.skin_boxes
+        if len(bent.rows):
+            among = np.isin(bent.rows, rows)
+            at = np.searchsorted(rows, bent.rows[among])
+            found = bent.world_boxes(self._world, self.joints)
+            centers[at], halves[at] = found[0][among], found[1][among]
+        return centers, halves
 
     def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""

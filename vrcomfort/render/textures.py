@@ -64,6 +64,6 @@ def _upload(
     pixels = [image.pixels.tobytes() for image in images]
     texture = gl.image_array(ctx, kind.size_px, pixels, srgb=kind.srgb)
     texture.filter = (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR)
-    texture.repeat_x, texture.repeat_y = kind.repeat
+    gl.wrap(ctx, texture, kind.wrap)
     texture.anisotropy = anisotropy
     return texture
