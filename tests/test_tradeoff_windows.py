@@ -7,7 +7,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.optics.circle_of_confusion import max_radius_px
 from vrcomfort.tradeoff import windows
 from vrcomfort.tradeoff.cases import Case, Scope, cases, condition_of, drawn, frames
-from vrcomfort.tradeoff.measure import judged_area
+from vrcomfort.tradeoff.eye_view import judged_area
 from vrcomfort.tradeoff.methods import base_condition
 from vrcomfort.tradeoff.shots import radius_px, shoot
 from vrcomfort.tradeoff.store import scene_and_hash

@@ -11,17 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.render.image_error import (
     hdr_flip,
-    inside_margin,
     judged,
     margin_px,
-    pixels_per_degree,
     rms,
     ssim,
-    sure,
 )
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.binocular import (
@@ -34,20 +30,18 @@ from vrcomfort.tradeoff.cases import (
     Case,
     Scope,
     condition_of,
-    drawn,
     drawn_px,
     eyes_of,
     frames,
-    reference_condition,
-    window_of,
 )
+from vrcomfort.tradeoff.eye_view import EyeView, judged_area, view_of
 from vrcomfort.tradeoff.methods import Method, methods, pick
 from vrcomfort.tradeoff.region_errors import region_errors
-from vrcomfort.tradeoff.regions import Mask, Seen, border, regions
+from vrcomfort.tradeoff.regions import Mask
 from vrcomfort.tradeoff.seams import flicker, off_median
-from vrcomfort.tradeoff.shots import Shot, context, radius_px, shoot
+from vrcomfort.tradeoff.shots import context, shoot
 from vrcomfort.tradeoff.store import Store, key_of, method_code, scene_and_hash
-from vrcomfort.tradeoff.truth import Truth, base_shots, truths
+from vrcomfort.tradeoff.truth import base_shots
 
 SCATTER = "ideal scatter (R2)"
 
@@ -64,24 +58,6 @@ class Measured(NamedTuple):
     """(h, w, 1) top row first: what of the pictures is judged."""
     reused: int
     """How many rows were there from an earlier run."""
-
-
-class EyeView(NamedTuple):
-    """What an eye's image is judged by: everything of the size that is drawn, bottom row first."""
-
-    truth: Truth
-    sure: Mask
-    area: tuple[slice, slice]
-    """Rows and columns that are judged."""
-    radius_px: Array
-    regions: dict[str, Mask]
-    exposure: float
-    pixels_per_degree: float
-
-    def error(self, image: NDArray[np.floating]) -> Array:
-        """Return (h, w, 3): the image less R1, exposed; 0 where R1 is not sure."""
-        reference = np.mean(self.truth.halves, axis=0)
-        return np.where(self.sure, (image - reference) * self.exposure, 0.0)
 
 
 class _View(NamedTuple):
@@ -129,16 +105,6 @@ def _counted(case: Case, scope: Scope) -> Mask:
     return counted[::-1]
 
 
-def view_of(case: Case, scope: Scope, store: Store) -> tuple[EyeView, ...]:
-    """Return what a case's images are judged by, for the left eye and, where it counts, the right.
-
-    References are drawn as far as the store has not got them.
-    """
-    shots = base_shots(case, scope)
-    truth = truths(case, scope, shots, store)
-    return tuple(_eye_view(case, scope, *each) for each in zip(shots, truth, strict=True))
-
-
 def _key(case: Case, scope: Scope, method: Method | None) -> str:
     flags = scope.size_px, scope.samples, scope.poses, scope.eyes, scope.flicker
     facts = asdict(case), *flags, method_code()
@@ -158,59 +124,6 @@ def _view(case: Case, scope: Scope, store: Store) -> _View:
         pairs = correspondence(left.eye, right.eye, margin_px=margin_px(scope.size_px))
         mismatch = radius_mismatch_px(pairs, eyes[0].radius_px, eyes[1].radius_px)
     return _View(scene, eyes, pairs, mismatch, later)
-
-
-def _eye_view(case: Case, scope: Scope, shot: Shot, truth: Truth) -> EyeView:
-    scene, _ = scene_and_hash(case.scene)
-    exposure = scene.environment.exposure
-    radius = radius_px(shot, reference_condition(case, scope))
-    seen = Seen(shot.depth, radius, shot.sharp * exposure, scope.size_px[0])
-    area, edges = judged_area(case, scope), _border(case, scope, radius)
-    inside = np.zeros(radius.shape, dtype=bool)
-    inside[area] = True
-    masks = {name: mask & inside for name, mask in regions(seen).items()}
-    ppd = pixels_per_degree(shot.camera.fov, drawn_px(case, scope))
-    known = sure(truth.halves, exposure=exposure)
-    return EyeView(truth, known, area, radius, {**masks, "image_border": edges}, exposure, ppd)
-
-
-def judged_area(case: Case, scope: Scope) -> tuple[slice, slice]:
-    """Return the rows and columns of what is drawn that are judged: nothing in the margin."""
-    rows, columns = inside_margin(scope.size_px)
-    if case.window is None:
-        return rows, columns
-    part, whole = drawn(case, scope), window_of(case)
-    bottom, top = max(whole.bottom_px, rows.start), min(_top(whole), rows.stop)
-    left, right = max(whole.left_px, columns.start), min(_right(whole), columns.stop)
-    inner = replace(
-        whole, left_px=left, bottom_px=bottom, width_px=right - left, height_px=top - bottom
-    )
-    return inner.within(part)
-
-
-def _right(window: Any) -> int:
-    return int(window.left_px + window.width_px)
-
-
-def _top(window: Any) -> int:
-    return int(window.bottom_px + window.height_px)
-
-
-def _border(case: Case, scope: Scope, radius: Array) -> Mask:
-    """Return the pixels into which blur comes from outside the image."""
-    part = drawn(case, scope)
-    sides = (
-        part.left_px == 0,
-        _right(part) == scope.size_px[0],
-        part.bottom_px == 0,
-        _top(part) == scope.size_px[1],
-    )
-    found = border(radius.shape, sides, math.ceil(float(np.abs(radius).max(initial=0))))
-    if case.window is None:
-        return found
-    inside = np.zeros_like(found)
-    inside[window_of(case).within(part)] = True
-    return found & inside
 
 
 def errors_of(case: Case, scope: Scope, method: Method, store: Store) -> dict[str, Any]:
