@@ -45,7 +45,7 @@ def refused(result, *words):
 def timeless(path):
     """Return the rows of a tradeoff.json without what a clock says."""
     found = json.loads(path.read_text())
-    clocked = ("_ms", "_to_copy", "_to_plain", "_interval", "rounds")
+    clocked = ("_ms", "cost", "_interval", "rounds")
     return [{k: v for k, v in row.items() if not k.endswith(clocked)} for row in found["rows"]]
 
 
@@ -68,12 +68,15 @@ def test_everything_is_written(run, tmp_path, cache):
     assert all(math.isfinite(row["rms"]) for row in found["rows"])
     assert all(row["effect_ms"] > 0 for row in found["rows"] if row["family"] == "ours")
     assert "llvmpipe" in found["device"] or found["timer"] == "time stamps of the GPU"
-    for name in ("figures/temple_depth_of_field.svg", "figures/temple_depth_of_field.png"):
+    for name in (
+        "figures/temple_depth_of_field_lens3.5.svg",
+        "figures/temple_depth_of_field_lens3.5.png",
+    ):
         assert (tmp_path / name).stat().st_size > 1000
     page = (tmp_path / "index.html").read_text()
     assert all(name in page for name in names)
-    assert "sheets/temple_depth_of_field_pose1_still.png" in page
-    assert (tmp_path / "sheets/temple_depth_of_field_pose1_still.png").exists()
+    assert "sheets/temple_depth_of_field_pose1_still_lens3.5.png" in page
+    assert (tmp_path / "sheets/temple_depth_of_field_pose1_still_lens3.5.png").exists()
 
 
 def test_a_second_run_does_nothing_twice_and_says_so(run, tmp_path, cache):
@@ -122,9 +125,32 @@ def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
     assert out.startswith("0 of 16 reference samples")
     assert again == few
     assert {row["samples"] for row in again} == {8}
-    for file in (tmp_path / "c1").glob("reference-*-8.npz"):
-        file.rename(file.with_stem(file.stem.removesuffix("-8")))
-    assert rows("no_number", 8, "c1")[1].startswith("16 of 16 reference samples")
+
+
+def test_a_reference_of_another_picture_is_drawn_again(run, tmp_path):
+    folders = ("--cache", tmp_path / "c", "--out", tmp_path / "o", "--references")
+    assert run(*FEW, *folders)[1].startswith("0 of 16 reference samples")
+    assert run(*FEW, *folders)[1].startswith("16 of 16 reference samples")
+    store = Store(tmp_path / "c")
+    changed = store.keys("reference")[0]
+    kept = store.read(changed)
+    store.write(changed, **{**kept, "sharp": kept["sharp"] + np.float16(0.01)})
+    assert run(*FEW, *folders)[1].startswith("8 of 16 reference samples")
+    assert not (tmp_path / "o" / "index.html").exists()
+
+
+def test_one_eye_other_lenses_and_flicker(run, tmp_path, cache):
+    """An eye has a case of its own; what one eye cannot know is blank, not zero."""
+    chosen = (*FEW, "--eyes", 1, "--lens", "7,eye", "--flicker")
+    code, _, err = run(*chosen, "--cache", cache, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    rows = json.loads((tmp_path / "tradeoff.json").read_text())["rows"]
+    assert {row["lens"] for row in rows} == {"7", "eye"}
+    assert all(row["rivalry"] is None and row["flicker"] >= 0 for row in rows)
+    blurred = [row for row in rows if row["method"] == "ours 1 ring"]
+    assert all(row["reads_per_pixel"] > 1 and row["passes"] >= 2 for row in blurred)
+    wide, narrow = (row["rms"] for row in rows if row["method"] == "no blur")
+    assert wide > narrow, "an eye blurs less than 7 %"
 
 
 def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path, cache):
@@ -138,8 +164,8 @@ def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path
     there = {str(file.relative_to(tmp_path)) for file in tmp_path.glob("*/*")}
     assert there == {
         *("figures/mine.png", "sheets/mine.png"),
-        *(f"figures/temple_depth_of_field.{kind}" for kind in ("svg", "png")),
-        "sheets/temple_depth_of_field_pose1_still.png",
+        *(f"figures/temple_depth_of_field_lens3.5.{kind}" for kind in ("svg", "png")),
+        "sheets/temple_depth_of_field_pose1_still_lens3.5.png",
     }
 
 
@@ -182,6 +208,8 @@ def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
 
 def test_what_is_not_there_is_named(run, tmp_path):
     refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
+    refused(run("--lens", "9", "--out", tmp_path), "'9'", "3.5", "eye")
+    refused(run("--windows", "--out", tmp_path), "1832x1920", "--size")
     refused(run("--effects", "glow", "--out", tmp_path), "glow", "motion_blur")
     refused(
         run("--methods", "magic", "--out", tmp_path),

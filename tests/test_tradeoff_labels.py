@@ -16,36 +16,37 @@ from vrcomfort.tradeoff import labels
 from vrcomfort.tradeoff.figures import MARKER_PT, RING_PT, STYLE, coinciding, draw, joined
 
 DOCS = Path(__file__).parent.parent / "docs" / "tradeoff.md"
-HEADING = re.compile(r"### (\w+), ([a-z ]+)\n\n((?:\|.*\n)+)")
+HEADING = re.compile(r"### (\w+), ([a-z ]+)(?:, lens ([\w.]+) %)?\n\n((?:\|.*\n)+)")
 
 
 def shipped():
     """Return the rows of the shipped tables by scene and effect."""
     found = {}
-    for scene, effect, table in HEADING.findall(DOCS.read_text(encoding="utf-8")):
+    for scene, effect, lens, table in HEADING.findall(DOCS.read_text(encoding="utf-8")):
         lines = [
             [cell.strip() for cell in line.strip("|").split("|")] for line in table.split("\n")
         ]
         rows = [dict(zip(lines[0], line, strict=True)) for line in lines[2:-1]]
-        found[f"{scene} {effect}"] = [row_of(scene, effect, row) for row in rows]
+        found[f"{scene} {effect} {lens}"] = [row_of(scene, effect, lens, row) for row in rows]
     return found
 
 
-def row_of(scene, effect, row):
+def row_of(scene, effect, lens, row):
     name = row["method"]
     step = re.match(r"ours (\d+) (\w+)", name)
     family = ("dial" if "view" in step[2] else "ours") if step else "source"
     none = name in {"no blur", "ideal scatter (R2)"}
-    rms = 10 ** (-float(row["PSNR R1 dB"]) / 20)
-    cost = row["effect ÷ copy"]
+    rms = float(row["RMS R1 · 10³"]) / 1e3
+    cost = row["cost"]
     return {
         "scene": scene,
-        "effect": effect,
+        "effect": effect.replace(" ", "_"),
+        "lens": lens or "3.5",
         "method": name,
         "family": "none" if none else family,
         "step": int(step[1]) if step else None,
         "views": 2,
-        "effect_to_copy": None if cost == "–" else float(cost),
+        "cost": None if cost == "–" else float(cost),
         "rms": rms,
         "reference_rms": float(row["split-half"]) * rms,
         "counts": row["counts"] == "yes",
@@ -74,11 +75,11 @@ def drawn(request):
 
 
 def markers(axes, rows, pixels_per_point):
-    timed = [row for row in rows if row["effect_to_copy"]]
+    timed = [row for row in rows if row["cost"] and row["family"] != "none"]
     assert len(timed) > 4
     found = []
     for row in timed:
-        x, y = axes.transData.transform((row["effect_to_copy"], row["rms"]))
+        x, y = axes.transData.transform((row["cost"], row["rms"]))
         reach = (MARKER_PT if row["counts"] else RING_PT) / 2 * pixels_per_point
         found.append(Bbox([[x - reach, y - reach], [x + reach, y + reach]]))
     return found
@@ -139,7 +140,7 @@ def listed(part, axes):
 
 def ring(step, cost, rms=0.01, dial="rings"):
     name = f"ours {step} {dial}"
-    return {"method": name, "step": step, "effect_to_copy": cost, "rms": rms, "family": "ours"}
+    return {"method": name, "step": step, "cost": cost, "rms": rms, "family": "ours"}
 
 
 def test_methods_that_coincide_have_one_label():

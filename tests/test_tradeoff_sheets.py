@@ -14,7 +14,9 @@ def sheet_of(height, width):
     sharp = np.full_like(reference, 0.2)
     sharp[: height // 8] = 1
     case = Case("temple", 0, "still", "depth_of_field")
-    found = Measured(case, [], {"reference": reference, "no blur": sharp}, 0)
+    counted = np.zeros((height, width, 1), dtype=bool)
+    counted[height // 10 : height - height // 10, width // 8 : width - width // 8] = True
+    found = Measured(case, [], {"reference": reference, "no blur": sharp}, counted, 0)
     return np.asarray(sheets.contact_sheet(found, 1.0))
 
 

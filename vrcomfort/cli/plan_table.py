@@ -15,12 +15,15 @@ from vrcomfort.protocol.quality import figure_for, level_of
 from vrcomfort.protocol.quality_levels import Figure, Measured, quality_table
 
 if TYPE_CHECKING:
+    from vrcomfort.gpu.traffic import Traffic
     from vrcomfort.render.effects.depth_of_field.blur_limit import Unlimited
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.render.plan import PlannedPass
     from vrcomfort.scene.data import Scene
 
 UNKNOWN = "?"
+MOST_VIEWS = 4
+"""Through the lens, of which a frame is drawn to count what it sends through memory."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +38,8 @@ class Planned:
         Shipped measurement of its settings, or None.
     megabytes
         GPU memory by kind, or None where there is no OpenGL.
+    traffic
+        What each effect sends through memory for one eye; None where no frame was drawn.
     """
 
     scene: str
@@ -44,6 +49,7 @@ class Planned:
     draws_effects: bool
     figure: Figure | None
     megabytes: dict[str, float] | None
+    traffic: dict[str, Traffic] | None
 
 
 @dataclass(frozen=True)
@@ -71,6 +77,11 @@ class StudyPlan:
             "passes": [name | asdict(step) for row, name in names for step in row.passes],
             "costs": [name | self._cost(row) for row, name in names],
             "no_limit": [_beyond_as_data(name, beyond) for name, beyond in self.beyond.items()],
+            "traffic": [
+                name | {"effect": effect} | _traffic_as_data(found, self.size_px)
+                for row, name in names
+                for effect, found in (row.traffic or {}).items()
+            ],
             "measured": measured.model_dump() if measured else None,
         }
 
@@ -91,14 +102,31 @@ def _beyond_as_data(condition: str, beyond: Unlimited) -> dict[str, Any]:
     return {"condition": condition, **beyond._asdict(), "ranges": ranges}
 
 
-def planned(study: Protocol, size_px: tuple[int, int]) -> StudyPlan:
-    """Plan every condition of a study in every scene, for eyes of this size."""
+def _traffic_as_data(found: Traffic, size_px: tuple[int, int]) -> dict[str, Any]:
+    """Return passes and draws of an eye, and bytes for each of its pixels and of both eyes."""
+    pixels = size_px[0] * size_px[1]
+    return {
+        "passes": found.passes,
+        "draws": found.draws,
+        "bytes_per_pixel": round(found.bytes / pixels, 2),
+        "megabytes_both_eyes": round(2 * found.bytes / 1e6, 2),
+    }
+
+
+def planned(study: Protocol, size_px: tuple[int, int], *, draw: bool = True) -> StudyPlan:
+    """Plan every condition of a study in every scene, for eyes of this size.
+
+    Parameters
+    ----------
+    draw
+        Draws a frame of each, to count what its effects send through memory.
+    """
     from vrcomfort.render.effects.depth_of_field.blur_limit import unlimited
     from vrcomfort.scene.load import load_scene
 
     renderer, no_opengl = _renderer(size_px)
     rows = [
-        _planned(name, scene, condition, renderer)
+        _planned(name, scene, condition, renderer, draw=draw)
         for name in study.scenes
         for scene in [load_scene(study.scene_source(name))]
         for condition in study.conditions
@@ -119,7 +147,7 @@ def _renderer(size_px: tuple[int, int]) -> tuple[StereoRenderer | None, str | No
 
 
 def _planned(
-    name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None
+    name: str, scene: Scene, condition: Condition, renderer: StereoRenderer | None, *, draw: bool
 ) -> Planned:
     from vrcomfort.gpu.memory import megabytes
     from vrcomfort.render.plan import plan_passes
@@ -129,6 +157,7 @@ def _planned(
         renderer.build(scene, condition)
         memory = {kind: round(value, 2) for kind, value in megabytes(renderer.memory()).items()}
         renderer.release()
+    traffic = _traffic(scene, condition, renderer) if renderer is not None and draw else None
     passes = plan_passes(scene, condition)
     drawn = _drawn(passes)
     return Planned(
@@ -139,7 +168,23 @@ def _planned(
         draws_effects=drawn != _drawn(plan_passes(scene, Condition(name="plain"))),
         figure=figure_for(condition, name, drawn),
         megabytes=memory,
+        traffic=traffic,
     )
+
+
+def _traffic(
+    scene: Scene, condition: Condition, renderer: StereoRenderer
+) -> dict[str, Traffic] | None:
+    """Draw a frame where the scene begins; not of many views, which would take minutes."""
+    from vrcomfort.tradeoff.timing import NO_EFFECT
+    from vrcomfort.tradeoff.traffic import a_step, traffic_of
+
+    lens = condition.depth_of_field
+    if lens is not None and lens.views > MOST_VIEWS:
+        return None
+    size_px = renderer.size_px
+    found = traffic_of(renderer.ctx, scene, condition, a_step(scene.spawn, size_px), size_px)
+    return {name: each for name, each in found.items() if name not in NO_EFFECT}
 
 
 def _quality(condition: Condition, drawn: list[str]) -> str:
@@ -160,6 +205,8 @@ def show(found: StudyPlan, study: Protocol) -> None:
         if beyond := found.beyond.get(condition.name):
             console(wrap=True).print(f"No limit: {beyond.text}", style="yellow")
     console(wrap=True).print(_cost_table(found))
+    if any(row.traffic for row in found.rows):
+        console(wrap=True).print(_traffic_table(found))
     for note in _notes(found):
         console(wrap=True).print(note, style="dim")
 
@@ -198,6 +245,31 @@ def _cost_table(found: StudyPlan) -> Table:
     return table
 
 
+def _traffic_table(found: StudyPlan) -> Table:
+    width, height = found.size_px
+    table = _table(
+        f"Passes and draws of an eye, bytes through memory of both, 2 × {width}×{height}"
+    )
+    for column in ("condition", "scene"):
+        table.add_column(column, overflow="fold")
+    table.add_column("effect", no_wrap=True)
+    for column in ("passes", "draws", "bytes/px", "MB"):
+        table.add_column(column, justify="right", no_wrap=True)
+    for row in found.rows:
+        for effect, each in (row.traffic or {}).items():
+            data = _traffic_as_data(each, found.size_px)
+            table.add_row(
+                row.condition,
+                row.scene,
+                effect,
+                str(each.passes),
+                str(each.draws),
+                f"{data['bytes_per_pixel']:.1f}",
+                f"{data['megabytes_both_eyes']:.0f}",
+            )
+    return table
+
+
 def _expected(row: Planned) -> tuple[str, str, str]:
     if not row.draws_effects:
         return "1", "-", "-"
@@ -219,6 +291,12 @@ def _notes(found: StudyPlan) -> list[str]:
         told.append(
             f"{UNKNOWN}: not measured. Figures are kept of the levels of `quality` in the shipped "
             "scenes, with depth of field, motion blur of a moving camera, or both."
+        )
+    if any(row.traffic for row in found.rows):
+        told.append(
+            "Passes, draws and bytes are those of a frame drawn here where the scene begins, of a "
+            "head that walks: each pass reads each of its textures once and writes what it draws; "
+            "a mip chain is one pass. They grow with what is on the way."
         )
     return [
         *told,

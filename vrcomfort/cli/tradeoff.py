@@ -53,12 +53,29 @@ def tradeoff(
             help="Pixels of one eye's image; without it, 320x400, or 160x200 if quick.",
         ),
     ] = None,
+    lens: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,…",
+            help="1.75, 3.5, 7 (percent of the image's width at 2 dioptres) or eye (4 mm pupil).",
+        ),
+    ] = None,
+    windows: Annotated[
+        bool, typer.Option("--windows", help="Judge parts of images of 1832x1920, left eye.")
+    ] = False,
+    eyes: Annotated[int, typer.Option(help="1 judges the left eye alone.", min=1, max=2)] = 2,
+    flicker: Annotated[
+        bool, typer.Option("--flicker", help="How errors change a frame later; more references.")
+    ] = False,
+    references: Annotated[
+        bool, typer.Option("--references", help="Only draw and keep the references.")
+    ] = False,
     poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
     samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
     rounds: Annotated[
         int | None,
         typer.Option(
-            help="Timed frames of each method; else 300 on a GPU, 20 without, 3 if quick.", min=1
+            help="Timed frames of each method; else 300 on a GPU, 9 without, 3 if quick.", min=1
         ),
     ] = None,
     jobs: Annotated[
@@ -81,12 +98,13 @@ def tradeoff(
 
     - `vrcomfort tradeoff --quick --out out/tradeoff`
     - `vrcomfort tradeoff --scenes temple --effects depth_of_field --samples 4096 --out temple`
+    - `vrcomfort tradeoff --effects depth_of_field --size 1832x1920 --windows --out headset`
     - `vrcomfort tradeoff --cluster tcp://host:8786 --cache /shared/cache --out out/tradeoff`
     """
     # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     from vrcomfort.tradeoff.cases import Scope
-    from vrcomfort.tradeoff.methods import EFFECTS
+    from vrcomfort.tradeoff.methods import EFFECTS, LENS_NAMES
     from vrcomfort.tradeoff.run import tradeoff as run
     from vrcomfort.tradeoff.store import default_folder
     from vrcomfort.tradeoff.walk import SCENES
@@ -101,6 +119,10 @@ def tradeoff(
         quick=quick,
         methods=tuple(name.strip() for name in methods.split(",")) if methods else None,
         rounds=rounds,
+        lenses=_chosen("--lens", lens, ("3.5",), LENS_NAMES),
+        windows=windows,
+        eyes=1 if eyes == 1 else 2,
+        flicker=flicker,
     )
     with ExitStack() as bars:
 
@@ -117,11 +139,14 @@ def tradeoff(
             cache=cache or default_folder(),
             jobs=jobs or os.cpu_count() or 1,
             cluster=cluster,
+            only_references=references,
             progress=progress,
         )
     for doubt in summary.doubts:
         warn(doubt)
-    console(quiet).print(f"{summary.reused}\nTrade-off: {summary.page}")
+    console(quiet).print(summary.reused)
+    if summary.page is not None:
+        console(quiet).print(f"Trade-off: {summary.page}")
 
 
 def _chosen(

@@ -11,7 +11,7 @@ import ctypes
 import sys
 import weakref
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import moderngl
 
@@ -29,6 +29,10 @@ DEPTH_FUNC = ">"
 LATENCY = 4
 """Frames between drawing and reading something back: more than drivers queue, so that the CPU does
 not wait. Nothing that is read back is shown."""
+
+Copied: TypeAlias = Callable[[moderngl.Texture], None]
+copy_observers: list[Copied] = []
+"""Told of each texture that :func:`copier` copies: what is copied is no draw."""
 
 _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
@@ -125,6 +129,8 @@ def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Textur
         level_and_corner = (0, 0, 0, 0)
         place = (_TEXTURE_2D, *level_and_corner)
         copy(source.glo, *place, target.glo, *place, *source.size, 1)
+        for told in copy_observers:
+            told(source)
 
     return copy_texture
 

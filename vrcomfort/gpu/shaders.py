@@ -7,13 +7,16 @@ Variants are made with defines, or by choosing an include file; never by pasting
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import cache
 from typing import Any
 
 import moderngl
 import numpy as np
 
+from vrcomfort.gpu import texel_reads
 from vrcomfort.resources import data_folder
 
 Defines = Mapping[str, int | float | str]
@@ -21,6 +24,19 @@ Chosen = Mapping[str, str]
 
 _INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
 _MEMBER = re.compile(r"^\s*(mat4|vec4)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
+
+
+_counting: ContextVar[bool] = ContextVar("counting", default=False)
+
+
+@contextmanager
+def counting_reads() -> Iterator[None]:
+    """Compile what is built inside so that it counts its texture reads: `gpu.texel_reads`."""
+    token = _counting.set(True)
+    try:
+        yield
+    finally:
+        _counting.reset(token)
 
 
 @cache
@@ -45,6 +61,11 @@ def program(
     chosen
         Which file an ``#include`` means that names none: a choice that is left to who compiles.
 
+    Returns
+    -------
+    Program
+        Its `extra` is the name of the file of its last stage.
+
     Raises
     ------
     RuntimeError
@@ -53,13 +74,17 @@ def program(
     stages = [name for name in (vertex, fragment) if name is not None]
     files = (_with_chosen(source(name), chosen or {}) for name in stages)
     texts = tuple(_with_defines(text, defines or {}) for text in files)
+    if _counting.get():
+        texts = tuple(texel_reads.counted(text, _included) for text in texts)
     for text in texts:
         _register_includes(ctx, text)
     try:
-        return ctx.program(texts[0], texts[1] if fragment else None)
+        made = ctx.program(texts[0], texts[1] if fragment else None)
     except moderngl.Error as error:
         variant = " ".join(f"{key}={value}" for key, value in (defines or {}).items())
         raise RuntimeError(f"{' + '.join(stages)} [{variant}]: {error}") from error
+    made.extra = stages[-1]
+    return made
 
 
 def _with_defines(text: str, defines: Defines) -> str:
@@ -69,13 +94,17 @@ def _with_defines(text: str, defines: Defines) -> str:
     return "\n".join([version, *lines, "#line 2", rest])
 
 
+def _included(name: str) -> str:
+    return source(f"include/{name}")
+
+
 def _with_chosen(text: str, chosen: Chosen) -> str:
     return _INCLUDE.sub(lambda line: f'#include "{chosen.get(line[1], line[1])}"', text)
 
 
 def _register_includes(ctx: moderngl.Context, text: str) -> None:
     for name in _INCLUDE.findall(text):
-        ctx.includes[name] = source(f"include/{name}")
+        ctx.includes[name] = _included(name)
 
 
 @cache

@@ -35,7 +35,7 @@ class GpuTimer:
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        names = _queries(ctx, self, LATENCY + 1)
+        names = queries(ctx, self, LATENCY + 1)
         self._begin = gl.function(ctx, "glBeginQuery", ctypes.c_uint, ctypes.c_uint)
         self._end = gl.function(ctx, "glEndQuery", ctypes.c_uint)
         result = ctypes.c_uint, ctypes.c_uint, ctypes.POINTER(ctypes.c_uint64)
@@ -73,9 +73,11 @@ class GpuTimer:
 class Stopwatch:
     """Times what is drawn: for benchmarks, also inside a frame that is timed.
 
-    Time stamps of the GPU, or the wall clock between two ``finish`` where those mean nothing. Time
-    stamps are put into the queue with what is drawn between them, and nobody waits before a time is
-    asked for. Still they tell how fast commands are sent where the GPU is done with them sooner.
+    Time stamps of the GPU, or where those mean nothing the processor's time that this process has
+    used, all threads together, between two ``finish``: what else runs on the machine hardly changes
+    it. Time stamps are put into the queue with what is drawn between them, and nobody waits before
+    a time is asked for. Still they tell how fast commands are sent where the GPU is done with them
+    sooner.
     """
 
     def __init__(self, ctx: moderngl.Context) -> None:
@@ -92,10 +94,10 @@ class Stopwatch:
         if self.on_gpu:
             return self._gpu_lap(draw)
         self._ctx.finish()
-        start_s = time.perf_counter()
+        start_s = time.process_time()
         draw()
         self._ctx.finish()
-        seconds = time.perf_counter() - start_s
+        seconds = time.process_time() - start_s
         return lambda: seconds
 
     def seconds(self, draw: Callable[[], object]) -> float:
@@ -103,7 +105,7 @@ class Stopwatch:
         return self.lap(draw)()
 
     def _gpu_lap(self, draw: Callable[[], object]) -> Lap:
-        pair = self._free.pop() if self._free else _queries(self._ctx, self, 2)
+        pair = self._free.pop() if self._free else queries(self._ctx, self, 2)
         self._stamp(pair[0], _TIMESTAMP)
         draw()
         self._stamp(pair[1], _TIMESTAMP)
@@ -130,7 +132,7 @@ class _Queries(NamedTuple):
         self.delete(len(self.names), self.names)
 
 
-def _queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
+def queries(ctx: moderngl.Context, owner: object, count: int) -> tuple[int, ...]:
     """Return the names of new queries, which die with their owner."""
     names = (ctypes.c_uint * count)()
     count_and_names = ctypes.c_int, ctypes.POINTER(ctypes.c_uint)

@@ -26,9 +26,20 @@ Weight = Annotated[float, Field(ge=0.001, le=1)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
 
-Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "mip_slices"]
-"""Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
-two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
+Kernel = Literal[
+    "vrcomfort",
+    "scatter",
+    "poisson12",
+    "poisson15_near",
+    "mip",
+    "mip_slices",
+    "half_resolution_disc",
+    "ring_gather",
+    "separable_gaussian",
+]
+"""Ours; those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011 and (two) "Four
+Tricks for Fast Blurring in Software and Hardware", 2001; and three engines' ways, for comparison:
+as KinoBokeh (Takahashi, Unity), as Filament's `dof.mat` and as Bevy's Gaussian."""
 
 EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "relocation_blur", "vignette"]
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeAlias
 
 import moderngl
 
@@ -22,6 +23,9 @@ from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.scene.data import Scene
+
+Drawn: TypeAlias = Effect | LensViews | ScenePass | ToneMapPass | FocusPass
+"""What has a `render`."""
 
 
 class ConditionPasses:
@@ -74,6 +78,7 @@ class ConditionPasses:
         self._of_eye: list[Effect] = []
         """Drawn once."""
         self._depth_of_field: Effect | None = None
+        self._named: dict[str, Drawn] = {}
         for kind in kinds:
             self._add(kind, condition)
         exposure = scene.environment.exposure
@@ -98,6 +103,7 @@ class ConditionPasses:
         )
         if effect is not None:
             self._of_eye.append(effect)
+            self._named[kind.name] = effect
             self.colour = effect.target
         if kind.name == "depth_of_field":
             self._depth_of_field = effect
@@ -112,6 +118,13 @@ class ConditionPasses:
         infinity_m = condition.focus.infinity_m
         self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
         self.colour = self._lens_views.target
+
+    def parts(self) -> list[tuple[str, Drawn]]:
+        """Return what is drawn in a frame, by name: for measurements of each."""
+        views = [("lens_views", self._lens_views)] if self._lens_views is not None else []
+        focus = [("focus", self.focus)] if self.focus is not None else []
+        tone_maps = [("tone_map", each) for each in self.tone_maps]
+        return [*focus, ("scene", self.scene), *views, *self._named.items(), *tone_maps]
 
     def warm_up(self) -> None:
         """Draw once what frames in which nothing moves leave out, so that it is compiled."""

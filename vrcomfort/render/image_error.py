@@ -83,7 +83,14 @@ def pixels_per_degree(fov: Fov, size_px: tuple[int, int]) -> float:
 
 
 def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: float) -> float:
-    """Return the mean HDR-FLIP of two (h, w, 3) linear images: 0 alike, 1 as different as can be.
+    """Return the mean HDR-FLIP of two (h, w, 3) linear images: see :func:`hdr_flip_map`."""
+    return float(hdr_flip_map(test, reference, pixels_per_degree=pixels_per_degree).mean())
+
+
+def hdr_flip_map(
+    test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: float
+) -> NDArray[np.float32]:
+    """Return the (h, w) HDR-FLIP of two (h, w, 3) linear images: 0 alike, 1 most different.
 
     Images are scaled so that 1 is display white; exposures are fixed at :data:`EXPOSURES`, or else
     every image would be judged on a scale of its own.
@@ -100,7 +107,7 @@ def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: flo
         "numExposures": count,
         "tonemapper": "ACES",
     }
-    _, mean, _ = flip_evaluator.evaluate(
+    found, _, _ = flip_evaluator.evaluate(
         np.ascontiguousarray(_image(reference), dtype=np.float32),
         np.ascontiguousarray(_image(test), dtype=np.float32),
         "HDR",
@@ -108,7 +115,8 @@ def hdr_flip(test: ArrayLike, reference: ArrayLike, /, *, pixels_per_degree: flo
         applyMagma=False,
         parameters=parameters,
     )
-    return float(mean)
+    errors: NDArray[np.float32] = found[..., 0]
+    return errors
 
 
 def ssim(test: ArrayLike, reference: ArrayLike, /, *, peak: float = 1.0) -> float:
@@ -182,11 +190,27 @@ def sure(halves: tuple[Array, Array], /, *, exposure: float) -> NDArray[np.bool_
     return found
 
 
-def judged(pixels: Image, counted: NDArray[np.bool_], exposure: float) -> Array:
-    """Return what is compared: exposed, without the margin, 0 where a pixel does not count."""
-    margin = margin_px((pixels.shape[1], pixels.shape[0]))
+def judged(
+    pixels: Image,
+    counted: NDArray[np.bool_],
+    exposure: float,
+    area: tuple[slice, slice] | None = None,
+) -> Array:
+    """Return what is compared: exposed, without the margin, 0 where a pixel does not count.
+
+    Parameters
+    ----------
+    area
+        Rows and columns to compare, where the image is only a part of one that has a margin.
+    """
     exposed: Array = np.where(counted, pixels.astype(np.float64) * exposure, 0.0)
-    return exposed[margin:-margin, margin:-margin]
+    return exposed[area or inside_margin((pixels.shape[1], pixels.shape[0]))]
+
+
+def inside_margin(size_px: tuple[int, int]) -> tuple[slice, slice]:
+    """Return the rows and columns of a (width, height) image that are not in its margin."""
+    margin = margin_px(size_px)
+    return slice(margin, size_px[1] - margin), slice(margin, size_px[0] - margin)
 
 
 def margin_px(size_px: tuple[int, int]) -> int:

@@ -26,7 +26,7 @@ from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
-from vrcomfort.render.condition_passes import ConditionPasses
+from vrcomfort.render.condition_passes import ConditionPasses, Drawn
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
 from vrcomfort.render.head_step import HeadStep
@@ -135,6 +135,10 @@ class StereoRenderer:
     def scene_pass(self) -> ScenePass:
         """Return the scene pass of the present condition."""
         return self._built().scene
+
+    def parts(self) -> list[tuple[str, Drawn]]:
+        """Return what is drawn in a frame of the present condition, by name."""
+        return self._built().parts()
 
     def render(
         self,

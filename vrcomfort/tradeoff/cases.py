@@ -5,11 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
+from typing import Literal
 
+from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
-from vrcomfort.tradeoff.methods import EFFECTS, Effect
+from vrcomfort.optics.circle_of_confusion import max_radius_px
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.tradeoff.methods import EFFECTS, LENSES, Effect, LensName, base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
-from vrcomfort.tradeoff.walk import MOTIONS, SCENES, Motion, pairs, with_motion
+from vrcomfort.tradeoff.walk import MOTIONS, SCENES, Motion, pairs, slowly_later, with_motion
+from vrcomfort.tradeoff.windows import HEADSET_PX, WINDOWS, Window, of_part, through
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,14 @@ class Scope:
         Only these (and no blur); None for all.
     rounds
         Timed frames of each method; None for as many as the device is given.
+    lenses
+        How wide the lens is, one case each; without depth of field only the first.
+    windows
+        Whether parts of the image are judged in place of the whole: those of `WINDOWS`, left eye.
+    eyes
+        1 judges the left eye alone: nothing is known of binocular errors then.
+    flicker
+        Whether it is found how errors change until a frame later: twice as many references.
     """
 
     scenes: tuple[str, ...] = SCENES
@@ -45,6 +58,10 @@ class Scope:
     quick: bool = False
     methods: tuple[str, ...] | None = None
     rounds: int | None = None
+    lenses: tuple[LensName, ...] = ("3.5",)
+    windows: bool = False
+    eyes: Literal[1, 2] = 2
+    flicker: bool = False
 
 
 @dataclass(frozen=True)
@@ -55,11 +72,18 @@ class Case:
     pose: int
     motion: Motion
     effect: Effect
+    lens: LensName = "3.5"
+    window: str | None = None
+    """Name of the part of the image that is judged; None for all of it."""
+    later: bool = False
+    """A frame of slow walking later, of which only flicker is found."""
 
     @property
     def name(self) -> str:
         """Return what files are called."""
-        return f"{self.scene}_{self.effect}_pose{self.pose + 1}_{self.motion}"
+        parts = [self.scene, self.effect, f"pose{self.pose + 1}", self.motion]
+        parts += [f"lens{self.lens}"] if self.effect != "motion_blur" else []
+        return "_".join([*parts, *([self.window] if self.window else [])])
 
 
 def samples_of(case: Case, scope: Scope) -> int:
@@ -68,18 +92,79 @@ def samples_of(case: Case, scope: Scope) -> int:
 
 
 def cases(scope: Scope) -> list[Case]:
-    """Return all cases; depth of field alone sees no motion."""
+    """Return all cases; depth of field alone sees no motion, motion blur alone no lens.
+
+    Raises
+    ------
+    InputError
+        If windows are asked for at a size that they are not made for.
+    """
+    if scope.windows and scope.size_px != HEADSET_PX:
+        width, height = HEADSET_PX
+        raise InputError(f"--windows are parts of images of {width}x{height}; give that --size")
     found = product(scope.scenes, scope.effects, range(scope.poses))
     return [
-        Case(scene, pose, motion, effect)
+        Case(scene, pose, motion, effect, lens, window)
         for scene, effect, pose in found
         for motion in (("still",) if effect == "depth_of_field" else scope.motions)
+        for lens in (scope.lenses[:1] if effect == "motion_blur" else scope.lenses)
+        for window in _window_names(scene, pose, scope)
     ]
 
 
+def _window_names(scene: str, pose: int, scope: Scope) -> tuple[str | None, ...]:
+    if not scope.windows:
+        return (None,)
+    return tuple(window.name for window in WINDOWS.get((scene, pose), ()))
+
+
 def frames(case: Case, scope: Scope) -> tuple[Frame, Frame]:
-    """Return the frame before and the frame to look at."""
-    return with_motion(_pairs(case.scene, scope.size_px, scope.poses)[case.pose], case.motion)
+    """Return the frame before and the frame to look at, through the case's window."""
+    pair = _pairs(case.scene, scope.size_px, scope.poses)[case.pose]
+    before, frame = with_motion(pair, case.motion)
+    if case.later:
+        before, frame = slowly_later(before), slowly_later(frame)
+    if case.window is None:
+        return before, frame
+    window = drawn(case, scope)
+    return through(before, window, scope.size_px), through(frame, window, scope.size_px)
+
+
+def condition_of(case: Case, scope: Scope, condition: Condition) -> Condition:
+    """Return a method's condition with the case's lens, for the image that is drawn."""
+    if condition.depth_of_field is not None:
+        lens = condition.depth_of_field.model_copy(update=LENSES[case.lens])
+        condition = condition.model_copy(update={"depth_of_field": lens})
+    return of_part(condition, drawn_px(case, scope)[0] / scope.size_px[0])
+
+
+def reference_condition(case: Case, scope: Scope) -> Condition:
+    """Return the condition whose reference all methods are compared with."""
+    return condition_of(case, scope, base_condition(case.effect))
+
+
+def eyes_of(case: Case, scope: Scope) -> Literal[1, 2]:
+    """Return how many eyes are judged: of a window the left one, whose part of the image it is."""
+    return 1 if case.window is not None else scope.eyes
+
+
+def drawn_px(case: Case, scope: Scope) -> tuple[int, int]:
+    """Return (width, height) of what is drawn."""
+    return drawn(case, scope).size_px
+
+
+def drawn(case: Case, scope: Scope) -> Window:
+    """Return what is drawn: the whole image, or the case's window and as far as discs reach."""
+    if case.window is None:
+        return Window("whole", 0, 0, *scope.size_px)
+    percent = LENSES[case.lens]["max_radius_percent"]
+    reach_px = max_radius_px(percent, scope.size_px[0])
+    return window_of(case).drawn(scope.size_px, reach_px)
+
+
+def window_of(case: Case) -> Window:
+    """Return the case's window, which it must have."""
+    return next(each for each in WINDOWS[case.scene, case.pose] if each.name == case.window)
 
 
 @cache

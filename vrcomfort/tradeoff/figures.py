@@ -16,7 +16,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from vrcomfort.geometry import Array
-from vrcomfort.tradeoff import labels
+from vrcomfort.tradeoff import keys, labels
 from vrcomfort.tradeoff.measure import SCATTER
 from vrcomfort.tradeoff.results import by_dial
 
@@ -63,7 +63,7 @@ def pareto_figure(name: str, rows: Sequence[Row], folder: Path) -> str:
 
 def draw(rows: Sequence[Row]) -> Figure:
     """Return the figure of one scene and effect."""
-    timed = [row for row in rows if row["effect_to_copy"] and row["family"] != "none"]
+    timed = [row for row in rows if row["cost"] and row["family"] != "none"]
     figure = Figure(figsize=(7.2, 4.6), layout=ConstrainedLayoutEngine(w_pad=0.08))
     FigureCanvasAgg(figure)
     axes = figure.add_subplot()
@@ -80,11 +80,11 @@ def draw(rows: Sequence[Row]) -> Figure:
 def _plot(axes: Axes, rows: list[Row], family: str) -> None:
     if not rows:
         return
-    x, y = [row["effect_to_copy"] for row in rows], [row["rms"] for row in rows]
+    x, y = [row["cost"] for row in rows], [row["rms"] for row in rows]
     look: dict[str, Any] = {"color": COLOURS[family], "zorder": 3}
     axes.plot(x, y, MARKERS[family], ms=MARKER_PT, label=WORDS[family], **look)
     for steps in by_dial(rows).values():
-        joined = [(row["effect_to_copy"], row["rms"]) for row in steps]
+        joined = [(row["cost"], row["rms"]) for row in steps]
         axes.plot(*zip(*joined, strict=True), "-", lw=1.2, **look)
     unsure = [(a, b) for a, b, row in zip(x, y, rows, strict=True) if not row["counts"]]
     if unsure:
@@ -114,9 +114,9 @@ def _lines(axes: Axes, rows: Sequence[Row]) -> None:
 def _decorate(axes: Axes, rows: Sequence[Row]) -> None:
     first = rows[0]
     views = "view" if first["views"] == 1 else "views"
-    title = f"{first['scene']}: {first['effect'].replace('_', ' ')} ({first['views']} {views})"
+    title = f"{keys.title(keys.key_of_row(first))} ({first['views']} {views})"
     axes.set_title(title, loc="left", fontsize=10, pad=24)
-    axes.set_xlabel("cost of the effect ÷ cost of copying the stereo frame")
+    axes.set_xlabel("cost: 1 + effect ÷ plain frame")
     axes.set_ylabel("RMS error against brute force (R1)\nlinear light, display white = 1")
     for axis in (axes.xaxis, axes.yaxis):
         start, end = axis.get_view_interval()
@@ -142,7 +142,7 @@ def _place_labels(figure: Figure, axes: Axes, rows: list[Row]) -> None:
     if not rows:
         return
     pixels_per_point = figure.dpi / 72
-    centers = axes.transData.transform([(r["effect_to_copy"], r["rms"]) for r in rows])
+    centers = axes.transData.transform([(r["cost"], r["rms"]) for r in rows])
     rings = [MARKER_PT if row["counts"] else RING_PT for row in rows]
     markers = np.column_stack([centers, np.array(rings) / 2 * pixels_per_point])
     groups = coinciding(rows, markers)

@@ -11,19 +11,21 @@ from typing import Any
 
 from vrcomfort.tradeoff.cases import Case
 from vrcomfort.tradeoff.figures import pareto_figure
+from vrcomfort.tradeoff.keys import figure_name, key_of_row
 from vrcomfort.tradeoff.measure import Measured
 from vrcomfort.tradeoff.methods import EFFECTS
 from vrcomfort.tradeoff.page import render_page
+from vrcomfort.tradeoff.results import COUNTS, REGION_RMS, TRAFFIC
 from vrcomfort.tradeoff.sheets import contact_sheet
 from vrcomfort.tradeoff.tables import markdown
 from vrcomfort.tradeoff.walk import MOTIONS, SCENES
 
 CSV_COLUMNS = (
-    "scene", "effect", "pose", "motion", "method", "family", "step",
-    "effect_to_copy", "effect_ms", "effect_p95_ms", "effect_p99_ms",
-    "frame_ms", "frame_to_plain", "rounds",
+    "scene", "effect", "pose", "motion", "lens", "window", "method", "family", "step",
+    "cost", *TRAFFIC, "effect_ms", "effect_p95_ms", "effect_p99_ms", "frame_ms", "rounds",
     "rms", "psnr_db", "flip", "ssim",
     "filter_rms", "filter_psnr_db", "filter_flip", "filter_ssim",
+    *REGION_RMS, "seams", "flicker", *COUNTS,
     "rivalry", "shower_door", "coc_mismatch_px", "seen_by_both",
     "reference_rms", "counts", "samples",
 )  # fmt: skip
@@ -67,7 +69,7 @@ def _pictures_of(row: dict[str, Any]) -> list[str]:
     case = Case(**{name: row[name] for name in CASE})
     if case.scene not in SCENES or case.effect not in EFFECTS or case.motion not in MOTIONS:
         return []
-    figure = f"figures/{case.scene}_{case.effect}"
+    figure = f"figures/{figure_name((case.scene, case.effect, case.lens))}"
     return [f"{figure}.svg", f"{figure}.png", f"sheets/{case.name}.png"]
 
 
@@ -83,9 +85,9 @@ def _write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> None:
 def _write_figures(folder: Path, found: dict[str, Any]) -> dict[str, str]:
     """Write the Pareto figures as SVG and PNG; return the SVG texts by scene and effect."""
     texts = {}
-    for scene, effect in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
-        rows = [r for r in found["table"] if (r["scene"], r["effect"]) == (scene, effect)]
-        name = f"{scene}_{effect}"
+    for key in dict.fromkeys(key_of_row(row) for row in found["table"]):
+        rows = [row for row in found["table"] if key_of_row(row) == key]
+        name = figure_name(key)
         texts[name] = pareto_figure(name, rows, folder)
     return texts
 

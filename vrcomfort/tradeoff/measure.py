@@ -5,20 +5,19 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vrcomfort.optics.tone import tone_mapped
 from vrcomfort.render.image_error import (
     hdr_flip,
     judged,
     margin_px,
-    pixels_per_degree,
     rms,
     ssim,
-    sure,
 )
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.binocular import (
@@ -27,11 +26,22 @@ from vrcomfort.tradeoff.binocular import (
     correspondence,
     radius_mismatch_px,
 )
-from vrcomfort.tradeoff.cases import Case, Scope, frames
-from vrcomfort.tradeoff.methods import Method, base_condition, methods, pick
-from vrcomfort.tradeoff.shots import context, radius_px, shoot
+from vrcomfort.tradeoff.cases import (
+    Case,
+    Scope,
+    condition_of,
+    drawn_px,
+    eyes_of,
+    frames,
+)
+from vrcomfort.tradeoff.eye_view import EyeView, judged_area, view_of
+from vrcomfort.tradeoff.methods import Method, methods, pick
+from vrcomfort.tradeoff.region_errors import region_errors
+from vrcomfort.tradeoff.regions import Mask
+from vrcomfort.tradeoff.seams import flicker, off_median
+from vrcomfort.tradeoff.shots import context, shoot
 from vrcomfort.tradeoff.store import Store, key_of, method_code, scene_and_hash
-from vrcomfort.tradeoff.truth import Truth, base_shots, truths
+from vrcomfort.tradeoff.truth import base_shots
 
 SCATTER = "ideal scatter (R2)"
 
@@ -44,19 +54,22 @@ class Measured(NamedTuple):
     """One for each method, and one for R2."""
     pictures: dict[str, NDArray[np.float32]]
     """Left eye: (h, w, 3) linear light, top row first, of the reference and of each method."""
+    counted: Mask
+    """(h, w, 1) top row first: what of the pictures is judged."""
     reused: int
     """How many rows were there from an earlier run."""
 
 
 class _View(NamedTuple):
-    """What errors are measured against: both eyes."""
+    """What errors are measured against."""
 
     scene: Scene
-    truth: tuple[Truth, Truth]
-    pixels_per_degree: float
-    pairs: Correspondence
+    eyes: tuple[EyeView, ...]
+    pairs: Correspondence | None
+    """None of a single eye."""
     coc_mismatch_px: float
-    sure: tuple[NDArray[np.bool_], NDArray[np.bool_]]
+    next_frame: tuple[EyeView, ...]
+    """The same a frame of slow walking later; empty where flicker is not asked for."""
 
 
 def measure(
@@ -81,11 +94,20 @@ def measure(
     everything = {SCATTER: base, **{name: each for name, each in kept.items() if each}}
     rows = [{**asdict(case), **json.loads(str(each["row"]))} for each in everything.values()]
     pictures = {name: each["picture"] for name, each in everything.items()}
-    return Measured(case, rows, {"reference": base["reference"], **pictures}, reused)
+    shown = {"reference": base["reference"], **pictures}
+    return Measured(case, rows, shown, _counted(case, scope), reused)
+
+
+def _counted(case: Case, scope: Scope) -> Mask:
+    width, height = drawn_px(case, scope)
+    counted = np.zeros((height, width, 1), dtype=bool)
+    counted[judged_area(case, scope)] = True
+    return counted[::-1]
 
 
 def _key(case: Case, scope: Scope, method: Method | None) -> str:
-    facts = asdict(case), scope.size_px, scope.samples, scope.poses, method_code()
+    flags = scope.size_px, scope.samples, scope.poses, scope.eyes, scope.flicker
+    facts = asdict(case), *flags, method_code()
     condition = method.condition.model_dump(mode="json") if method else None
     _, scene_hash = scene_and_hash(case.scene)
     device = str(context().info["GL_RENDERER"])
@@ -94,36 +116,53 @@ def _key(case: Case, scope: Scope, method: Method | None) -> str:
 
 def _view(case: Case, scope: Scope, store: Store) -> _View:
     scene, _ = scene_and_hash(case.scene)
-    shots = base_shots(case, scope)
-    truth = truths(case, scope, shots, store)
-    condition = base_condition(case.effect)
-    pairs = correspondence(shots[0].eye, shots[1].eye, margin_px=margin_px(scope.size_px))
-    radii = [radius_px(shot, condition) for shot in shots]
-    exposure = scene.environment.exposure
-    return _View(
-        scene,
-        truth,
-        pixels_per_degree(shots[0].camera.fov, scope.size_px),
-        pairs,
-        radius_mismatch_px(pairs, *radii),
-        (sure(truth[0].halves, exposure=exposure), sure(truth[1].halves, exposure=exposure)),
-    )
+    eyes = view_of(case, scope, store)
+    later = view_of(replace(case, later=True), scope, store) if scope.flicker else ()
+    pairs, mismatch = None, math.nan
+    if eyes_of(case, scope) == 2:
+        left, right = base_shots(case, scope)
+        pairs = correspondence(left.eye, right.eye, margin_px=margin_px(scope.size_px))
+        mismatch = radius_mismatch_px(pairs, eyes[0].radius_px, eyes[1].radius_px)
+    return _View(scene, eyes, pairs, mismatch, later)
+
+
+def errors_of(case: Case, scope: Scope, method: Method, store: Store) -> dict[str, Any]:
+    """Return the errors of a method; of what there is in the store, only references are used."""
+    return _drawn_errors(case, scope, method, _view(case, scope, store))[0]
 
 
 def _method_facts(case: Case, scope: Scope, method: Method, view: _View) -> dict[str, NDArray[Any]]:
-    shots = shoot(view.scene, method.condition, frames(case, scope), scope.size_px)
-    images = shots[0].blurred, shots[1].blurred
+    errors, picture = _drawn_errors(case, scope, method, view)
     row = {"method": method.name, "family": method.family, "step": method.step}
-    return {
-        "row": np.array(json.dumps({**row, **_errors(images, view)})),
-        "picture": images[0][::-1],
-    }
+    return {"row": np.array(json.dumps({**row, **errors})), "picture": picture[::-1]}
+
+
+def _drawn_errors(
+    case: Case, scope: Scope, method: Method, view: _View
+) -> tuple[dict[str, Any], NDArray[np.float32]]:
+    """Draw a method, and return its errors and the left eye's image."""
+    images = images_of(case, scope, method, view.scene)
+    later: tuple[NDArray[np.float32], ...] = ()
+    if view.next_frame:
+        later = images_of(replace(case, later=True), scope, method, view.scene)
+    return _errors(images, view, later), images[0]
+
+
+def images_of(
+    case: Case, scope: Scope, method: Method, scene: Scene
+) -> tuple[NDArray[np.float32], ...]:
+    """Draw what a method shows to the eyes that are judged."""
+    condition = condition_of(case, scope, method.condition)
+    eyes = eyes_of(case, scope)
+    shots = shoot(scene, condition, frames(case, scope), drawn_px(case, scope), eyes=eyes)
+    return tuple(shot.blurred for shot in shots)
 
 
 def _reference_facts(view: _View) -> dict[str, NDArray[Any]]:
-    left, right = view.truth
+    left = view.eyes[0].truth
     row = {"method": SCATTER, "family": "none", "step": None}
-    errors = _errors((left.scatter, right.scatter), view)
+    later = tuple(each.truth.scatter for each in view.next_frame)
+    errors = _errors(tuple(each.truth.scatter for each in view.eyes), view, later)
     mean = (left.halves[0] + left.halves[1]) / 2
     return {
         "row": np.array(json.dumps({**row, **errors})),
@@ -132,35 +171,66 @@ def _reference_facts(view: _View) -> dict[str, NDArray[Any]]:
     }
 
 
-def _errors(images: tuple[NDArray[Any], NDArray[Any]], view: _View) -> dict[str, Any]:
-    """Return the errors of a stereo image, means over both eyes (RMS: quadratic)."""
-    eyes = [_eye_errors(images[eye], view, eye) for eye in (0, 1)]
-    row = {name: float(np.mean([each[name] for each in eyes])) for name in eyes[0]}
-    for name in ("rms", "reference_rms", "filter_rms"):
-        row[name] = math.sqrt(float(np.mean([each[name] ** 2 for each in eyes])))
-    exposure = view.scene.environment.exposure
-    differences = [
-        np.where(view.sure[eye], images[eye] - np.mean(view.truth[eye].halves, axis=0), 0)
-        * exposure
-        for eye in (0, 1)
-    ]
-    found = binocular_error(view.pairs, differences[0], differences[1])
+def _errors(
+    images: tuple[NDArray[Any], ...], view: _View, later: tuple[NDArray[Any], ...]
+) -> dict[str, Any]:
+    """Return the errors of the eyes' images, means over eyes (RMS: quadratic)."""
+    eyes = [eye_errors(image, eye) for image, eye in zip(images, view.eyes, strict=True)]
+    row = {name: _mean(name, [each[name] for each in eyes]) for name in eyes[0]}
+    if later:
+        changes = [
+            _flicker(*each) for each in zip(images, view.eyes, later, view.next_frame, strict=True)
+        ]
+        row["flicker"] = _mean("rms", changes)
     return {
         **row,
-        "psnr_db": decibels(row["rms"]),
-        "filter_psnr_db": decibels(row["filter_rms"]),
-        "counts": row["reference_rms"] <= 0.1 * row["rms"],
-        "samples": view.truth[0].samples,
+        "psnr_db": decibels(row["rms"] or 0.0),
+        "filter_psnr_db": decibels(row["filter_rms"] or 0.0),
+        "counts": (row["reference_rms"] or 0.0) <= 0.1 * (row["rms"] or 0.0),
+        "samples": view.eyes[0].truth.samples,
+        **_binocular(images, view),
+    }
+
+
+def _mean(name: str, values: list[float | None]) -> float | None:
+    known = np.array([value for value in values if value is not None])
+    if not len(known):
+        return None
+    if name.endswith(("rms", "seams")):
+        return math.sqrt(float(np.mean(known**2)))
+    return float(np.sum(known)) if name.endswith("px") else float(np.mean(known))
+
+
+def _binocular(images: tuple[NDArray[Any], ...], view: _View) -> dict[str, float | None]:
+    if view.pairs is None:
+        return {"rivalry": None, "shower_door": None, "coc_mismatch_px": None, "seen_by_both": None}
+    differences = [eye.error(image) for image, eye in zip(images, view.eyes, strict=True)]
+    found = binocular_error(view.pairs, differences[0], differences[1])
+    return {
         **_known({**found._asdict(), "coc_mismatch_px": view.coc_mismatch_px}),
         "seen_by_both": len(view.pairs.left),
     }
 
 
-def _eye_errors(image: NDArray[Any], view: _View, eye: int) -> dict[str, float]:
-    """Return the errors against R1, and with `filter_` those against R2."""
-    truth, exposure = view.truth[eye], view.scene.environment.exposure
+def _flicker(
+    image: NDArray[Any], eye: EyeView, later: NDArray[Any], eye_later: EyeView
+) -> float | None:
+    changed = flicker(eye.error(image), eye_later.error(later))
+    both = (eye.sure & eye_later.sure)[eye.area][..., 0]
+    return math.sqrt(float(np.mean(changed[eye.area][both] ** 2))) if both.any() else None
+
+
+def eye_errors(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
+    """Return the errors of an eye's image: against R1, with `filter_` against R2, and by region.
+
+    ``rms``, ``flip``, ``ssim``; ``REGION_rms`` (None where the view has none of it) and
+    ``REGION_px``; ``seams`` (RMS of the high-pass error beside far edges); ``off_median_2_px`` and
+    ``off_median_4_px`` and those of R1, of ``wide_px`` pixels.
+    """
+    truth, exposure, area = view.truth, view.exposure, view.area
     test, first, second, scatter = (
-        judged(pixels, view.sure[eye], exposure) for pixels in (image, *truth.halves, truth.scatter)
+        judged(pixels, view.sure, exposure, area)
+        for pixels in (image, *truth.halves, truth.scatter)
     )
     reference = (first + second) / 2
     ppd = view.pixels_per_degree
@@ -172,6 +242,23 @@ def _eye_errors(image: NDArray[Any], view: _View, eye: int) -> dict[str, float]:
         "filter_rms": rms(test, scatter),
         "filter_flip": hdr_flip(test, scatter, pixels_per_degree=ppd),
         "filter_ssim": ssim(test, scatter),
+        **region_errors(view.error(image), view.regions, view.sure[..., 0]),
+        **_off_median(image, view),
+    }
+
+
+def _off_median(image: NDArray[Any], view: EyeView) -> dict[str, float | None]:
+    reference = np.mean(view.truth.halves, axis=0)
+    shown, ideal = (
+        np.clip(tone_mapped(pixels, exposure=view.exposure), 0, 1) for pixels in (image, reference)
+    )
+    test, best = (off_median(pixels, view.radius_px, view.area) for pixels in (shown, ideal))
+    return {
+        "wide_px": test.wide_px,
+        "off_median_2_px": test.over_2,
+        "off_median_4_px": test.over_4,
+        "reference_off_median_2_px": best.over_2,
+        "reference_off_median_4_px": best.over_4,
     }
 
 

@@ -17,9 +17,25 @@ Family: TypeAlias = Literal["none", "source", "ours", "dial"]
 
 OURS = "vrcomfort"
 FOCUS = Focus(method="fixed", fixed_m=1.5)
-LENS: dict[str, Any] = {"law": "dioptre", "max_radius_percent": 3.5, "full_blur_dioptre": 2.0}
-"""A large lens: 1.75 % of the image's width per dioptre. Nothing in the walks is nearer than the
-limit of 2 D allows, so that the reference, which has no limit, shows the same blur."""
+LensName: TypeAlias = Literal["1.75", "3.5", "7", "eye"]
+"""Percentage of the image's width that a circle of confusion's radius reaches at 2 D, or an eye."""
+LENS_NAMES: tuple[LensName, ...] = get_args(LensName)
+
+
+def _camera(percent: float) -> dict[str, Any]:
+    return {"law": "dioptre", "max_radius_percent": percent, "full_blur_dioptre": 2.0}
+
+
+LENSES: dict[LensName, dict[str, Any]] = {
+    "1.75": _camera(1.75),
+    "3.5": _camera(3.5),
+    "7": _camera(7.0),
+    "eye": {"law": "eye", "pupil_mm": 4.0, "max_radius_percent": 3.5},
+}
+"""Nothing in the walks is nearer than the limit of 2 D allows, so that the reference, which has no
+limit, shows the same blur."""
+LENS = LENSES["3.5"]
+"""A large lens: 1.75 % of the image's width per dioptre."""
 SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_percent": 20.0}
 
 PER_PIXEL_SAMPLES = 8
@@ -27,6 +43,7 @@ PER_PIXEL_SAMPLES = 8
 
 RINGS = (1, 2, 3)
 TAPS = (2, 6, 12, 16, 24, 48)
+SAMPLES = (4, 8, 16, 24, 32, 48, 64)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
@@ -95,18 +112,23 @@ def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:
 
 
 def _lens(quick: bool) -> list[Method]:
+    steps = {"samples": _few(SAMPLES, quick), "taps": _few(TAPS, quick), "rings": RINGS}
+    dials = [
+        _dial("depth_of_field", "ours", name, steps[name], _lens_condition)
+        for name in steps
+        if name in DepthOfField.model_fields
+    ]
     return [
-        _no_blur("depth_of_field"),
+        no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
-        *_dial("depth_of_field", "ours", "taps", _few(TAPS, quick), _lens_condition),
-        *_dial("depth_of_field", "ours", "rings", RINGS, _lens_condition),
+        *(method for dial in dials for method in dial),
         *_views(quick),
     ]
 
 
 def _shutter(quick: bool) -> list[Method]:
     return [
-        _no_blur("motion_blur"),
+        no_blur("motion_blur"),
         *_sources("motion_blur", MotionBlur, "method", _per_pixel_condition),
         *_dial("motion_blur", "ours", "samples", _few(STREAK_SAMPLES, quick), _shutter_condition),
     ]
@@ -118,10 +140,11 @@ def _both(quick: bool) -> list[Method]:  # noqa: ARG001 - two orders, and no dia
         Method(order, "both", "ours", _condition("both", order, True, True, effect_order=order))
         for order in orders
     ]
-    return [_no_blur("both"), *ours]
+    return [no_blur("both"), *ours]
 
 
-def _no_blur(effect: Effect) -> Method:
+def no_blur(effect: Effect) -> Method:
+    """Return the plain frame."""
     return Method("no blur", effect, "none", Condition(name="no_blur", focus=FOCUS))
 
 

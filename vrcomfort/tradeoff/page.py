@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from vrcomfort.tradeoff import tables
+from vrcomfort.tradeoff.keys import Key, figure_name, key_of_row, title
 from vrcomfort.tradeoff.sheets import GAIN
 from vrcomfort.web_page import inline_svg, page_templates
 
@@ -21,18 +22,17 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
     sheets
         Paths of contact sheets, from the page, by case.
     """
-    keys = list(dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]))
+    groups = list(dict.fromkeys(key_of_row(row) for row in found["table"]))
     sections = [
         {
-            "title": tables.title(*key),
-            "name": "_".join(key),
-            "rows": [row for row in found["table"] if (row["scene"], row["effect"]) == key],
-            "front": next(
-                each["front"] for each in found["fronts"] if (each["scene"], each["effect"]) == key
-            ),
-            "sheets": {n: p for n, p in sheets.items() if n.startswith("_".join((*key, "pose")))},
+            "title": title(key),
+            "name": figure_name(key),
+            "lens": key[1] != "motion_blur",
+            "rows": [row for row in found["table"] if key_of_row(row) == key],
+            "front": next(each["front"] for each in found["fronts"] if key_of_row(each) == key),
+            "sheets": {name: path for name, path in sheets.items() if _is_of(name, key)},
         }
-        for key in keys
+        for key in groups
     ]
     return (
         page_templates()
@@ -41,6 +41,7 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
             r=found,
             sections=sections,
             columns=tables.COLUMNS,
+            regions=tables.REGION_COLUMNS,
             notes=tables.notes(found),
             verdicts=tables.VERDICT_COLUMNS,
             headline=tables.headline(found),
@@ -50,6 +51,13 @@ def render_page(found: dict[str, Any], figures: dict[str, str], sheets: dict[str
             gain=GAIN,
         )
     )
+
+
+def _is_of(name: str, key: Key) -> bool:
+    """Return whether the sheet of a case belongs to a group."""
+    scene, effect, lens = key
+    with_lens = effect == "motion_blur" or f"lens{lens}" in name.split("_")
+    return name.startswith(f"{scene}_{effect}_pose") and with_lens
 
 
 def _emphasis(line: str) -> list[str]:

@@ -6,16 +6,19 @@ import math
 import os
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
 
 from vrcomfort import __version__
-from vrcomfort.tradeoff.cases import Scope
+from vrcomfort.tradeoff.cases import Case, Scope
+from vrcomfort.tradeoff.keys import Key, key_of_row, named
 from vrcomfort.tradeoff.measure import SCATTER, Measured, decibels
-from vrcomfort.tradeoff.methods import FOCUS, LENS, SHUTTER
+from vrcomfort.tradeoff.methods import FOCUS, LENSES, SHUTTER
 from vrcomfort.tradeoff.pareto import Point, falls, front, log_slope, undecided, verdict
+from vrcomfort.tradeoff.regions import REGIONS
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import CaseTime
 
@@ -29,32 +32,56 @@ MEANS = (
     "shower_door",
     "coc_mismatch_px",
 )
-QUADRATIC = ("rms", "reference_rms", "filter_rms")
-COSTS = ("frame_ms", "effect_ms", "effect_to_copy", "frame_to_plain")
+REGION_RMS = tuple(f"{region}_rms" for region in REGIONS)
+QUADRATIC = ("rms", "reference_rms", "filter_rms", "seams", "flicker", *REGION_RMS)
+COUNTS = (
+    "wide_px",
+    "off_median_2_px",
+    "off_median_4_px",
+    "reference_off_median_2_px",
+    "reference_off_median_4_px",
+    *(f"{region}_px" for region in REGIONS),
+)
+"""Pixels, added up over views."""
+TRAFFIC = ("reads_per_pixel", "bytes_per_pixel", "passes", "draws")
+COSTS = ("cost", "frame_ms", "effect_ms", *TRAFFIC)
+PRICES = ("cost", "reads_per_pixel", "bytes_per_pixel")
+"""What methods are compared at: processor time (or a GPU's), and what travels between machines."""
+JUDGED = ("rms", "flip", "near_rims_rms", "far_edges_rms")
+"""Errors that have verdicts."""
 PERCENTILES = ("effect_p95_ms", "effect_p99_ms")
 SAME_COST = 1.1
 """What draws the same picture is on the front together up to this ratio of cost, or noise's."""
 
 
 def results(
-    scope: Scope, measured: Sequence[Measured], times: Sequence[CaseTime], device: str, timer: str
+    scope: Scope,
+    measured: Sequence[Measured],
+    times: Sequence[CaseTime],
+    traffic: dict[tuple[Case, str], Row],
+    device: str,
+    timer: str,
 ) -> dict[str, Any]:
     """Return everything that was found, as JSON can say it."""
-    rows = _rows(measured, times)
+    rows = _rows(measured, times, traffic)
     table = means(rows)
-    copies = [_copy(each) for each in times]
+    again = [_again(each) for each in times]
     return {
         "vrcomfort": __version__,
         "device": device,
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "timer": timer,
         "scope": asdict(scope),
-        "settings": {"focus_m": FOCUS.fixed_m, "lens": LENS, "shutter": SHUTTER},
+        "settings": {
+            "focus_m": FOCUS.fixed_m,
+            "lenses": {name: LENSES[name] for name in scope.lenses},
+            "shutter": SHUTTER,
+        },
         "exposures": {name: scene_and_hash(name)[0].environment.exposure for name in scope.scenes},
-        "copy": copies,
+        "again": again,
         "rows": rows,
         "table": table,
-        **compared(table, _noise(copies)),
+        **compared(table, _noise(again)),
     }
 
 
@@ -64,60 +91,65 @@ def compared(table: Sequence[Row], again: tuple[float, float] = (1.0, 1.0)) -> d
     Parameters
     ----------
     again
-        Ratios of cost, around 1, that say nothing: the A/A interval of the run's copies.
+        Ratios of cost, around 1, that say nothing: the A/A interval of the run's plain frames.
     """
     groups = _groups(table)
     noise = max(SAME_COST, again[1])
     return {
-        "again": again,
+        "noise": again,
         "fronts": [_front(key, group, noise) for key, group in groups.items()],
         "verdicts": [row for key, group in groups.items() for row in _verdicts(key, group, again)],
         "dials": [row for key, group in groups.items() for row in _dials(key, group)],
     }
 
 
-def _noise(copies: Sequence[Row]) -> tuple[float, float]:
-    """Return the widest A/A interval of copies, which 1 belongs to."""
-    lows, highs = zip(*(each["copy_again"] for each in copies), strict=True) if copies else ((), ())
+def _noise(times: Sequence[Row]) -> tuple[float, float]:
+    """Return the widest A/A interval of plain frames, which 1 belongs to."""
+    lows, highs = zip(*(each["plain_again"] for each in times), strict=True) if times else ((), ())
     return min(1.0, *lows), max(1.0, *highs)
 
 
-def _rows(measured: Sequence[Measured], times: Sequence[CaseTime]) -> list[Row]:
-    """Return one row for each case and method, errors and costs side by side."""
+def _rows(
+    measured: Sequence[Measured],
+    times: Sequence[CaseTime],
+    traffic: dict[tuple[Case, str], Row],
+) -> list[Row]:
+    """Return one row for each case and method: errors, costs and traffic side by side.
+
+    Windows share the costs of the whole image that they are parts of.
+    """
     costs = {(each.case, one.method): one._asdict() for each in times for one in each.methods}
-    blank = dict.fromkeys((*COSTS, *PERCENTILES, "passes_ms", "effect_to_copy_interval", "rounds"))
+    blank = dict.fromkeys((*COSTS, *PERCENTILES, "parts_ms", "cost_interval", "rounds"))
     rows = []
     for each in measured:
+        whole = replace(each.case, window=None)
         for row in each.rows:
-            cost = costs.get((each.case, row["method"]), {})
-            rows.append({**row, **blank, **{k: v for k, v in cost.items() if k != "method"}})
+            key = whole, row["method"]
+            cost = {k: v for k, v in costs.get(key, {}).items() if k != "method"}
+            rows.append({**row, **blank, **cost, **traffic.get(key, {})})
     return rows
 
 
-def _copy(found: CaseTime) -> Row:
-    return {
-        **asdict(found.case),
-        "copy_ms": found.copy_ms,
-        "copy_again": found.copy_again,
-        "plain_ms": found.plain_ms,
-        "plain_again": found.plain_again,
-    }
+def _again(found: CaseTime) -> Row:
+    return {**asdict(found.case), "plain_ms": found.plain_ms, "plain_again": found.plain_again}
 
 
 def means(rows: Sequence[Row]) -> list[Row]:
-    """Return one row for each scene, effect and method: means over poses and motions."""
-    groups: dict[tuple[str, str, str], list[Row]] = {}
+    """Return one row for each scene, effect, lens and method: means over poses and motions."""
+    groups: dict[tuple[str, ...], list[Row]] = {}
     for row in rows:
-        groups.setdefault((row["scene"], row["effect"], row["method"]), []).append(row)
+        key = row["scene"], row["effect"], row["lens"], row["method"]
+        groups.setdefault(key, []).append(row)
     return [_mean_row(group) for group in groups.values()]
 
 
 def _mean_row(group: list[Row]) -> Row:
     first = group[0]
-    row = {name: first[name] for name in ("scene", "effect", "method", "family", "step")}
+    row = {name: first[name] for name in ("scene", "effect", "lens", "method", "family", "step")}
     row["views"] = len(group)
     row |= {name: _mean([each.get(name) for each in group]) for name in (*MEANS, *COSTS)}
-    row |= {name: _quadratic([each[name] for each in group]) for name in QUADRATIC}
+    row |= {name: _quadratic([each.get(name) for each in group]) for name in QUADRATIC}
+    row |= {name: _sum([each.get(name) for each in group]) for name in COUNTS}
     row["psnr_db"] = decibels(row["rms"])
     row["filter_psnr_db"] = decibels(row["filter_rms"])
     row["split_half"] = row["reference_rms"] / row["rms"] if row["rms"] else math.inf
@@ -131,55 +163,71 @@ def _mean(values: list[float | None]) -> float | None:
     return float(np.mean(known)) if known else None
 
 
-def _quadratic(values: list[float]) -> float:
-    return math.sqrt(float(np.mean(np.square(values))))
+def _quadratic(values: list[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return math.sqrt(float(np.mean(np.square(known)))) if known else None
 
 
-def _groups(table: Sequence[Row]) -> dict[tuple[str, str], list[Row]]:
-    """Return the rows of each scene and effect, without R2."""
-    groups: dict[tuple[str, str], list[Row]] = {}
+def _sum(values: list[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) if known else None
+
+
+def _groups(table: Sequence[Row]) -> dict[Key, list[Row]]:
+    """Return the rows of each scene, effect and lens, without R2."""
+    groups: dict[Key, list[Row]] = {}
     for row in table:
         if row["method"] != SCATTER:
-            groups.setdefault((row["scene"], row["effect"]), []).append(row)
+            groups.setdefault(key_of_row(row), []).append(row)
     return groups
 
 
-def _points(rows: Sequence[Row], error: str = "rms") -> list[Point]:
-    return [Point(r["method"], r["effect_to_copy"], r[error]) for r in rows if r["effect_to_copy"]]
+def _points(rows: Sequence[Row], error: str = "rms", price: str = "cost") -> list[Point]:
+    """Return who has a price and an error; what blurs nothing has neither a price nor a rival."""
+    return [
+        Point(r["method"], r[price], r[error])
+        for r in rows
+        if r["family"] != "none" and r.get(price) and r.get(error) is not None
+    ]
 
 
-def _front(key: tuple[str, str], group: Sequence[Row], noise: float) -> Row:
+def _front(key: Key, group: Sequence[Row], noise: float) -> Row:
     """Return who is on the front, with those that draw the same as somebody on it."""
     on_front = {point.name for point in front(_points(group))}
     first = [row for row in group if row["method"] in on_front]
     found = [row for row in group if row in first or any(_same(row, one, noise) for one in first)]
-    found.sort(key=lambda row: row["effect_to_copy"])
-    return {"scene": key[0], "effect": key[1], "front": [row["method"] for row in found]}
+    found.sort(key=lambda row: row["cost"])
+    return {**named(key), "front": [row["method"] for row in found]}
 
 
 def _same(row: Row, other: Row, noise: float) -> bool:
     """Return whether two methods do the same: equal errors, at a cost that differs by noise."""
-    if not row["effect_to_copy"]:
+    if not row["cost"] or row["family"] == "none":
         return False
     equal = all(math.isclose(row[name], other[name], rel_tol=1e-9) for name in ("rms", "flip"))
-    return equal and row["effect_to_copy"] <= noise * other["effect_to_copy"]
+    return equal and row["cost"] <= noise * other["cost"]
 
 
-def _verdicts(key: tuple[str, str], group: Sequence[Row], again: tuple[float, float]) -> list[Row]:
-    """Return for each source's method which of ours comes nearest to beating it, in both errors."""
-    named = {row["method"]: row for row in group}
+def _verdicts(key: Key, group: Sequence[Row], again: tuple[float, float]) -> list[Row]:
+    """Return for each source's method which of ours comes nearest to beating it.
+
+    In each of :data:`JUDGED` at each of :data:`PRICES`.
+    """
+    rows = {row["method"]: row for row in group}
     ours = [row for row in group if row["family"] in {"ours", "dial"}]
     theirs = [row for row in group if row["family"] == "source"]
     found = []
-    for row in theirs:
-        for error in ("rms", "flip"):
-            one = next(iter(_points([row], error)), None)
-            judged = verdict(one, _points(ours, error)) if one else None
-            if one and judged:
-                facts = {"scene": key[0], "effect": key[1], "error": error, **judged._asdict()}
-                facts["counts"] = row["counts"] and named[judged.ours]["counts"]
-                facts["undecided"] = undecided(one, _points(ours, error), again)
-                found.append({**facts, "beaten": judged.beaten})
+    for row, error, price in product(theirs, JUDGED, PRICES):
+        one = next(iter(_points([row], error, price)), None)
+        judged = verdict(one, _points(ours, error, price)) if one else None
+        if one and judged:
+            facts = {**named(key), "error": error, "price": price, **judged._asdict()}
+            facts["counts"] = row["counts"] and rows[judged.ours]["counts"]
+            noise = again if price == "cost" else (1.0, 1.0)
+            facts["undecided"] = price == "cost" and undecided(
+                one, _points(ours, error, price), noise
+            )
+            found.append({**facts, "beaten": judged.beaten})
     return found
 
 
@@ -192,13 +240,18 @@ def by_dial(rows: Sequence[Row]) -> dict[str, list[Row]]:
     return dials
 
 
-def _dials(key: tuple[str, str], group: Sequence[Row]) -> list[Row]:
+def _dials(key: Key, group: Sequence[Row]) -> list[Row]:
     """Return how the error falls along each dial."""
     return [
-        {"scene": key[0], "effect": key[1], "dial": name, **_fall(rows)}
+        {**named(key), "dial": name, **_fall(rows)}
         for name, rows in by_dial(group).items()
         if len(rows) > 1
     ]
+
+
+def _falls_where_known(name: str, rows: list[Row]) -> bool | None:
+    known = [row[name] for row in rows if row[name] is not None]
+    return falls(known) if len(known) > 1 else None
 
 
 def _fall(rows: list[Row]) -> Row:
@@ -210,4 +263,5 @@ def _fall(rows: list[Row]) -> Row:
         "steps_that_count": [row["step"] for row in sure],
         "slope_that_counts": log_slope([r["step"] for r in sure], [r["rms"] for r in sure]),
         "falls": falls([row["rms"] for row in rows]),
+        "flicker_falls": _falls_where_known("flicker", rows),
     }

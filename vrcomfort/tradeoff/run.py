@@ -6,21 +6,22 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from vrcomfort.errors import InputError
 from vrcomfort.gpu.gl import describe
 from vrcomfort.gpu.timer import is_software
 from vrcomfort.render.image_error import margin_px
-from vrcomfort.tradeoff.cases import Case, Scope, cases
+from vrcomfort.tradeoff.cases import Case, Scope, cases, eyes_of
 from vrcomfort.tradeoff.files import write_all
 from vrcomfort.tradeoff.measure import Measured, measure
-from vrcomfort.tradeoff.methods import effects_with
+from vrcomfort.tradeoff.methods import Method, effects_with, methods, pick
 from vrcomfort.tradeoff.results import results
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import Store, scene_and_hash
 from vrcomfort.tradeoff.tables import doubts
 from vrcomfort.tradeoff.timing import CaseTime, rounds_of, time_case
+from vrcomfort.tradeoff.traffic import traffic_of_method
 from vrcomfort.tradeoff.truth import Drawn, draw_reference
 from vrcomfort.tradeoff.workers import Work, workers
 
@@ -35,7 +36,8 @@ class Progress(Protocol):
 class Summary(NamedTuple):
     """What a run has done."""
 
-    page: Path
+    page: Path | None
+    """None where only references were drawn."""
     reused: str
     """What was there already, in words."""
     doubts: list[str]
@@ -49,9 +51,10 @@ def tradeoff(
     cache: Path,
     jobs: int = 1,
     cluster: str | None = None,
+    only_references: bool = False,
     progress: Progress,
 ) -> Summary:
-    """Measure everything in `scope` and write it into `out`.
+    """Measure everything in `scope` and write it into `out`; or only draw and keep references.
 
     Raises
     ------
@@ -66,13 +69,18 @@ def tradeoff(
         if cluster is not None:
             _check_shared(work, store)
         drawn = _draw(work, todo, scope, store, progress)
+        if only_references:
+            return Summary(None, _reused(drawn, []), [])
         measured = _measure(work, todo, scope, store, progress)
     scope = replace(scope, rounds=rounds_of(scope, context()))
     times = _time(todo, scope, progress)
+    traffic = _traffic(todo, scope, progress)
     facts = describe(context())
-    found = results(scope, measured, times, f"{facts['renderer']}, {facts['version']}", _timer())
+    found = results(
+        scope, measured, times, traffic, f"{facts['renderer']}, {facts['version']}", _timer()
+    )
     page = write_all(out, found, measured)
-    return Summary(page, _reused(drawn, measured), doubts(found["copy"]))
+    return Summary(page, _reused(drawn, measured), doubts(found["again"]))
 
 
 class _ReferenceJob(NamedTuple):
@@ -83,13 +91,23 @@ class _ReferenceJob(NamedTuple):
 def _draw(
     work: Work, todo: list[Case], scope: Scope, store: Store, progress: Progress
 ) -> list[Drawn]:
-    jobs = [_ReferenceJob(case, eye) for case in todo for eye in (0, 1)]
+    jobs = [
+        _ReferenceJob(case, eye)
+        for case in _with_later(todo, scope)
+        for eye in range(eyes_of(case, scope))
+    ]
     advance = progress("references", len(jobs))
     found = []
     for drawn in work(partial(_draw_one, scope, store), jobs):
         found.append(drawn)
         advance()
     return found
+
+
+def _with_later(todo: list[Case], scope: Scope) -> list[Case]:
+    """Return the cases with those a frame later, which flicker needs."""
+    times = (False, True) if scope.flicker else (False,)
+    return [replace(case, later=later) for case in todo for later in times]
 
 
 def _draw_one(scope: Scope, store: Store, job: _ReferenceJob) -> Drawn:
@@ -113,8 +131,31 @@ def _measure_one(scope: Scope, store: Store, case: Case) -> Measured:
 
 def _time(todo: list[Case], scope: Scope, progress: Progress) -> list[CaseTime]:
     """Time in this process alone, one case after the other: nothing else disturbs."""
-    advance = progress("times", len(todo) * (rounds_of(scope, context()) + 1))
-    return [time_case(case, scope, advance) for case in todo]
+    wholes = _wholes(todo)
+    advance = progress("times", sum(len(_methods(case, scope)) for case in wholes))
+    return [time_case(case, scope, advance) for case in wholes]
+
+
+def _traffic(
+    todo: list[Case], scope: Scope, progress: Progress
+) -> dict[tuple[Case, str], dict[str, Any]]:
+    """Count what the effects of each method send through memory."""
+    pairs = [(case, method) for case in _wholes(todo) for method in _methods(case, scope)]
+    advance = progress("reads and bytes", len(pairs))
+    found = {}
+    for case, method in pairs:
+        found[case, method.name] = traffic_of_method(method, case, scope)
+        advance()
+    return found
+
+
+def _wholes(todo: list[Case]) -> list[Case]:
+    """Return the whole images of which cases show parts, each once."""
+    return list(dict.fromkeys(replace(case, window=None) for case in todo))
+
+
+def _methods(case: Case, scope: Scope) -> list[Method]:
+    return pick(methods(case.effect, quick=scope.quick), scope.methods)
 
 
 def _checked(scope: Scope) -> Scope:
@@ -137,7 +178,7 @@ def _check_shared(work: Work, store: Store) -> None:
 
 def _timer() -> str:
     software = is_software(context())
-    return "wall clock between two finish()" if software else "time stamps of the GPU"
+    return "processor time of this process" if software else "time stamps of the GPU"
 
 
 def _reused(drawn: list[Drawn], measured: list[Measured]) -> str:

@@ -13,7 +13,6 @@ from scipy.ndimage import binary_dilation
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
-from vrcomfort.render.image_error import margin_px
 from vrcomfort.tradeoff.measure import Measured
 
 CROP_PX = 240
@@ -33,7 +32,7 @@ INK, PAPER = (28, 28, 28), (255, 255, 255)
 def contact_sheet(found: Measured, exposure: float) -> Image.Image:
     """Return a sheet: for each method its picture above its difference from the reference."""
     reference = tone_mapped(found.pictures["reference"], exposure=exposure)
-    counted = _counted(reference.shape)
+    counted = found.counted
     crop = _crop(reference, tone_mapped(found.pictures["no blur"], exposure=exposure), counted)
     tiles = []
     for name, picture in found.pictures.items():
@@ -43,15 +42,6 @@ def contact_sheet(found: Measured, exposure: float) -> Image.Image:
         above, below = (_rgb8(_faded(each, counted)[crop]) for each in (shown, difference))
         tiles.append((label, above, below))
     return _sheet(tiles)
-
-
-def _counted(shape: tuple[int, ...]) -> NDArray[np.bool_]:
-    """Return (h, w, 1): whether a pixel lies inside the margin that is left out of errors."""
-    height, width = shape[:2]
-    margin = margin_px((width, height))
-    counted = np.zeros((height, width, 1), dtype=bool)
-    counted[margin:-margin, margin:-margin] = True
-    return counted
 
 
 def _faded(image: Array, counted: NDArray[np.bool_]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import moderngl
 import numpy as np
@@ -56,9 +56,14 @@ def context() -> moderngl.Context:
 
 
 def shoot(
-    scene: Scene, condition: Condition, pair: tuple[Frame, Frame], size_px: tuple[int, int]
-) -> tuple[Shot, Shot]:
-    """Draw the second frame of a pair with both eyes."""
+    scene: Scene,
+    condition: Condition,
+    pair: tuple[Frame, Frame],
+    size_px: tuple[int, int],
+    *,
+    eyes: Literal[1, 2] = 2,
+) -> tuple[Shot, ...]:
+    """Draw the second frame of a pair with both eyes, or with the left one alone."""
     before, frame = pair
     found: list[Shot] = []
 
@@ -66,20 +71,20 @@ def shoot(
         head_from_eye = frame.head_pose.inverse() @ frame.views[index].pose
         found.append(_shot(images, head_from_eye))
 
-    renderer = StereoRenderer(context(), size_px)
+    renderer = StereoRenderer(context(), size_px, eyes=eyes)
     renderer.begin(scene, condition)
     if condition.motion_blur is not None:
         renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
     renderer.render(frame, time_s(frame), keep)
     renderer.release()
-    return found[0], found[1]
+    return tuple(found)
 
 
 def radius_px(shot: Shot, condition: Condition) -> Array:
     """Return the (h, w) signed circle-of-confusion radii of an eye; zeros without depth of field.
 
-    These are those that ``colour_and_coc.frag`` computes, in float64, for the law `dioptre`, which
-    all that is compared here has.
+    These are those that the shaders compute, in float64, for laws in dioptres, which all that is
+    compared here has.
     """
     settings = condition.depth_of_field
     if settings is None:
@@ -87,14 +92,20 @@ def radius_px(shot: Shot, condition: Condition) -> Array:
     height, width = shot.depth.shape
     row, column = np.mgrid[:height, :width]
     uv = np.stack([(column + 0.5) / width, (row + 0.5) / height], axis=-1)
+    focal_px = focal_length_px(shot.camera.fov, (width, height))[0]
+    focus_m = condition.focus.fixed_m
+    limit_px = lens_radius.radius_limit_px(settings, (width, height))
+    px = lens_radius.px_per_dioptre(
+        settings, focal_px=focal_px, size_px=(width, height), focus_m=focus_m
+    )
     uniforms = eye_uniforms(shot.camera.fov, shot.camera.near_m, shot.head_from_eye)
     return coc.signed_radius_px(
         shot.depth,
         law="dioptre",
-        focus_m=condition.focus.fixed_m,
+        focus_m=focus_m,
         near_m=shot.camera.near_m,
-        radius_limit_px=lens_radius.radius_limit_px(settings, (width, height)),
-        full_blur=settings.full_blur_dioptre,
+        radius_limit_px=limit_px,
+        full_blur=limit_px / px,
         slope=coc.head_depth_slope(shot.camera.fov, uniforms.head_forward_in_view, uv),
         offset_m=uniforms.offset_m,
         infinity_m=condition.focus.infinity_m,

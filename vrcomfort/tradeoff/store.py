@@ -6,7 +6,6 @@ import hashlib
 import json
 import os
 import pickle
-import re
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -22,8 +21,6 @@ from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 
-REFERENCE_SHADERS = ("scene.*", "sky.*", "resolve.*", "depth.*")
-INCLUDE = re.compile(r'^#include "(.+)"', re.MULTILINE)
 PACKAGE = Path(__file__).resolve().parent.parent
 
 
@@ -93,16 +90,6 @@ def scene_and_hash(name: str) -> tuple[Scene, str]:
     """Return a scene and the hash of all that it holds."""
     scene = load_scene(name)
     return scene, hashlib.sha256(pickle.dumps(scene)).hexdigest()
-
-
-@cache
-def reference_code() -> str:
-    """Return the hash of the shaders that draw references, and of what they include."""
-    folder = data_folder("shaders")
-    files = [path for pattern in REFERENCE_SHADERS for path in sorted(folder.glob(pattern))]
-    texts = [path.read_text(encoding="utf-8") for path in files]
-    included = sorted({name for text in texts for name in INCLUDE.findall(text)})
-    return _hash([*files, *(folder / "include" / name for name in included)])
 
 
 @cache

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
+from vrcomfort.tradeoff.keys import key_of_row, title
 from vrcomfort.tradeoff.measure import SCATTER
-from vrcomfort.tradeoff.timing import LONGEST_S, P95_ROUNDS, P99_ROUNDS, SLOW_S
+from vrcomfort.tradeoff.regions import REGIONS
+from vrcomfort.tradeoff.timing import LONGEST_S, SLOW_S
 from vrcomfort.tradeoff.walk import TURN_DEG_PER_S
 
 Row = dict[str, Any]
@@ -17,23 +19,45 @@ def _signed(value: float | None) -> str:
     return "–" if value is None else f"{value:+.2f}"
 
 
-COLUMNS: tuple[tuple[str, str, Callable[[Any], str]], ...] = (
+def _thousandths(value: float | None) -> str:
+    return "–" if value is None else number(1e3 * value, 3)
+
+
+def _count(value: float | None) -> str:
+    return "–" if value is None else f"{value:.0f}"
+
+
+Column: TypeAlias = tuple[str, str, Callable[[Any], str]]
+"""Heading, key and format."""
+
+COLUMNS: tuple[Column, ...] = (
     ("method", "method", str),
-    ("effect ÷ copy", "effect_to_copy", lambda v: number(v, 3)),
-    ("frame ÷ plain", "frame_to_plain", lambda v: number(v, 3)),
-    ("frame ms", "frame_ms", lambda v: number(v, 3)),
-    ("PSNR R1 dB", "psnr_db", lambda v: number(v, 3)),
+    ("cost", "cost", lambda v: number(v, 3)),
+    ("reads / px", "reads_per_pixel", lambda v: number(v, 3)),
+    ("bytes / px", "bytes_per_pixel", lambda v: number(v, 3)),
+    ("passes", "passes", _count),
+    ("draws", "draws", _count),
+    ("RMS R1 · 10³", "rms", _thousandths),
     ("FLIP R1", "flip", lambda v: number(v, 2)),
     ("SSIM R1", "ssim", lambda v: "–" if v is None else f"{v:.4f}"),
-    ("PSNR R2 dB", "filter_psnr_db", lambda v: number(v, 3)),
-    ("FLIP R2", "filter_flip", lambda v: number(v, 2)),
+    ("RMS R2 · 10³", "filter_rms", _thousandths),
     ("rivalry", "rivalry", lambda v: number(v, 2)),
     ("shower door", "shower_door", _signed),
-    ("CoC mismatch px", "coc_mismatch_px", lambda v: number(v, 2)),
     ("split-half", "split_half", lambda v: number(v, 2)),
     ("counts", "counts", lambda v: "yes" if v else "no"),
 )
-"""Heading, key and format of each column of the main table."""
+"""The main table."""
+
+REGION_COLUMNS: tuple[Column, ...] = (
+    ("method", "method", str),
+    *((name.replace("_", " "), f"{name}_rms", _thousandths) for name in REGIONS),
+    ("seams", "seams", _thousandths),
+    ("off median > 2/255", "off_median_2_px", _count),
+    ("> 4/255", "off_median_4_px", _count),
+    ("R1's > 2/255", "reference_off_median_2_px", _count),
+    ("flicker", "flicker", _thousandths),
+)
+"""RMS error · 10³ by region, and what eyes find at once."""
 
 
 AT_THIS_SIZE = (
@@ -44,9 +68,6 @@ AT_THIS_SIZE = (
 FLAT = 1e-9
 """Slopes nearer to 0 are what rounding makes of equal errors."""
 
-
-AGAIN = ("copy_again", "plain_again")
-"""What is timed twice."""
 
 WIDEST_AGAIN = 0.10
 """Costs of a run in which the same work twice differs by more are not to be believed."""
@@ -70,45 +91,55 @@ def markdown(found: dict[str, Any]) -> str:
         f"({found['machine']}); times: {found['timer']}.",
         *(f"- {line}" for line in notes(found)),
     ]
-    for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
-        rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
-        parts += ["", f"### {title(*key)}", "", *_table(rows)]
+    for key in dict.fromkeys(key_of_row(row) for row in found["table"]):
+        rows = [row for row in found["table"] if key_of_row(row) == key]
+        parts += ["", f"### {title(key)}", "", *_table(COLUMNS, rows)]
+        if key[1] != "motion_blur":
+            parts += ["", *_table(REGION_COLUMNS, rows)]
     parts += ["", "### Ours against each source", "", headline(found), "", *_verdicts(found)]
     parts += ["", "### Both eyes", "", *[f"- {line}" for line in both_eyes(found)]]
     parts += ["", "### Dials", "", *[f"- {line}" for line in dials(found)], ""]
     return "\n".join(parts)
 
 
-def title(scene: str, effect: str) -> str:
-    """Return the heading of a scene and an effect."""
-    return f"{scene}, {effect.replace('_', ' ')}"
-
-
 def notes(found: dict[str, Any]) -> list[str]:
     """Return what a reader must know of the conditions, one sentence each."""
     scope, settings = found["scope"], found["settings"]
-    width, height = scope["size_px"]
     poses = scope["poses"]
     return [
-        f"{width}×{height} px per eye, {poses} view{'s' if poses > 1 else ''} of each scene's walk "
+        f"{_what(scope)}, {poses} place{'s' if poses > 1 else ''} on each scene's walk "
         f"(each where the head is fastest in its part); motion blur {_motions(scope['motions'])}. "
-        "Errors are means over views and both eyes, on linear HDR light times the scene's "
-        "exposure, PSNR with peak 1.",
-        f"Lens: focus {settings['focus_m']} m, {settings['lens']['max_radius_percent']} % of the "
-        f"image's width at {settings['lens']['full_blur_dioptre']} D. Shutter fully open.",
+        "Errors are means over views and eyes, on linear HDR light times the scene's exposure "
+        "(display white is 1).",
+        f"Focus {settings['focus_m']} m; lens: {_lenses(scope['lenses'])}. Shutter fully open.",
         f"R1: {scope['samples']} samples (a quarter for motion blur alone), the scene drawn again "
         "for each; R2: ideal scatter of "
         "the pinhole image. R1 − R2 (the row of R2) is the error of the model, R2 − method that "
         "of the filter. `split-half` is R1's own error in parts of the method's; the row counts "
         "where it is at most 0.1.",
-        "effect ÷ copy: all passes after the scene's first drawing, in times of copying the "
-        "stereo frame (RGBA16F, read once and written once) in the same run.",
-        f"Times are medians of {scope['rounds']} frames; a method whose frames take more than "
-        f"{SLOW_S:g} s is timed once, and one whose frames have taken {LONGEST_S:g} s no more. "
-        f"`tradeoff.csv` has the 95th percentile of the effect's time from {P95_ROUNDS} frames on "
-        f"and the 99th from {P99_ROUNDS}.",
-        *_again(found["copy"]),
+        "cost: 1 + effect ÷ plain frame, each effect by the plain frames before and after it; "
+        f"medians of {scope['rounds']} frames. A method whose first frame takes more than "
+        f"{SLOW_S:g} s is timed once, and none for more than {LONGEST_S:g} s.",
+        "reads: calls of texture functions for one pixel of an eye's image, whatever their filter, "
+        "counted while drawing. bytes: each pass reads each of its textures once and writes what "
+        "it draws. passes: runs of draws into one target; a mip chain is one.",
+        *_again(found["again"]),
     ]
+
+
+def _what(scope: Row) -> str:
+    width, height = scope["size_px"]
+    if scope["windows"]:
+        return f"parts of the left eye's image of {width}×{height} px"
+    return f"{width}×{height} px, {'both eyes' if scope['eyes'] == 2 else 'left eye'}"
+
+
+def _lenses(names: Sequence[str]) -> str:
+    words = [
+        "an eye with a pupil of 4 mm" if name == "eye" else f"{name} % of the image's width at 2 D"
+        for name in names
+    ]
+    return ", ".join(words)
 
 
 def _motions(motions: Sequence[str]) -> str:
@@ -120,23 +151,21 @@ def _motions(motions: Sequence[str]) -> str:
     return " and ".join(words[motion] for motion in motions)
 
 
-def _again(copies: Sequence[Row]) -> list[str]:
-    if not copies:
+def _again(times: Sequence[Row]) -> list[str]:
+    if not times:
         return []
-    copy, plain = (
-        (min(each[name][0] for each in copies), max(each[name][1] for each in copies))
-        for name in AGAIN
+    low = min(each["plain_again"][0] for each in times)
+    high = max(each["plain_again"][1] for each in times)
+    told = (
+        "A/A of this run (5–95 % of the ratio of a plain frame to the one before it): "
+        f"{low:.2f}–{high:.2f}."
     )
-    told = [
-        f"A/A of this run (5–95 % of the ratio of the same work twice): copies "
-        f"{copy[0]:.2f}–{copy[1]:.2f}, plain frames {plain[0]:.2f}–{plain[1]:.2f}."
-    ]
-    return [*told, *doubts(copies)]
+    return [told, *doubts(times)]
 
 
-def doubts(copies: Sequence[Row]) -> list[str]:
+def doubts(times: Sequence[Row]) -> list[str]:
     """Say in one sentence that times are not to be believed, where the same work twice differs."""
-    ratios = [r for each in copies for name in AGAIN for r in each[name]]
+    ratios = [ratio for each in times for ratio in each["plain_again"]]
     widest = max((abs(ratio - 1) for ratio in ratios), default=0.0)
     if widest <= WIDEST_AGAIN:
         return []
@@ -154,14 +183,24 @@ def _beaten(row: Row) -> str:
     return ", ".join(parts)
 
 
+PRICE_WORDS = {"cost": "cost", "reads_per_pixel": "reads", "bytes_per_pixel": "bytes"}
+
+
+def _error_words(name: str) -> str:
+    if name.endswith("_rms"):
+        return f"RMS, {name.removesuffix('_rms').replace('_', ' ')}"
+    return name.upper()
+
+
 VERDICT_COLUMNS: tuple[tuple[str, Callable[[Row], str]], ...] = (
-    ("scene, effect", lambda v: title(v["scene"], v["effect"])),
+    ("scene, effect, lens", lambda v: title(key_of_row(v))),
     ("against", lambda v: str(v["theirs"])),
-    ("error", lambda v: str(v["error"]).upper()),
+    ("error", lambda v: _error_words(v["error"])),
+    ("at equal", lambda v: PRICE_WORDS[v["price"]]),
     ("nearest of ours", lambda v: str(v["ours"])),
-    ("its cost ÷ theirs", lambda v: number(v["cost_ratio"], 2)),
+    ("its price ÷ theirs", lambda v: number(v["cost_ratio"], 2)),
     ("its error ÷ theirs", lambda v: number(v["error_ratio"], 2)),
-    ("both faster and closer", _beaten),
+    ("both cheaper and closer", _beaten),
 )
 """Heading and text of each column of the verdicts."""
 
@@ -172,15 +211,16 @@ def headline(found: dict[str, Any]) -> str:
     if not verdicts:
         return "No source's method was compared with one of ours."
     parts = []
-    for error in ("rms", "flip"):
-        mine = [v for v in verdicts if v["error"] == error]
-        parts.append(f"{sum(v['beaten'] for v in mine)} of {len(mine)} by {error.upper()}")
-    low, high = found["again"]
+    for price, word in PRICE_WORDS.items():
+        mine = [v for v in verdicts if v["price"] == price]
+        parts.append(f"{sum(v['beaten'] for v in mine)} of {len(mine)} by {word}")
+    low, high = found["noise"]
     return (
-        f"One of ours is both faster and closer than a source's method in {' and '.join(parts)}; "
+        "One of ours is both cheaper and closer than a source's or engine's method in "
+        f"{', '.join(parts)} (RMS, FLIP, near rims and far edges); "
         f"in {sum(v['counts'] for v in verdicts)} of these {len(verdicts)} comparisons both rows "
         f"count, and in {sum(v['undecided'] for v in verdicts)} the verdict lies within the A/A "
-        f"interval of copies ({low:.2f}–{high:.2f}), where noise alone could turn it. "
+        f"interval of plain frames ({low:.2f}–{high:.2f}), where noise alone could turn it. "
         "Where ours is not, the last column says by what factor the nearest of ours fails (the "
         "larger of both ratios)."
     )
@@ -189,8 +229,8 @@ def headline(found: dict[str, Any]) -> str:
 def both_eyes(found: dict[str, Any]) -> list[str]:
     """Return one sentence on the binocular errors of the closest of ours, for each scene."""
     lines = []
-    for key in dict.fromkeys((row["scene"], row["effect"]) for row in found["table"]):
-        rows = [row for row in found["table"] if (row["scene"], row["effect"]) == key]
+    for key in dict.fromkeys(key_of_row(row) for row in found["table"]):
+        rows = [row for row in found["table"] if key_of_row(row) == key]
         ours = [r for r in rows if r["family"] == "ours" and r["rivalry"] is not None]
         theirs = [row["rivalry"] for row in rows if row["family"] == "source"]
         if not ours:
@@ -202,7 +242,7 @@ def both_eyes(found: dict[str, Any]) -> list[str]:
             least = _ratio(best["rivalry"], min(theirs))
             ratios.append(f"{number(least, 2)} × the least of the sources' methods")
         lines.append(
-            f"{title(*key)}: rivalry of *{best['method']}* is {' and '.join(ratios)}; shower door "
+            f"{title(key)}: rivalry of *{best['method']}* is {' and '.join(ratios)}; shower door "
             f"{_signed(best['shower_door'])} (R2 {_signed(ideal['shower_door'])}), CoC mismatch "
             f"{number(best['coc_mismatch_px'], 2)} px."
         )
@@ -215,7 +255,7 @@ def _ratio(a: float, b: float) -> float | None:
 
 def dials(found: dict[str, Any]) -> list[str]:
     """Return one sentence for each dial."""
-    return [f"{title(row['scene'], row['effect'])}: {_dial(row)}." for row in found["dials"]]
+    return [f"{title(key_of_row(row))}: {_dial(row)}." for row in found["dials"]]
 
 
 def _dial(row: Row) -> str:
@@ -234,9 +274,9 @@ def _dial(row: Row) -> str:
     return f"{line} ({number(slope, 2)} up to {sure[-1]}, where R1 counts)"
 
 
-def _table(rows: Sequence[Row]) -> list[str]:
-    names = [heading for heading, _, _ in COLUMNS]
-    return _lines(names, [[show(row[key]) for _, key, show in COLUMNS] for row in rows])
+def _table(columns: Sequence[Column], rows: Sequence[Row]) -> list[str]:
+    names = [heading for heading, _, _ in columns]
+    return _lines(names, [[show(row.get(key)) for _, key, show in columns] for row in rows])
 
 
 def _verdicts(found: dict[str, Any]) -> list[str]:

@@ -1,9 +1,13 @@
-"""What frames cost: the time of each pass, and how many times that of copying the images."""
+"""What frames cost: the time of each part, in parts of a plain frame's.
+
+On a software rasteriser the time is the processor's: what this process has used.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, NamedTuple, TypeAlias
 
 import moderngl
@@ -11,95 +15,56 @@ import numpy as np
 
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.gl import color_texture
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
-from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.pipeline import StereoRenderer
-from vrcomfort.render.scene_pass import ScenePass
-from vrcomfort.render.tone_map import ToneMapPass
-from vrcomfort.tradeoff.cases import Case, Scope, frames
-from vrcomfort.tradeoff.methods import Method, methods, pick
+from vrcomfort.tradeoff.cases import Case, Scope, condition_of, eyes_of, frames
+from vrcomfort.tradeoff.methods import Method, methods, no_blur, pick
+from vrcomfort.tradeoff.passes import leave_out_records, outermost
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
-PASSES: dict[type[Any], str] = {
-    ScenePass: "scene",
-    LensViews: "lens_views",
-    DepthOfFieldPass: "depth_of_field",
-    MotionBlurPass: "motion_blur",
-    ToneMapPass: "tone_map",
-    FullscreenPass: "other",
-}
-"""What is timed: the outermost of these at any moment."""
+NO_EFFECT = ("focus", "scene", "tone_map")
+"""Parts that no effect has added, or (the focus search) that blurs of all methods share."""
 
-COPIES = 32
-"""Copies of a stereo frame that are timed together: one is too short."""
+SLOW_S = 12.0
+"""A method whose first frame takes longer is not timed again."""
 
-SLOW_S = 1.0
-"""A frame that takes longer is timed once, pass by pass."""
-
-LONGEST_S = 30.0
+LONGEST_S = 40.0
 """A method whose timed frames have taken so long together is not timed again."""
 
-GPU_ROUNDS, SOFTWARE_ROUNDS, QUICK_ROUNDS = 300, 20, 3
+GPU_ROUNDS, SOFTWARE_ROUNDS, QUICK_ROUNDS = 300, 9, 3
 """Timed frames of each method; the last, on a software rasteriser, of a quick run."""
 
 P95_ROUNDS, P99_ROUNDS = 20, 100
 """Fewest frames of which a 95th or 99th percentile is told: of fewer it would be the slowest."""
 
 Timed: TypeAlias = dict[str, tuple[float, int]]
-"""Seconds and calls of each pass in one frame."""
+"""Seconds and calls of each part in one frame."""
 
 Laps: TypeAlias = dict[str, list[Lap]]
-"""What tells the seconds of each pass in one frame, call by call."""
-
+"""What tells the seconds of each part in one frame, call by call."""
 
 Pair: TypeAlias = tuple[Frame | None, Frame]
 """The frame before (None where nothing moves: it would be the same one) and the one to time."""
 
 
-class CopyFloor:
-    """Copies stereo frames of linear light: what any pass that reads and writes them costs.
-
-    Each copy is copied again: a renderer that works tile by tile would not draw one image many
-    times over as it draws the passes of a frame, where each waits for the one before.
-    """
-
-    def __init__(self, ctx: moderngl.Context, size_px: tuple[int, int]) -> None:
-        there, back = (color_texture(ctx, size_px) for _ in range(2))
-        self._copies = tuple(
-            FullscreenPass(
-                ctx, "common/copy.frag", size_px=size_px, inputs={"source": source}, target=target
-            )
-            for source, target in ((there, back), (back, there))
-        )
-
-    def render(self) -> None:
-        """Copy `COPIES` stereo frames."""
-        for _ in range(COPIES):
-            for copy in self._copies:
-                copy.render()
-
-
 class MethodTime(NamedTuple):
-    """What a method costs in a case, per stereo frame: medians over rounds and their 5–95 %.
+    """What a method costs in a case: medians over rounds and their 5–95 %.
 
+    `cost` is 1 + effect ÷ plain, each round's effect by the plain frames before and after it.
     Percentiles (nearest ranks) are None where rounds are too few for them.
     """
 
     method: str
+    cost: float
+    cost_interval: tuple[float, float]
     frame_ms: float
     effect_ms: float
     effect_p95_ms: float | None
     effect_p99_ms: float | None
-    passes_ms: dict[str, float]
-    effect_to_copy: float
-    effect_to_copy_interval: tuple[float, float]
-    frame_to_plain: float
+    parts_ms: dict[str, float]
     rounds: int
 
 
@@ -107,12 +72,9 @@ class CaseTime(NamedTuple):
     """What the methods of a case cost, and how well that is known."""
 
     case: Case
-    copy_ms: float
-    copy_again: tuple[float, float]
-    """A/A: 5 % and 95 % of the ratio of two copies of the same round."""
     plain_ms: float
     plain_again: tuple[float, float]
-    """A/A: of two plain frames of the same round."""
+    """A/A: 5 % and 95 % of the ratio of a plain frame to the one before it."""
     methods: list[MethodTime]
 
 
@@ -126,151 +88,125 @@ def rounds_of(scope: Scope, ctx: moderngl.Context) -> int:
 
 
 def time_case(case: Case, scope: Scope, advance: Callable[[], None]) -> CaseTime:
-    """Time all methods of a case in turn, round by round, on the same frame.
+    """Time all methods of a case, one after the other, each in turn with plain frames.
 
-    What a GPU draws in a round is queued as a whole, and its time stamps are read afterwards.
+    Of a case with a window, the whole image is timed. What a GPU draws for a method is queued as a
+    whole, and its time stamps are read afterwards.
     """
-    ctx = context()
-    clock, copy = Stopwatch(ctx), CopyFloor(ctx, scope.size_px)
-    todo = pick(methods(case.effect, quick=scope.quick), scope.methods)
-    renderers = {method.name: _renderer(case, scope, method) for method in todo}
-    plain = renderers[next(method.name for method in todo if method.family == "none")]
-    pair = frames(case, scope) if case.motion != "still" else (None, frames(case, scope)[1])
-    rounds: dict[str, list[tuple[float, Timed]]] = {method.name: [] for method in todo}
-    floors: list[tuple[float, float]] = []
-    plains: list[tuple[float, float]] = []
-    for turn in range(rounds_of(scope, ctx) + 1):  # the first warms up
-        floor = clock.lap(copy.render), clock.lap(copy.render)
-        twice = _frame_lap(clock, plain, pair), _frame_lap(clock, plain, pair)
-        queued = {
-            name: _queue(clock, renderers[name], pair, warm=not turn)
-            for name, known in rounds.items()
-            if not _enough(known)
-        }
-        copy_s, plain_s = [lap() / COPIES for lap in floor], [lap() for lap in twice]
-        if turn:
-            floors.append((copy_s[0], copy_s[1]))
-            plains.append((plain_s[0], plain_s[1]))
-        for name, found in ((name, tell()) for name, tell in queued.items()):
-            if turn or found[0] > SLOW_S:
-                rounds[name].append(found)
+    whole, todo = replace(case, window=None), methods(case.effect, quick=scope.quick)
+    plain = _Timer(whole, scope, no_blur(case.effect).condition)
+    plain.frame()
+    plains: list[Array] = []
+    found = []
+    for method in pick(todo, scope.methods):
+        found.append(time_method(method, whole, scope, plain, plains))
         advance()
-    return _case_time(case, np.array(floors), np.array(plains), rounds)
+    seconds = np.concatenate(plains)
+    again = np.concatenate([each[1:] / each[:-1] for each in plains])
+    return CaseTime(whole, float(np.median(seconds) * 1e3), _interval(again), found)
 
 
-def _enough(known: list[tuple[float, Timed]]) -> bool:
-    frame_s = [seconds for seconds, _ in known]
-    return max(frame_s, default=0.0) > SLOW_S or sum(frame_s) > LONGEST_S
+def time_alone(method: Method, case: Case, scope: Scope) -> MethodTime:
+    """Time one method, in turn with plain frames."""
+    plain = _Timer(replace(case, window=None), scope, no_blur(case.effect).condition)
+    plain.frame()
+    return time_method(method, replace(case, window=None), scope, plain, [])
 
 
-def _case_time(
-    case: Case, copy_s: Array, plain_s: Array, rounds: dict[str, list[tuple[float, Timed]]]
-) -> CaseTime:
-    return CaseTime(
-        case,
-        float(np.median(copy_s) * 1e3),
-        _interval(copy_s[:, 1] / copy_s[:, 0]),
-        float(np.median(plain_s) * 1e3),
-        _interval(plain_s[:, 1] / plain_s[:, 0]),
-        [_summary(name, timed, copy_s, plain_s) for name, timed in rounds.items()],
-    )
+def time_method(
+    method: Method, case: Case, scope: Scope, plain: _Timer, plains: list[Array]
+) -> MethodTime:
+    """Time a method; the seconds of the plain frames in between are added to `plains`."""
+    timer = _Timer(case, scope, method.condition)
+    first = told(timer.frame())
+    rounds = 0
+    if whole_s(first) <= SLOW_S:
+        most = rounds_of(scope, context())
+        rounds = min(most, max(1, int(LONGEST_S / max(whole_s(first), 1e-9))))
+    queued, between = [], [plain.frame()]
+    for _ in range(rounds):
+        queued.append(timer.frame())
+        between.append(plain.frame())
+    if not queued:
+        between.append(plain.frame())
+    timed = [told(laps) for laps in queued] or [first]
+    plain_s = np.array([whole_s(told(laps)) for laps in between])
+    plains.append(plain_s)
+    timer.release()
+    return _summary(method.name, timed, (plain_s[1:] + plain_s[:-1]) / 2)
 
 
-def _renderer(case: Case, scope: Scope, method: Method) -> StereoRenderer:
-    scene, _ = scene_and_hash(case.scene)
-    renderer = StereoRenderer(context(), scope.size_px)
-    renderer.begin(scene, method.condition)
-    return renderer
+class _Timer:
+    """Draws a case's frame with a condition, again and again."""
 
+    def __init__(self, case: Case, scope: Scope, condition: Condition) -> None:
+        self._clock = Stopwatch(context())
+        before, frame = frames(case, scope)
+        self._pair: Pair = (before if case.motion != "still" else None, frame)
+        scene, _ = scene_and_hash(case.scene)
+        self._renderer = StereoRenderer(context(), scope.size_px, eyes=eyes_of(case, scope))
+        self._renderer.build(scene, condition_of(case, scope, condition))
+        leave_out_records(self._renderer.parts())
 
-def _frame_lap(clock: Stopwatch, renderer: StereoRenderer, pair: Pair) -> Lap:
-    _render_before(renderer, pair)
-    return clock.lap(lambda: renderer.render(pair[1], time_s(pair[1])))
+    def frame(self) -> Laps:
+        """Draw a frame, and return what tells the seconds of its parts."""
+        before, frame = self._pair
+        if before is not None:
+            self._renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+        with clocked_parts(self._clock, self._renderer) as laps:
+            self._renderer.render(frame, time_s(frame))
+        return laps
 
-
-def _queue(
-    clock: Stopwatch, renderer: StereoRenderer, pair: Pair, *, warm: bool
-) -> Callable[[], tuple[float, Timed]]:
-    """Draw two frames, and return what tells the seconds of one and of the other's passes.
-
-    When `warm`-ing up, a slow frame is drawn once, and its passes are the frame.
-    """
-    _render_before(renderer, pair)
-    with clocked_passes(clock) as laps:
-        renderer.render(pair[1], time_s(pair[1]))
-    timed = told(laps) if warm else None
-    if timed and (whole_s := sum(seconds for seconds, _ in timed.values())) > SLOW_S:
-        return lambda: (whole_s, timed)
-    frame = _frame_lap(clock, renderer, pair)
-    return lambda: (frame(), timed or told(laps))
-
-
-def told(laps: Laps) -> Timed:
-    """Return the seconds and calls of each pass; waits for the GPU."""
-    return {name: (sum(lap() for lap in each), len(each)) for name, each in laps.items()}
-
-
-def _render_before(renderer: StereoRenderer, pair: Pair) -> None:
-    before, frame = pair
-    if before is not None:
-        renderer.render(before, time_s(frame) - 1 / REFRESH_HZ)
+    def release(self) -> None:
+        """Let go of what is on the GPU."""
+        self._renderer.release()
 
 
 @contextmanager
-def clocked_passes(clock: Stopwatch) -> Iterator[Laps]:
-    """Clock the passes that are drawn inside; passes within passes count as the outer one's."""
+def clocked_parts(clock: Stopwatch, renderer: StereoRenderer) -> Iterator[Laps]:
+    """Clock the parts that are drawn inside; parts within parts count as the outer one's."""
     laps: Laps = {}
-    kept = [(owner, owner.render) for owner in PASSES]
-    depth = [0]
 
-    def clocked(method: Callable[..., Any], name: str) -> Callable[..., Any]:
-        def render(*arguments: Any, **options: Any) -> Any:
-            if depth[0]:
-                return method(*arguments, **options)
-            depth[0] += 1
-            try:
-                lap = clock.lap(lambda: method(*arguments, **options))
-            finally:
-                depth[0] -= 1
-            laps.setdefault(name, []).append(lap)
-            return None
+    def around(name: str, draw: Callable[[], None]) -> None:
+        laps.setdefault(name, []).append(clock.lap(draw))
 
-        return render
-
-    for owner, method in kept:
-        owner.render = clocked(method, PASSES[owner])
-    try:
+    with outermost(around, renderer.parts()):
         yield laps
-    finally:
-        for owner, method in kept:
-            owner.render = method
+
+
+def told(laps: Laps) -> Timed:
+    """Return the seconds and calls of each part; waits for the GPU."""
+    return {name: (sum(lap() for lap in each), len(each)) for name, each in laps.items()}
+
+
+def whole_s(timed: Timed) -> float:
+    """Return the seconds of all parts of a frame."""
+    return sum(seconds for seconds, _ in timed.values())
 
 
 def effect_s(timed: Timed) -> float:
-    """Return the seconds that a frame's effects cost: all that comes after the first drawing.
+    """Return the seconds that a frame's effects cost: all that no plain frame has.
 
-    Of several drawings of the scene (one for each view of the lens), all but one for each eye.
+    Several views through the lens draw the scene within their own part; one drawing of it for each
+    eye is outside.
     """
-    seconds, calls = timed["scene"]
-    again = seconds * max(0, calls - 2) / calls
-    return again + sum(s for name, (s, _) in timed.items() if name not in {"scene", "tone_map"})
+    return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT)
 
 
-def _summary(name: str, timed: list[tuple[float, Timed]], copy_s: Any, plain_s: Any) -> MethodTime:
-    frame_s = [seconds for seconds, _ in timed]
-    effects_s = np.array([effect_s(passes) for _, passes in timed])
-    copies = np.resize(copy_s.mean(axis=1), len(effects_s))
-    names = list(dict.fromkeys(name for _, passes in timed for name in passes))
+def _summary(name: str, timed: Sequence[Timed], plain_s: Array) -> MethodTime:
+    frame_s = np.array([whole_s(each) for each in timed])
+    effects_s = np.array([effect_s(each) for each in timed])
+    costs = 1 + effects_s / plain_s
+    names = list(dict.fromkeys(part for each in timed for part in each))
     return MethodTime(
         name,
+        float(np.median(costs)),
+        _interval(costs),
         float(np.median(frame_s) * 1e3),
         float(np.median(effects_s) * 1e3),
         _percentile_ms(effects_s, 95, P95_ROUNDS),
         _percentile_ms(effects_s, 99, P99_ROUNDS),
-        {each: float(np.median([p[each][0] for _, p in timed]) * 1e3) for each in names},
-        float(np.median(effects_s / copies)),
-        _interval(effects_s / copies),
-        float(np.median(frame_s) / np.median(plain_s)),
+        {part: float(np.median([each[part][0] for each in timed]) * 1e3) for part in names},
         len(timed),
     )
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
-from vrcomfort.geometry import Pose, View, axis_angle
+from vrcomfort.geometry import Pose, View, axis_angle, rotate
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.data import Scene
@@ -24,6 +24,8 @@ Motion: TypeAlias = Literal["still", "walk", "turn"]
 """At rest; as the walk has it; the head turning to the left at :data:`TURN_DEG_PER_S`."""
 MOTIONS: tuple[Motion, ...] = get_args(Motion)
 TURN_DEG_PER_S = 90.0
+SLOW_M_PER_S = 0.3
+"""A slow step to the side: what is 1.5 m away moves by less than a pixel of 640 in a frame."""
 
 
 def pairs(scene: Scene, size_px: tuple[int, int], count: int) -> Iterator[tuple[Frame, Frame]]:
@@ -65,6 +67,17 @@ def with_motion(pair: tuple[Frame, Frame], motion: Motion) -> tuple[Frame, Frame
     left, right = (View(stage_from_now @ view.pose, view.fov) for view in frame.views)
     moved = replace(before, head_pose=head, avatar_pose=frame.avatar_pose, views=(left, right))
     return moved, frame
+
+
+def slowly_later(frame: Frame) -> Frame:
+    """Return the frame as it is after one more frame of a slow step to the right.
+
+    Animations stand still meanwhile.
+    """
+    avatar = frame.avatar_pose
+    right = rotate((avatar @ frame.head_pose).orientation, np.array([1.0, 0.0, 0.0]))
+    step_m = SLOW_M_PER_S / REFRESH_HZ * right
+    return replace(frame, avatar_pose=Pose(avatar.position + step_m, avatar.orientation))
 
 
 def time_s(frame: Frame) -> float:

@@ -180,11 +180,18 @@ class CocPasses:
         self._tile_min_max = CocTileMinMax(
             ctx, self.depth_to_coc, size_px=size_px, tile_px=self.tile_px
         )
-        self.tile_min_max = self._tile_min_max.target
-        """What :class:`CocTileMinMax` has found of the last eye."""
+        self._tiles_are_read = False
+        self.tells_clamps = True
+        """False draws nothing for :meth:`clamps` alone: for measurements of what a kernel costs."""
         self.widest = None if settings.peripheral else self._tile_min_max.widest
         """1×1, px: no radius so far was wider. None with peripheral blur: tiles only sample it."""
         self._colour_and_coc: FullscreenPass | None = None
+
+    @property
+    def tile_min_max(self) -> moderngl.Texture:
+        """What :class:`CocTileMinMax` has found of the last eye; who asks for it reads it."""
+        self._tiles_are_read = True
+        return self._tile_min_max.target
 
     @property
     def colour_and_coc(self) -> moderngl.Texture:
@@ -208,7 +215,8 @@ class CocPasses:
         self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px), True
         if self._colour_and_coc is not None:
             self._colour_and_coc.render(self.now)
-        self._tile_min_max.render(self.now)
+        if self.tells_clamps or self._tiles_are_read:
+            self._tile_min_max.render(self.now)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

@@ -11,11 +11,20 @@ from vrcomfort.optics.view_points import FEW
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import BlurKernel
+from vrcomfort.render.effects.depth_of_field.kernels.half_resolution_disc import (
+    HalfResolutionDiscKernel,
+)
+from vrcomfort.render.effects.depth_of_field.kernels.half_resolution_rings import (
+    HalfResolutionRingsKernel,
+)
 from vrcomfort.render.effects.depth_of_field.kernels.mip import MipKernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson12 import Poisson12Kernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson15_near import Poisson15NearKernel
 from vrcomfort.render.effects.depth_of_field.kernels.ring_gather import RingGatherKernel
 from vrcomfort.render.effects.depth_of_field.kernels.scatter import ScatterKernel
+from vrcomfort.render.effects.depth_of_field.kernels.separable_gaussian import (
+    SeparableGaussianKernel,
+)
 from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
 from vrcomfort.render.effects.depth_of_field.kernels.tap_gather import TapGatherKernel
 
@@ -29,6 +38,9 @@ _KERNELS: dict[Kernel, _Maker] = {
     "poisson15_near": Poisson15NearKernel,
     "mip": MipKernel,
     "mip_slices": partial(MipKernel, slices=True),
+    "half_resolution_disc": HalfResolutionDiscKernel,
+    "ring_gather": HalfResolutionRingsKernel,
+    "separable_gaussian": SeparableGaussianKernel,
 }
 
 

@@ -1,0 +1,43 @@
+#version 450 core
+// A disc of fixed width gathered at half resolution: each sample counts where its blur reaches.
+//
+// Input:  half_image of half_resolution.frag (signed CoC RADIUS, px of the whole image, negative in
+//         front of the focus), read bilinearly.
+// Output: rgb = what is behind under what is in front, a = opacity of what is in front.
+//
+//      radius_limit_px
+//    |<------------>|      every pixel looks as far as the widest disc goes, however small its own:
+//    .  .  .  o  .  .  .   a sample counts up to the smaller of both radii (behind), or up to its
+//       |<-- a -->|        own (in front)
+//
+// NumPy twin: tests/oracles/half_resolution.py. As the bokeh filter of KinoBokeh (Takahashi, for
+// Unity), 43 samples.
+uniform sampler2D half_image;
+uniform vec2 offsets[TAPS];   // in the unit disc
+uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
+uniform float radius_limit_px;
+
+out vec4 blurred;
+
+const float MARGIN_PX = 2.0;  // a texel
+
+void main() {
+    vec2 size_px = 2.0 * vec2(textureSize(half_image, 0));
+    vec4 centre = texelFetch(half_image, ivec2(gl_FragCoord.xy), 0);
+    vec4 behind = vec4(0.0), front = vec4(0.0);
+    for (int i = 0; i < TAPS; ++i) {
+        vec2 away_px = radius_limit_px * offsets[i];
+        float distance_px = length(away_px);
+        vec2 place = (2.0 * gl_FragCoord.xy + away_px * vec2(1.0, pixel_aspect)) / size_px;
+        vec4 tap = textureLod(half_image, place, 0.0);
+        float far_px = max(min(centre.a, tap.a), 0.0);
+        float far = clamp((far_px - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);
+        float near = clamp((-tap.a - distance_px + MARGIN_PX) / MARGIN_PX, 0.0, 1.0);
+        behind += far * vec4(tap.rgb, 1.0);
+        front += near * step(MARGIN_PX, -tap.a) * vec4(tap.rgb, 1.0);
+    }
+    vec3 back = behind.a > 0.0 ? behind.rgb / behind.a : centre.rgb;
+    vec3 fore = front.a > 0.0 ? front.rgb / front.a : back;
+    float opacity = clamp(front.a * 3.14159265 / float(TAPS), 0.0, 1.0);
+    blurred = vec4(min(mix(back, fore, opacity), 65504.0), opacity);
+}

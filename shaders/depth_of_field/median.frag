@@ -1,0 +1,41 @@
+#version 450 core
+// The median of 3x3 texels, channel by channel, of two images: takes single wrong texels away.
+//
+// Input:  background and foreground of half_resolution_rings.frag.
+// Output: the same.
+// NumPy twin: scipy.ndimage.median_filter. As the median of Filament's depth of field.
+uniform sampler2D background;
+uniform sampler2D foreground;
+
+layout(location = 0) out vec4 calm_background;
+layout(location = 1) out vec4 calm_foreground;
+
+void sort(inout vec4 a, inout vec4 b) {
+    vec4 low = min(a, b);
+    b = max(a, b);
+    a = low;
+}
+
+vec4 median(sampler2D source) {
+    ivec2 last = textureSize(source, 0) - 1;
+    vec4 v[9];
+    for (int i = 0; i < 9; ++i) {
+        ivec2 texel = ivec2(gl_FragCoord.xy) + ivec2(i % 3, i / 3) - 1;
+        v[i] = texelFetch(source, clamp(texel, ivec2(0), last), 0);
+    }
+    // Rows in order; then the largest of the least, the middle of the middle, the least of the
+    // largest; their median is that of all.
+    for (int row = 0; row < 9; row += 3) {
+        sort(v[row], v[row + 1]);
+        sort(v[row + 1], v[row + 2]);
+        sort(v[row], v[row + 1]);
+    }
+    vec4 low = max(v[0], max(v[3], v[6])), high = min(v[2], min(v[5], v[8]));
+    vec4 middle = max(min(v[1], v[4]), min(max(v[1], v[4]), v[7]));
+    return max(min(low, middle), min(max(low, middle), high));
+}
+
+void main() {
+    calm_background = median(background);
+    calm_foreground = median(foreground);
+}

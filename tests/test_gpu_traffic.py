@@ -1,0 +1,163 @@
+"""Texture reads, bytes, draws and passes of passes that are known."""
+
+from collections import namedtuple
+
+import moderngl
+import numpy as np
+import pytest
+
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.texel_reads import counted
+from vrcomfort.gpu.traffic import Recorder, added_up
+
+SIZE = (12, 10)
+PIXELS = 120
+
+
+def fullscreen(ctx, fragment, source, name="source", size_px=SIZE, **options):
+    with shaders.counting_reads():
+        return FullscreenPass(ctx, fragment, size_px=size_px, inputs={name: source}, **options)
+
+
+def recorded(ctx, *passes):
+    recorder = Recorder(ctx)
+    with recorder.recording():
+        for each in passes:
+            each.render()
+    return recorder.draws
+
+
+def test_a_copy_reads_each_pixel_once_and_writes_it(ctx):
+    source = gl.color_texture(ctx, SIZE)
+    (draw,) = recorded(ctx, fullscreen(ctx, "common/copy.frag", source))
+    assert (draw.shader, draw.fragments, draw.reads) == ("common/copy.frag", PIXELS, PIXELS)
+    assert draw.bytes == PIXELS * (8 + 8)
+
+
+def test_loops_and_filters_are_counted_by_call(ctx):
+    source = gl.color_texture(ctx, SIZE)
+    tent = fullscreen(ctx, "depth_of_field/tent.frag", source, filtered={"source"})
+    cells = fullscreen(
+        ctx,
+        "depth_of_field/poisson15_near_mean.frag",
+        source,
+        "colour_and_coc",
+        size_px=(2, 2),
+        defines={"CELL": 8},
+        components=1,
+    )
+    first, second = recorded(ctx, tent, cells)
+    assert first.reads == 4 * PIXELS
+    assert second.reads == PIXELS  # cells at the rim are smaller
+    assert second.bytes == PIXELS * 8 + 4 * 2
+
+
+def test_pictures_are_the_same_with_counting(ctx):
+    source = gl.color_texture(ctx, SIZE)
+    source.write(np.random.default_rng(1).uniform(0, 9, (10, 12, 4)).astype("f2").tobytes())
+    plain = FullscreenPass(
+        ctx, "depth_of_field/tent.frag", size_px=SIZE, inputs={"source": source},
+        filtered={"source"},
+    )  # fmt: skip
+    plain.render()
+    tent = fullscreen(ctx, "depth_of_field/tent.frag", source, filtered={"source"})
+    recorded(ctx, tent)
+    assert plain.target.read() == tent.target.read()
+
+
+def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
+    size = namedtuple("Size", "size_px")((32, 32))
+    source, chain = gl.color_texture(ctx, (32, 32)), []
+    for level in (1, 2, 3):
+        chain.append(
+            fullscreen(
+                ctx,
+                "depth_of_field/mip_downsample.frag",
+                source,
+                size_px=(32 >> level, 32 >> level),
+                constants=size,
+                defines={"TEXEL": 2 ** (level - 1)},
+            )
+        )
+        source = chain[-1].target
+    copy = fullscreen(ctx, "common/copy.frag", source, size_px=(4, 4))
+    found = added_up(recorded(ctx, *chain, copy))
+    assert (found.passes, found.draws) == (2, 4)
+    texels = [32**2, 16**2, 8**2, 4**2]
+    assert found.bytes == 8 * (texels[0] + 2 * texels[1] + 2 * texels[2] + 3 * texels[3])
+    assert found.reads == texels[0] + texels[1] + texels[2] + texels[3]
+
+
+def test_what_is_drawn_twice_into_the_same_target_is_one_pass(ctx):
+    source, target = gl.color_texture(ctx, SIZE), gl.color_texture(ctx, SIZE)
+    twice = [fullscreen(ctx, "common/copy.frag", source, target=target) for _ in range(2)]
+    other = fullscreen(ctx, "common/copy.frag", target)
+    assert added_up(recorded(ctx, *twice, other))[:2] == (2, 3)
+    assert added_up([]) == (0, 0, 0, None)
+
+
+def test_part_of_a_target_is_part_of_the_bytes(ctx):
+    source = gl.color_texture(ctx, SIZE)
+    copy = fullscreen(ctx, "common/copy.frag", source)
+    ctx.scissor = None
+    copy._framebuffer.scissor = (0, 0, 6, 5)
+    (draw,) = recorded(ctx, copy)
+    assert (draw.fragments, draw.reads) == (30, 30)
+    assert draw.bytes == pytest.approx(30 * 16)
+
+
+def test_a_copied_texture_is_read_and_written(ctx):
+    source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
+    copy, recorder = gl.copier(ctx), Recorder(ctx)
+    with recorder.recording():
+        copy(source, target)
+    copy(source, target)
+    assert [(draw.shader, draw.bytes) for draw in recorder.draws] == [("copy", PIXELS * 16)]
+
+
+def test_nothing_is_recorded_afterwards(ctx):
+    render = moderngl.VertexArray.render
+    copy = fullscreen(ctx, "common/copy.frag", gl.color_texture(ctx, SIZE))
+    assert len(recorded(ctx, copy)) == 1
+    assert moderngl.VertexArray.render is render
+
+
+VERTEX = """#version 450 core
+void main() {
+    vec2 at = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0;
+    gl_Position = vec4(at, 0.5, 1.0);
+}
+"""
+NESTED = """#version 450 core
+uniform sampler2D source; // texelFetch(in a comment
+#define READ(place) texelFetch(source, place, 0)
+out vec4 colour;
+float depends() {
+    return gl_FragCoord.x < 3.0 ? READ(ivec2(texelFetch(source, ivec2(0), 0).xy)).x : 0.0;
+}
+void main() {
+    if (gl_FragCoord.y < 1.0) {
+        colour = READ(ivec2(0));
+        discard;
+    }
+    colour = vec4(depends()) + float(textureSize(source, 0).x);
+}
+"""
+
+
+def test_reads_within_reads_in_macros_in_branches_and_before_a_discard_count(ctx):
+    program = ctx.program(VERTEX, counted(NESTED, lambda _: ""))
+    program.extra = "nested"
+    source, target = (gl.color_texture(ctx, (8, 4)) for _ in range(2))
+    array, recorder = ctx.vertex_array(program, []), Recorder(ctx)
+    source.use(0)
+    with ctx.scope(ctx.framebuffer([target])), recorder.recording():
+        array.render(moderngl.TRIANGLES, vertices=3)
+    (draw,) = recorder.draws
+    assert draw.fragments == 8 * 3  # one row is discarded
+    assert draw.reads == 8 * 1 + 3 * 3 * 2
+
+
+def test_a_shader_without_reads_stays_as_it_is():
+    assert counted(VERTEX, lambda _: "") == VERTEX
