@@ -19,33 +19,46 @@ out vec4 tile_min_max;
 const float NO_LIMIT_PX = 1e9;
 
 vec2 size = vec2(textureSize(depth, 0));
-vec2 depths = vec2(1.0, 0.0);     // farthest, nearest
-vec2 radii = vec2(1e4, -1e4);     // least, greatest
+vec2 depths = vec2(1.0, 0.0);  // farthest, nearest
+vec2 radii = vec2(1e4, -1e4);  // least, greatest
 int bits = 0;
 
-// Whether a surface ends between two radii, the nearer one first.
-bool ends(float near, float far) {
-    return far - near > margin_px(far) && max(abs(near), abs(far)) > 0.5;
-}
-
-// Takes the 2 x 2 pixels around a corner between pixels into account: radii of the left and the lower two.
-void add(vec2 corner) {
-    vec4 z = textureGather(depth, corner / size);
-    vec2 range = vec2(min(min(z.x, z.y), min(z.z, z.w)), max(max(z.x, z.y), max(z.z, z.w)));
-    depths = vec2(min(depths.x, range.x), max(depths.y, range.y));
-    vec2 found = vec2(radius_at(range.y, corner / size), radius_at(range.x, corner / size));
-    radii = vec2(min(radii.x, found.x), max(radii.y, found.y));
-    bits |= levels_of(abs(found.x)) | levels_of(abs(found.y)) | (ends(found.x, found.y) ? EDGE : 0);
+// Takes down whether a surface ends between pixels beside each other.
+void compare(vec2 these, vec2 those) {
+    vec2 far = max(these, those), step_px = abs(these - those);
+    vec2 widest = max(abs(these), abs(those));
+    bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.15 * abs(far)));
+    bits |= (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5) ? EDGE : 0;
 }
 
 void main() {
+    const int BLOCKS = TILE / 2 + 1;  // one beyond the tile, so that no surface ends between tiles
     ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
-    // One pixel beyond the tile, so that no surface ends between two tiles.
-    ivec2 last = min(first + TILE, ivec2(size) - 1);
-    for (int y = first.y; y < max(last.y, first.y + 1); ++y)
-        for (int x = first.x; x < max(last.x, first.x + 1); ++x)
-            add(vec2(x + 1, y + 1));
-    vec2 middle = 0.5 * vec2(first + last + 1) / size;
+    vec2 below[BLOCKS];
+    for (int y = 0; y < BLOCKS; ++y) {
+        vec2 left;
+        for (int x = 0; x < BLOCKS; ++x) {
+            vec2 uv = vec2(first + 2 * ivec2(x, y) + 1) / size;
+            vec4 z = textureGather(depth, uv);  // upper left, upper right, lower right, lower left
+            vec4 r = vec4(radius_at(z.x, uv), radius_at(z.y, uv), radius_at(z.z, uv), radius_at(z.w, uv));
+            compare(r.xw, r.yz);
+            compare(r.xy, r.wz);
+            if (x > 0)
+                compare(r.wx, left);
+            if (y > 0)
+                compare(r.wz, below[x]);
+            left = r.zy;
+            below[x] = r.xy;
+            if (x < BLOCKS - 1 && y < BLOCKS - 1) {
+                depths = vec2(min(min(depths.x, min(z.x, z.y)), min(z.z, z.w)),
+                              max(max(depths.y, max(z.x, z.y)), max(z.z, z.w)));
+                vec2 range = vec2(min(min(r.x, r.y), min(r.z, r.w)), max(max(r.x, r.y), max(r.z, r.w)));
+                radii = vec2(min(radii.x, range.x), max(radii.y, range.y));
+                bits |= levels_of(abs(range.x)) | levels_of(abs(range.y));
+            }
+        }
+    }
+    vec2 middle = min(vec2(first) + 0.5 * float(TILE), size - 0.5) / size;
     tile_min_max = vec4(radii,
                         max(abs(radius_within(NO_LIMIT_PX, depths.x, middle)),
                             abs(radius_within(NO_LIMIT_PX, depths.y, middle))),

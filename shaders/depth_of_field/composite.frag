@@ -34,6 +34,7 @@
 #include "levels.glsl"
 #include "tile_classes.glsl"
 #include "layers.glsl"
+#include "cubic.glsl"
 
 uniform sampler2D colour_and_coc;
 uniform sampler2D dilated;
@@ -64,10 +65,10 @@ vec4 foreground = vec4(0.0);  // rgb * opacity, opacity
 vec3 one_surface(bool wanted) {
     float wide = coarser_part(0, own_px);
     vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
-    vec3 found = mean_over(colour_and_coc, at, p.rgb, min(own_px, EXACT_PX), wanted && wide < 1.0);
+    vec3 found = mean_over(colour_and_coc, 0, vec2(pixel), own_px, wanted && wide < 1.0);
 #if LEVELS > 1
     for (bool on = wanted && wide > 0.0; on; on = false)
-        found = mix(found, textureLod(gathered, at, 0.0).rgb, wide);
+        found = mix(found, cubic(gathered, at), wide);
 #endif
     return found;
 }

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import ceil, log2
 
-from vrcomfort.optics.disc_footprint import footprint
+
 
 MOST = 5
 """Levels there are programs for: the last one takes all that is wider."""
@@ -27,7 +27,7 @@ def reads(samples: int) -> int:
 
 def exact_px(samples: int) -> float:
     """Return the radius up to which a disc is summed over its pixels."""
-    return footprint(reads(samples), 2).widest_px
+    return samples / 10
 
 
 def levels(limit_px: float, samples: int) -> int:

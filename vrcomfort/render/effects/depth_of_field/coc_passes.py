@@ -21,6 +21,8 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_of_arcmin,
 )
 
+import os
+TT=int(os.environ.get("TT","4"))
 FINE_TILE_PX, COARSE_TILE_PX = 8, 16
 """Side of the tiles whose range of radii is known: fine ones while no disc reaches over many."""
 
@@ -155,7 +157,7 @@ class CocPasses:
         self.now: Uniforms = Together()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
         self._is_rendered = False
-        self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
+        self.tile_px = TT
         self.level_defines = {
             "EXACT_PX": levels.exact_px(settings.samples),
             "LEVELS": levels.levels(self.limit_px, settings.samples),

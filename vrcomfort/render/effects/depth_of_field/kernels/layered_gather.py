@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import Any, NamedTuple
+from typing import Any
 
 import moderngl
 import numpy as np
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.optics import disc_footprint, levels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
-HALF_READS = 2
-"""At half resolution a disc has so many times the reads: there are a quarter of the pixels."""
-
-
-class _Blocks(NamedTuple):
-    blocks: bytes
-    block_count: int
+HALF_WIDER = 1.5
+"""At half resolution a disc is summed up to so many times the radius, in texels: there are a quarter of the
+pixels."""
 
 
 class LayeredGatherKernel:
@@ -34,7 +29,6 @@ class LayeredGatherKernel:
         settings: DepthOfField,
     ) -> None:
         self._ctx, self._coc = ctx, coc
-        self._reads = levels.reads(settings.samples)
         self._defines = coc.level_defines
         self._dilate = self._pass(
             "coc_tile_dilate.frag",
@@ -56,7 +50,7 @@ class LayeredGatherKernel:
             {**points, **dilated, **wide},
             size_px=coc.size_px,
             filtered={"colour_and_coc", "gathered"},
-            **self._blocks(self._reads, TILE=coc.tile_px),
+            defines={**self._defines, "TILE": coc.tile_px},
         )
         self.target = self._composite.target
 
@@ -93,31 +87,22 @@ class LayeredGatherKernel:
         half = self._pass(
             "downsample.frag", points, size_px=self._size(1), filtered={"colour_and_coc"}
         )
-        blocks = self._blocks(HALF_READS * self._reads)
-        spread = self._coc.limit_px / 2 / blocks["defines"]["WIDEST"]
-        self._mips = min(ceil(np.log2(spread)), 8) if spread > 1 else 0
+        widest = HALF_WIDER * self._defines["EXACT_PX"]
+        self._mips = max(ceil(np.log2(self._coc.limit_px / 2 / widest)), 0)
         if self._mips:
             half.target.build_mipmaps(0, self._mips)
         gather = self._pass(
             "gather.frag",
             {"half_resolution": half.target},
             size_px=self._size(1),
-            **({"mipmapped": {"half_resolution"}} if self._mips else {"filtered": {"half_resolution"}}),
-            **blocks,
+            **({"mipmapped": {"half_resolution"}} if self._mips else {}),
+            defines={**self._defines, "HALF_EXACT": widest, "LODS": self._mips + 1},
         )
         return half, gather
 
     def _size(self, level: int) -> tuple[int, int]:
         width, height = self._coc.size_px
         return ceil(width / 2**level), ceil(height / 2**level)
-
-    def _blocks(self, reads: int, **defines: Any) -> dict[str, Any]:
-        pairs, widest = disc_footprint.footprint(reads, 2)
-        blocks = {"BLOCKS": len(pairs), "WIDEST": widest, "NARROWER": disc_footprint.NARROWER_PX}
-        return {
-            "constants": _Blocks(pairs.astype(np.float32).tobytes(), len(pairs)),
-            "defines": {**self._defines, **defines, **blocks},
-        }
 
     def _pass(
         self, fragment: str, inputs: dict[str, moderngl.Texture], **options: Any
