@@ -6,6 +6,7 @@
 //
 // A disc is summed on the level of the chain on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
+// HALF_LEVELS: of the chain; HALF_EXACT: radius of the widest disc on one, in its texels.
 #include "coc.glsl"
 #include "discs.glsl"
 #include "footprint.glsl"
@@ -18,7 +19,7 @@ out vec4 gathered;
 // Part of a disc that is drawn on a level of the chain or on coarser ones.
 float part_from(int lod, float texels) {
     float widest = HALF_EXACT * float(1 << max(lod - 1, 0));
-    return lod == 0 ? 1.0 : lod > LODS - 1 ? 0.0
+    return lod == 0 ? 1.0 : lod > HALF_LEVELS - 1 ? 0.0
          : clamp((texels / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
 }
 
@@ -28,7 +29,7 @@ void main() {
     bool wanted = radius_px >= 0.9 * FADED * EXACT_PX;
     vec2 at = gl_FragCoord.xy / vec2(textureSize(half_resolution, 0));
     vec3 sum = vec3(0.0);
-    for (int lod = 0; lod < LODS; ++lod) {
+    for (int lod = 0; lod < HALF_LEVELS; ++lod) {
         float part = part_from(lod, 0.5 * radius_px) - part_from(lod + 1, 0.5 * radius_px);
         vec2 place = at * vec2(textureSize(half_resolution, lod)) - 0.5;
         float texels = disc_texels(radius_px, float(2 << lod));

@@ -27,8 +27,9 @@ float disc_share(float away, float grid_radius) {
     return inside * inside * (3.0 - 2.0 * inside) / (grid_radius * grid_radius + 1.0 / 12.0);
 }
 
-// Radius of a disc in texels so many px wide, which blur by themselves.
+// Radius of a disc in texels so many px wide, which are means of pixels: narrower by their variance, which
+// is (w^2 - 1) / 12.
 float disc_texels(float radius_px, float texel_px) {
-    float variance_px2 = (texel_px * texel_px - 1.0) / 3.0;
-    return max(sqrt(max(radius_px * radius_px - 4.0 * variance_px2, 0.0)) / texel_px, 0.5);
+    float four_variances = (texel_px * texel_px - 1.0) / 3.0;
+    return max(sqrt(max(radius_px * radius_px - four_variances, 0.0)) / texel_px, 0.5);
 }

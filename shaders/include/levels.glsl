@@ -2,10 +2,9 @@
 // share the discs between them, so that nothing shows where one takes over.
 //
 // EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; LEVELS: how many
-// levels there are. Twin: vrcomfort/optics/levels.py.
+// levels there are; FADED: part of its widest disc from which a level shares with the next. Twin: vrcomfort/optics/levels.py.
 
 const int EDGE = 256;       // bit of a tile in which a surface ends; lower ones are levels
-const float FADED = 0.85;   // part of its widest disc from which a level shares with the next
 
 // Part of a disc that is drawn on coarser levels than this one.
 float coarser_part(int level, float radius_px) {

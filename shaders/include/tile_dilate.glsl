@@ -1,5 +1,5 @@
-// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger. r, g of a tile are its least and greatest
-// signed RADIUS, px of image width. Twin: tests/oracles/tile_classes.py.
+// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger.
+// r, g of a tile are its least and greatest signed RADIUS, px of image width.
 
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
@@ -18,6 +18,14 @@ bool matters(int away, vec4 here, vec4 there) {
 }
 
 // How many tiles away anything may matter.
+#ifdef WIDEST
+uniform sampler2D widest;  // the largest radius (px) in the image, before its limit
+#endif
+
 int tiles_around() {
-    return int(widest_px(vec4(LIMIT_PX)) / float(TILE)) + 1;
+    float most = LIMIT_PX;
+#ifdef WIDEST
+    most = min(most, texelFetch(widest, ivec2(0), 0).r);
+#endif
+    return int(widest_px(vec4(most)) / float(TILE)) + 1;
 }

@@ -140,10 +140,10 @@ class DepthOfField(Settings):
     `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
-    samples: Annotated[int, Field(ge=4, le=64)] = 16
-    """Speed against accuracy of `vrcomfort`: how many reads, of 2 × 2 texels each, cover a disc. Discs
-    that so many pixels fill are summed at full resolution, wider ones on coarser levels of it.
-    The other kernels have the fixed numbers of their sources."""
+    samples: Annotated[int, Field(ge=16, le=256)] = 36
+    """Speed against accuracy of `vrcomfort`: discs that so many pixels fill are summed pixel by
+    pixel, wider ones texel by texel on a level of the image on which they have no more. The other
+    kernels have the fixed numbers of their sources."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged. The mean has no largest radius: what would reach

@@ -115,8 +115,6 @@ def _filled_effect(level: Level, name: str, given: Any) -> Any:
 
 
 def _fitting(settings: dict[str, Value], own: Mapping[str, Any]) -> dict[str, Value]:
-    """Leave out what a condition excludes: taps beside rings, views with peripheral blur."""
-    excluded = {"taps"} if "rings" in own else set()
-    if own.get("peripheral") is not None:
-        excluded.add("views")
+    """Leave out what a condition excludes: views with peripheral blur."""
+    excluded = {"views"} if own.get("peripheral") is not None else set()
     return {name: value for name, value in settings.items() if name not in excluded}

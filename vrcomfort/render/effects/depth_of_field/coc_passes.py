@@ -21,10 +21,8 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_of_arcmin,
 )
 
-import os
-TT=int(os.environ.get("TT","4"))
-FINE_TILE_PX, COARSE_TILE_PX = 8, 16
-"""Side of the tiles whose range of radii is known: fine ones while no disc reaches over many."""
+TILE_PX = 8
+"""Side of the tiles whose range of radii is known."""
 
 
 class EyeUniforms(NamedTuple):
@@ -157,17 +155,22 @@ class CocPasses:
         self.now: Uniforms = Together()
         """What :meth:`DepthToCoc.of_eye` says of the last eye; nothing before the first."""
         self._is_rendered = False
-        self.tile_px = TT
+        self.tile_px = TILE_PX
         self.level_defines = {
             "EXACT_PX": levels.exact_px(settings.samples),
             "LEVELS": levels.levels(self.limit_px, settings.samples),
+            "FADED": levels.FADED,
         }
+        """What ``include/levels.glsl`` needs."""
         """Side of :attr:`tile_min_max`."""
         self._tile_min_max = CocTileMinMax(
             ctx, self.depth_to_coc, size_px=size_px, tile_px=self.tile_px, defines=self.level_defines
         )
         self.tile_min_max = self._tile_min_max.target
         """What :class:`CocTileMinMax` has found of the last eye."""
+        self.widest = None if settings.peripheral else self._tile_min_max.widest
+        """1×1, px: no radius of the last eye is wider. None with peripheral blur: tiles only sample
+        it."""
         self._colour_and_coc: FullscreenPass | None = None
 
     @property
@@ -220,6 +223,8 @@ class CocTileMinMax:
     ----------
     tile_px
         Side of the tiles, even.
+    defines
+        What ``include/levels.glsl`` needs.
     """
 
     def __init__(
@@ -235,12 +240,17 @@ class CocTileMinMax:
         )
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
-        eye; largest radius before the limit."""
-        self._largest = MaxReductionPass(ctx, self.target, components="z")
+        eye; largest radius before the limit; bits of ``coc_tile_min_max.frag``."""
+        self._of_eye = MaxReductionPass(ctx, self.target, components="z")
+        self.widest = self._of_eye.target
+        """1×1: the largest radius of the last eye before its limit."""
+        self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
     def render(self, eye: Uniforms) -> None:
         """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
+        self._of_eye.forget()
+        self._of_eye.render()
         self._largest.render()
 
     def read(self) -> float:

@@ -6,20 +6,21 @@ from math import ceil
 from typing import Any
 
 import moderngl
-import numpy as np
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics import levels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
-HALF_WIDER = 1.5
-"""At half resolution a disc is summed up to so many times the radius, in texels: there are a quarter of the
-pixels."""
-
 
 class LayeredGatherKernel:
-    """Draws the graph of docs/depth_of_field.md."""
+    """Dilates tiles, halves the image, gathers wide discs, composites: docs/depth_of_field.md.
+
+    Notes
+    -----
+    Where no disc can be wider than what is summed over pixels, there is only the composite.
+    """
 
     def __init__(
         self,
@@ -30,26 +31,23 @@ class LayeredGatherKernel:
     ) -> None:
         self._ctx, self._coc = ctx, coc
         self._defines = coc.level_defines
-        self._dilate = self._pass(
-            "coc_tile_dilate.frag",
-            {"tiles": coc.tile_min_max},
-            size_px=coc.tile_min_max.size,
-            defines={**self._defines, "TILE": coc.tile_px, "LIMIT_PX": float(coc.limit_px)},
-        )
-        points = {"colour_and_coc": coc.colour_and_coc}
-        dilated = {"dilated": self._dilate.target}
-        self._layers = self._make_layers()
-        self._half: FullscreenPass | None = None
+        self._points = {"colour_and_coc": coc.colour_and_coc}
+        self._dilate = self._dilate_pass()
+        self._layers = self._layer_passes()
+        self._mips = levels.half_levels(coc.limit_px, settings.samples) - 1
+        self._half, self._gather = None, None
         wide: dict[str, moderngl.Texture] = {}
         if self._layers:
-            self._half, self._gather = self._make_wide(points)
+            self._half = self._pass(
+                "downsample", self._points, level=1, filtered={"colour_and_coc"}
+            )
+            self._gather = self._gather_pass(self._half.target, settings.samples)
             wide = {"gathered": self._gather.target}
             wide |= {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
         self._composite = self._pass(
-            "composite.frag",
-            {**points, **dilated, **wide},
-            size_px=coc.size_px,
-            filtered={"colour_and_coc", "gathered"},
+            "composite",
+            {**self._points, "dilated": self._dilate.target, **wide},
+            filtered={"gathered"},
             defines={**self._defines, "TILE": coc.tile_px},
         )
         self.target = self._composite.target
@@ -58,53 +56,56 @@ class LayeredGatherKernel:
         """Blur the image of the last eye."""
         aspect = Aspect(pixel_aspect)
         self._dilate.render(aspect)
-        if self._half is not None:
-            for layer in self._layers:
-                layer.render()
+        for layer in self._layers:
+            layer.render()
+        if self._half is not None and self._gather is not None:
             self._half.render()
             if self._mips:
                 self._half.target.build_mipmaps(0, self._mips)
             self._gather.render(aspect)
         self._composite.render(aspect)
 
-    def _make_layers(self) -> list[FullscreenPass]:
+    def _dilate_pass(self) -> FullscreenPass:
+        coc = self._coc
+        inputs = {"tiles": coc.tile_min_max}
+        defines = {**self._defines, "TILE": coc.tile_px, "LIMIT_PX": float(coc.limit_px)}
+        if coc.widest is not None:
+            inputs["widest"] = coc.widest
+            defines["WIDEST"] = 1
+        return self._pass("coc_tile_dilate", inputs, defines=defines, size_px=coc.tile_min_max.size)
+
+    def _layer_passes(self) -> list[FullscreenPass]:
         found: list[FullscreenPass] = []
-        for level in range(1, self._defines["LEVELS"]):
+        for level in range(1, int(self._defines["LEVELS"])):
             finer = found[-1].target if found else self._coc.colour_and_coc
-            drawn = self._pass(
-                "layers.frag",
-                {"finer": finer},
-                size_px=self._size(level),
-                dtype="u4",
-                defines={"FROM_LAYERS": 1} if found else {},
+            defines = {"FROM_LAYERS": 1} if found else {}
+            found.append(
+                self._pass("layers", {"finer": finer}, level=level, dtype="u4", defines=defines)
             )
-            found.append(drawn)
         return found
 
-    def _make_wide(
-        self, points: dict[str, moderngl.Texture]
-    ) -> tuple[FullscreenPass, FullscreenPass]:
-        half = self._pass(
-            "downsample.frag", points, size_px=self._size(1), filtered={"colour_and_coc"}
-        )
-        widest = HALF_WIDER * self._defines["EXACT_PX"]
-        self._mips = max(ceil(np.log2(self._coc.limit_px / 2 / widest)), 0)
+    def _gather_pass(self, half: moderngl.Texture, samples: int) -> FullscreenPass:
+        defines = {
+            **self._defines,
+            "HALF_EXACT": levels.HALF_WIDER * levels.exact_px(samples),
+            "HALF_LEVELS": self._mips + 1,
+        }
         if self._mips:
-            half.target.build_mipmaps(0, self._mips)
-        gather = self._pass(
-            "gather.frag",
-            {"half_resolution": half.target},
-            size_px=self._size(1),
-            **({"mipmapped": {"half_resolution"}} if self._mips else {}),
-            defines={**self._defines, "HALF_EXACT": widest, "LODS": self._mips + 1},
-        )
-        return half, gather
-
-    def _size(self, level: int) -> tuple[int, int]:
-        width, height = self._coc.size_px
-        return ceil(width / 2**level), ceil(height / 2**level)
+            half.build_mipmaps(0, self._mips)
+        inputs = {"half_resolution": half}
+        mipmapped = set(inputs) if self._mips else set()
+        return self._pass("gather", inputs, level=1, defines=defines, mipmapped=mipmapped)
 
     def _pass(
-        self, fragment: str, inputs: dict[str, moderngl.Texture], **options: Any
+        self,
+        name: str,
+        inputs: dict[str, moderngl.Texture],
+        *,
+        level: int = 0,
+        size_px: tuple[int, int] | None = None,
+        **options: Any,
     ) -> FullscreenPass:
-        return FullscreenPass(self._ctx, f"depth_of_field/{fragment}", inputs=inputs, **options)
+        width, height = self._coc.size_px
+        size_px = size_px or (ceil(width / 2**level), ceil(height / 2**level))
+        fragment = f"depth_of_field/{name}.frag"
+        return FullscreenPass(self._ctx, fragment, size_px=size_px, inputs=inputs, **options)
