@@ -6,7 +6,7 @@ import pytest
 from tests.oracles import gather, layers
 from tests.support.effects import depth_of_field, textures
 from tests.support.kernels import blur
-from vrcomfort.optics.gather_resolution import small_px
+from vrcomfort.optics.levels import exact_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
@@ -122,7 +122,7 @@ def test_bright_points_keep_their_energy(ctx, radius_px):
     rgb = np.zeros((HEIGHT, WIDTH, 3))
     for y, x in ((30, 41), (47, 64), (61, 90)):
         rgb[y : y + 2, x : x + 2] = 1000.0
-    blurred = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=5, **WIDE)
+    blurred = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, samples=128, **WIDE)
     assert blurred.astype(float).sum() == pytest.approx(rgb.sum(), rel=0.005)
 
 
@@ -175,7 +175,7 @@ def test_a_lamp_of_one_pixel_becomes_a_disc_not_spots(ctx, radius_px):
         np.testing.assert_allclose(lit[away > radius_px + 0.6][:1000], 0.1, rtol=2e-3)
 
 
-def test_more_rings_are_closer_to_the_ideal(ctx):
+def test_more_samples_are_closer_to_the_ideal(ctx):
     """Until every pixel of a disc counts; then they change nothing."""
     rgb = textured()
     rgb[30:60:10, 20:110:10] = 20.0
@@ -183,16 +183,16 @@ def test_more_rings_are_closer_to_the_ideal(ctx):
     for radius_px in (3.2, 4.5, 6.4):
         ideal = scatter(rgb, radius_px)
         found = [
-            depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=rings, **WIDE)
-            for rings in (1, 3, 8)
+            depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, samples=samples, **WIDE)
+            for samples in (16, 36, 128)
         ]
         few, some, many = (
             np.sqrt(np.mean((each.astype(float) - ideal)[inside, inside] ** 2)) for each in found
         )
         assert few >= some >= many, radius_px
         assert many <= 0.01
-        for rings, each in zip((1, 3, 8), found, strict=True):
-            if radius_px <= small_px(rings):
+        for samples, each in zip((16, 36, 128), found, strict=True):
+            if radius_px <= 0.85 * exact_px(samples):
                 np.testing.assert_array_equal(each, found[-1])
             else:
                 assert np.abs(each - found[-1]).max() > 0.05

@@ -49,9 +49,9 @@ for method in ("reconstruction", "per_pixel"):
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
-for taps in (2, 6):
-    few = DepthOfField(taps=taps, max_radius_percent=10)
-    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))
+for samples in (16, 36):
+    few = DepthOfField(samples=samples, max_radius_percent=10)
+    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="samples", depth_of_field=few))
 zone = Condition(
     name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
 )

@@ -204,7 +204,7 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('focus = { law = "instant", cutoff_hz = 4.0 }', 'nothing with law = "instant"'),
         ('focus = { method = "gaze", ring_deg = 3.0 }', 'nothing with method = "gaze"'),
         ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
-        ('depth_of_field = { kernel = "mip", rings = 3 }', 'nothing with kernel = "mip"'),
+        ('depth_of_field = { kernel = "mip", samples = 36 }', 'nothing with kernel = "mip"'),
         ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),
         ('quality = "fast"', "`quality` does nothing without depth_of_field or motion_blur"),
         ('focus = { method = "gaze", without_gaze = "nine_ray", ring_deg = 3.0 }', None),

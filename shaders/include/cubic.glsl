@@ -1,7 +1,7 @@
 // Reads an image between its texels by a cubic through them: five bilinear reads, no blur of its own.
 //
 // Catmull & Rom, "A class of local interpolating splines", 1974; the four corners, which weigh half a percent
-// at most, are left out.
+// at most, are left out. Include after footprint.glsl.
 
 vec3 cubic(sampler2D image, vec2 at) {
     vec2 size = vec2(textureSize(image, 0));
@@ -16,5 +16,5 @@ vec3 cubic(sampler2D image, vec2 at) {
     sum += after.x * between.y * vec4(textureLod(image, vec2(right.x, middle.y), 0.0).rgb, 1.0);
     sum += before.y * between.x * vec4(textureLod(image, vec2(middle.x, left.y), 0.0).rgb, 1.0);
     sum += after.y * between.x * vec4(textureLod(image, vec2(middle.x, right.y), 0.0).rgb, 1.0);
-    return clamp(sum.rgb / sum.a, 0.0, 65504.0);
+    return clamp(UP * sum.rgb / sum.a, 0.0, 65504.0);
 }

@@ -27,9 +27,9 @@ float disc_share(float away, float grid_radius) {
     return inside * inside * (3.0 - 2.0 * inside) / (grid_radius * grid_radius + 1.0 / 12.0);
 }
 
-// Radius of a disc in texels so many px wide, which are means of pixels: narrower by their variance, which
-// is (w^2 - 1) / 12.
+// Radius of a disc in texels so many px wide, which are means of pixels: half of what their box and the rim
+// of a disc of texels blur more than those of pixels is made up for, which is closest to the reference.
 float disc_texels(float radius_px, float texel_px) {
-    float four_variances = (texel_px * texel_px - 1.0) / 3.0;
+    float four_variances = (texel_px * texel_px - 1.0) / 2.0;
     return max(sqrt(max(radius_px * radius_px - four_variances, 0.0)) / texel_px, 0.5);
 }

@@ -2,6 +2,9 @@
 //
 // Radii in texels of the level that is read. Include after discs.glsl.
 
+// Some renderers cut half floats off instead of rounding them: means must not fall short by a float's rounding.
+const float UP = 1.0 + 1e-6;
+
 // `place`: of the disc's middle, 0 is that of the first texel. `wanted`: whether anything is to be read.
 vec3 mean_over(sampler2D image, int lod, vec2 place, float radius, bool wanted) {
     float grid = grid_radius_px(max(radius, 0.5));
@@ -20,5 +23,5 @@ vec3 mean_over(sampler2D image, int lod, vec2 place, float radius, bool wanted) 
             sum += weight * vec4(texelFetch(image, clamp(ivec2(x, y), ivec2(0), last), lod).rgb, 1.0);
         }
     }
-    return min(sum.rgb / max(sum.a, 1e-4), 65504.0);
+    return min(UP * sum.rgb / max(sum.a, 1e-4), 65504.0);
 }

@@ -25,8 +25,7 @@ SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_
 PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method that does not know who hides whom."""
 
-RINGS = (1, 2, 3)
-TAPS = (2, 6, 12, 16, 24, 48)
+SAMPLES = (16, 20, 36, 72, 128)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
@@ -40,7 +39,7 @@ class Method:
     name
         Unique within its effect.
     step
-        Its place on the quality dial of its family: rings, samples or views; None without a dial.
+        Its place on the quality dial of its family: samples or views; None without a dial.
     """
 
     name: str
@@ -98,8 +97,7 @@ def _lens(quick: bool) -> list[Method]:
     return [
         _no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
-        *_dial("depth_of_field", "ours", "taps", _few(TAPS, quick), _lens_condition),
-        *_dial("depth_of_field", "ours", "rings", RINGS, _lens_condition),
+        *_dial("depth_of_field", "ours", "samples", _few(SAMPLES, quick), _lens_condition),
         *_views(quick),
     ]
 

@@ -38,9 +38,7 @@ class LayeredGatherKernel:
         self._half, self._gather = None, None
         wide: dict[str, moderngl.Texture] = {}
         if self._layers:
-            self._half = self._pass(
-                "downsample", self._points, level=1, filtered={"colour_and_coc"}
-            )
+            self._half = self._pass("downsample", self._points, level=1)
             self._gather = self._gather_pass(self._half.target, settings.samples)
             wide = {"gathered": self._gather.target}
             wide |= {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
