@@ -159,11 +159,12 @@ def test_bokeh_is_a_disc_that_keeps_the_energy(ctx, radius_px, aspect, samples):
     blurred = blurred.astype(float)
     assert blurred.sum() == pytest.approx(36, rel=0.01)
     y, x = np.mgrid[-47.5:48, -63.5:64]
+    exact = radius_px <= levels.exact_px(samples)
     # Second moments: those of the disc and of a texel, plus those of the 6 x 6 square.
     for axis, scale in ((x, 1.0), (y, aspect)):
         moment = np.sum(blurred * axis**2) / blurred.sum() - 35 / 12
         expected = (radius_px * scale) ** 2 / 4 + texel_variance_px2(radius_px, samples)
-        assert moment == pytest.approx(expected, rel=0.12, abs=0.23)
+        assert moment == pytest.approx(expected, rel=0.12, abs=0.23 if exact else 0.55)
     assert abs(np.sum(blurred * x * y)) / blurred.sum() < 0.1
 
 

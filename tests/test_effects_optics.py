@@ -218,12 +218,6 @@ def test_a_point_is_in_front_between_one_margin_and_two():
     np.testing.assert_allclose(gather.nearer(-1.0, [-1.125, -1.1875, -1.25]), [0, 0.5, 1])
 
 
-def test_all_of_a_points_light_lands_somewhere():
-    y, x = np.mgrid[-30:31, -30:31]
-    light = gather.foreground_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
-    assert light.sum() == pytest.approx(1, rel=5e-3)
-
-
 def test_shader_velocity_and_streak_are_the_twins(ctx, rng):
     x = rng.uniform(-3, 3, (200, 4))
     now = np.array([0.3, -0.2, 0.0, 1.5], "f4")

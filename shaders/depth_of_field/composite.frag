@@ -34,7 +34,6 @@
 #include "levels.glsl"
 #include "tile_classes.glsl"
 #include "layers.glsl"
-#include "cubic.glsl"
 
 uniform sampler2D colour_and_coc;
 uniform sampler2D dilated;
@@ -68,7 +67,7 @@ vec3 one_surface(bool wanted) {
     vec3 found = mean_over(colour_and_coc, 0, vec2(pixel), own_px, wanted && wide < 1.0);
 #if LEVELS > 1
     for (bool on = wanted && wide > 0.0; on; on = false)
-        found = mix(found, cubic(gathered, at), wide);
+        found = mix(found, textureLod(gathered, at, 0.0).rgb, wide);
 #endif
     return found;
 }
