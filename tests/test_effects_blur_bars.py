@@ -155,7 +155,9 @@ def test_discs_of_a_few_pixels_are_summed_as_the_twin_sums_them(ctx, pixel_aspec
     rgb = rng.uniform(0, 1, (23, 21, 3)).astype("f2")
     rgb[4:6, 9] = 900.0
     radius = 3.9 - spread * rng.uniform(0, 7.8, (23, 21)) * rng.integers(0, 2, (23, 21))
-    found = blur(ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect, samples=128)
+    found = blur(
+        ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect, samples=128
+    )
     expected = layers.layered(found.points, pixel_aspect=pixel_aspect)
     np.testing.assert_allclose(found.rgb, expected, rtol=2e-3, atol=1e-4)
     assert np.abs(found.rgb - rgb).max() > 0.1

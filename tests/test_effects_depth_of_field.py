@@ -5,8 +5,8 @@ import pytest
 
 from tests.support.effects import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
 from tests.support.kernels import blur
-from vrcomfort.optics import levels
 from vrcomfort.geometry import Fov, Pose, axis_angle
+from vrcomfort.optics import levels
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 
@@ -179,7 +179,9 @@ def test_blur_from_half_the_image_is_as_wide_as_the_disc(ctx, samples, radius_px
         rgb = np.zeros((96, 128, 3))
         rgb[44 + shift : 52 + shift, 60 + shift : 68 + shift] = 1.0
         distance = 1 / (1 - radius_px / 6.4)
-        spot = depth_of_field(ctx, rgb, distance, 1.0, samples=samples, **WIDE)[..., 0].astype(float)
+        spot = depth_of_field(ctx, rgb, distance, 1.0, samples=samples, **WIDE)[..., 0].astype(
+            float
+        )
         y, x = np.mgrid[-47.5:48, -63.5:64]
         for axis in (x, y):
             variances.append(np.sum(spot * (axis - shift) ** 2) / spot.sum() - 63 / 12)
@@ -294,5 +296,7 @@ def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, limit_px, aspect
 def test_the_same_input_gives_the_same_bytes(ctx, rng, samples):
     rgb = rng.uniform(0, 1, (50, 70, 3))
     distance = rng.uniform(0.4, 5, (50, 70))
-    first, second = (depth_of_field(ctx, rgb, distance, 1.0, samples=samples, **WIDE) for _ in range(2))
+    first, second = (
+        depth_of_field(ctx, rgb, distance, 1.0, samples=samples, **WIDE) for _ in range(2)
+    )
     assert first.tobytes() == second.tobytes()

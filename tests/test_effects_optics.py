@@ -210,7 +210,6 @@ def test_shader_fronts_and_discs_are_the_twins(ctx, rng):
     np.testing.assert_allclose(texels, gather.disc_texels(abs(p), 2), rtol=1e-5)
 
 
-
 def test_a_point_is_in_front_between_one_margin_and_two():
     """By hand: at 4 px the margin is 0.2 px, below 2.5 px it is an eighth."""
     found = gather.nearer(4.0, [4.5, 3.8, 3.7, 3.6, 0.0])

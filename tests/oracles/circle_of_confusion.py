@@ -7,8 +7,6 @@ width, negative in front of the focus distance, positive behind it.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 

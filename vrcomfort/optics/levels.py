@@ -1,7 +1,7 @@
 """On which level of an image a disc is summed, so that it never has too many texels: no OpenGL.
 
-Level 0 are the pixels; texels of level L are 2^L px wide. Two levels share the discs between them. Twin
-of ``shaders/include/levels.glsl``. Radii are in pixels of image width. All choices are ours.
+Level 0 are the pixels; texels of level L are 2^L px wide. Two levels share the discs between
+them. Twin of ``shaders/include/levels.glsl``. Radii are in pixels of image width. All choices are ours.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ FADED = 0.85
 """Part of its widest disc from which a level shares with the next."""
 
 HALF_WIDER = 1.5
-"""At half resolution, where there are a quarter of the pixels, a disc of one surface is summed up to so
-many times the radius, in texels."""
+"""At half resolution, where there are a quarter of the pixels, a disc of one surface is summed up
+to so many times the radius, in texels."""
 
 
 def exact_px(samples: int) -> float:

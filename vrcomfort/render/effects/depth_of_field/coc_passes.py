@@ -164,7 +164,11 @@ class CocPasses:
         """What ``include/levels.glsl`` needs."""
         """Side of :attr:`tile_min_max`."""
         self._tile_min_max = CocTileMinMax(
-            ctx, self.depth_to_coc, size_px=size_px, tile_px=self.tile_px, defines=self.level_defines
+            ctx,
+            self.depth_to_coc,
+            size_px=size_px,
+            tile_px=self.tile_px,
+            defines=self.level_defines,
         )
         self.tile_min_max = self._tile_min_max.target
         """What :class:`CocTileMinMax` has found of the last eye."""
@@ -228,7 +232,13 @@ class CocTileMinMax:
     """
 
     def __init__(
-        self, ctx: moderngl.Context, radii: DepthToCoc, *, size_px: tuple[int, int], tile_px: int, defines: dict[str, Any]
+        self,
+        ctx: moderngl.Context,
+        radii: DepthToCoc,
+        *,
+        size_px: tuple[int, int],
+        tile_px: int,
+        defines: dict[str, Any],
     ) -> None:
         width, height = size_px
         self._tiles = radii.make_pass(
