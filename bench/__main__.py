@@ -15,6 +15,7 @@ from bench import effects, mask, memory, python_time, requires
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
+from vrcomfort.tradeoff.walk import SCENES
 
 NEED_RUNTIME = ("openxr", "memory_openxr")
 """Left out of a run of all where there is no Monado; `scripts/in_runtime.sh` brings one."""
@@ -27,7 +28,12 @@ def _openxr() -> Any:
 BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] = {
     "effects": lambda ctx, options: effects.measure(ctx, rounds=options.rounds),
     "requires": lambda ctx, options: requires.measure(ctx, rounds=options.rounds),
-    "python_time": lambda ctx, options: python_time.measure(ctx, frames=options.frames),
+    "python_time": lambda _, options: python_time.measure(
+        frames=options.frames,
+        against=options.against,
+        folder=options.out,
+        scenes=[options.scene] if options.scene else SCENES,
+    ),
     "openxr": lambda ctx, options: _openxr().measure(ctx, frames=options.frames),
     "memory": lambda ctx, options: memory.measure(ctx, frames=options.memory_frames),
     "memory_openxr": lambda ctx, options: _openxr().measure_memory(
@@ -44,6 +50,8 @@ def main() -> None:
     parser.add_argument("--only", choices=sorted(BENCHMARKS), help="run one of them")
     parser.add_argument("--rounds", type=int, default=12, help="timed stereo frames of each kind")
     parser.add_argument("--frames", type=int, default=300, help="frames for Python's own time")
+    parser.add_argument("--against", help="a revision to compare python_time with, as 05fae2d")
+    parser.add_argument("--scene", choices=SCENES, help="python_time in one scene alone")
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
     arguments = parser.parse_args()
     ctx = create_context()

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any, Literal, NamedTuple
 
 import moderngl
 
-from vrcomfort.gpu import gl
-
 Place = Literal["opengl", "runtime", "rig"]
 
 _CLASSES = (
-    "Buffer", "Context", "Framebuffer", "Program", "Query", "Sampler", "Texture", "Uniform",
-    "VertexArray",
+    "Buffer", "Context", "Framebuffer", "Program", "Query", "Sampler", "Scope", "Texture",
+    "TextureArray", "Uniform", "VertexArray",
 )  # fmt: skip
+_ENTERED = ("__enter__", "__exit__")
 
 _TRIES, _CALLS = 20, 1000
 
@@ -37,6 +37,11 @@ class Clock:
     """The CPU time of the thread that makes it. Calls that nest count for the outermost.
 
     What the clock itself takes is measured once, on functions that do nothing, and taken away.
+
+    Attributes
+    ----------
+    counts
+        How often each function was called from outside of all others, by name.
     """
 
     def __init__(self) -> None:
@@ -44,14 +49,16 @@ class Clock:
         self._inside = False
         self._calls = 0
         self._own_s = 0.0
+        self.counts: Counter[str] = Counter()
         self._since_s = time.thread_time()
         self._own_s = self._calibrated_s()
+        self.counts.clear()
 
     def _calibrated_s(self) -> float:
         """Return the seconds that a clocked call takes beyond those of the function in it."""
         clocked, bare = (
             min(self._seconds_of(call) for _ in range(_TRIES))
-            for call in (self.around("rig", _nothing), _nothing)
+            for call in (self.around("rig", _nothing, "nothing"), _nothing)
         )
         return (clocked - bare) / _CALLS
 
@@ -61,7 +68,9 @@ class Clock:
             call()
         return self.lap().python_s
 
-    def around(self, place: Place, function: Callable[..., Any]) -> Callable[..., Any]:
+    def around(
+        self, place: Place, function: Callable[..., Any], name: str = ""
+    ) -> Callable[..., Any]:
         """Return `function`, with the time in it counted for `place`."""
 
         def call(*arguments: Any, **options: Any) -> Any:
@@ -69,6 +78,7 @@ class Clock:
                 return function(*arguments, **options)
             self._inside = True
             self._calls += 1
+            self.counts[name] += 1
             start_s = time.thread_time()
             try:
                 return function(*arguments, **options)
@@ -113,14 +123,29 @@ def replaced(owner: Any, name: str, value: Any) -> Iterator[None]:
 
 
 @contextmanager
-def clocked_opengl(clock: Clock) -> Iterator[None]:
-    """Count as OpenGL moderngl's methods, and functions that `gl.function` finds in here."""
+def clocked_opengl(clock: Clock, gl: Any) -> Iterator[None]:
+    """Count as OpenGL what moderngl does, and functions that `gl.function` finds in here."""
     find = gl.function
+
+    def find_clocked(ctx: Any, name: str, *types: Any, **options: Any) -> Callable[..., Any]:
+        return clock.around("opengl", find(ctx, name, *types, **options), name)
+
     with ExitStack() as kept:
-        found = replaced(gl, "function", lambda *a, **k: clock.around("opengl", find(*a, **k)))
-        kept.enter_context(found)
+        kept.enter_context(replaced(gl, "function", find_clocked))
         for owner in (getattr(moderngl, name) for name in _CLASSES if hasattr(moderngl, name)):
-            for name, method in list(vars(owner).items()):
-                if callable(method) and not name.startswith("__"):
-                    kept.enter_context(replaced(owner, name, clock.around("opengl", method)))
+            for name, member in list(vars(owner).items()):
+                clocked = _clocked_member(clock, member, f"{owner.__name__}.{name}")
+                if clocked is not None and (name in _ENTERED or not name.startswith("__")):
+                    kept.enter_context(replaced(owner, name, clocked))
         yield
+
+
+def _clocked_member(clock: Clock, member: Any, name: str) -> Any:
+    """Return a method or a property whose time is counted as OpenGL's, None for anything else."""
+    if isinstance(member, property):
+        get, put = member.fget, member.fset
+        return property(
+            get and clock.around("opengl", get, name),
+            put and clock.around("opengl", put, f"{name} ="),
+        )
+    return clock.around("opengl", member, name) if callable(member) else None

@@ -20,6 +20,7 @@ from bench.clocked import Clock, Lap, clocked_opengl, replaced, yardstick_s
 from bench.effects import CONDITIONS
 from bench.table import Result
 from vrcomfort.geometry import Pose
+from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, native
 from vrcomfort.headset.playback import PlaybackHeadset
@@ -122,7 +123,7 @@ def clocked(clock: Clock) -> Iterator[None]:
     copier: Callable[..., Any] = depth._copier
     functions = xr.raw_functions
     with ExitStack() as kept:
-        kept.enter_context(clocked_opengl(clock))
+        kept.enter_context(clocked_opengl(clock, gl))
         copying = replaced(depth, "_copier", lambda ctx: clock.around("opengl", copier(ctx)))
         kept.enter_context(copying)
         raw = native._raw

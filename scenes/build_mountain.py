@@ -18,9 +18,12 @@ from kit import alpine as a
 from kit import alpine_maps as maps
 from kit import buildings, stone, terrain
 from kit import plants as grown
+from kit.contact import outlines
 from kit.glb import GlbWriter
-from kit.mesh import Array, join, numbers
+from kit.light import Voxels, darkened
+from kit.mesh import Array, Mesh, join, numbers
 from kit.ornaments import Parts, placed
+from kit.shapes import plane
 from kit.stage import Stage
 
 WHEEL_AT = (-6.6, 0.0, -8.6)
@@ -99,11 +102,12 @@ def materials(w: GlbWriter) -> dict[str, int]:
     }
 
 
-def land(stage: Stage) -> None:
+def land(stage: Stage, voxels: Voxels) -> None:
     """Add the terrain, the lake and the paths."""
     w, m = stage.writer, stage.materials
-    for index, tile in enumerate(terrain.near_tiles()):
-        w.node(f"ground_{index:02d}", w.mesh(f"ground_{index:02d}", [(tile, m["turf"])]))
+    for index, tile in enumerate(terrain.near_tiles(outlines(stage.solid()))):
+        shaded = darkened(voxels, tile)
+        w.node(f"ground_{index:02d}", w.mesh(f"ground_{index:02d}", [(shaded, m["turf"])]))
     for index, tile in enumerate(terrain.far_tiles()):
         w.node(f"land_{index:03d}", w.mesh(f"land_{index:03d}", [(tile, m["land"])]))
     w.node("lake", w.mesh("lake", [(terrain.lake(), m["water"])]))
@@ -152,7 +156,12 @@ def furnish(stage: Stage) -> None:
         stage.add(
             f"rock_{index:02d}",
             *(
-                [(a.stone_block(300 + index, tuple(shape), detail=d).at(x, 0, z), "granite")]
+                [
+                    (
+                        a.stone_block(300 + index, tuple(shape), detail=d).at(x, -0.12 * size, z),
+                        "granite",
+                    )
+                ]
                 for d in (14, 6)
             ),
         )
@@ -178,9 +187,8 @@ def plants(stage: Stage) -> None:
     clear = [s for s in spots if _off_path(s) and 0.2 < terrain.from_terrace(*s) < 1.05]
     ordered = np.array(sorted(clear, key=lambda s: (s[0] // 7, s[1] // 6)))
     for index, chunk in enumerate(np.array_split(ordered, 12)):
-        clump = grown.tufts(
-            np.column_stack([chunk[:, 0], 0 * chunk[:, 0], chunk[:, 1]]), 90 + index
-        )
+        places = np.column_stack([chunk[:, 0], 0 * chunk[:, 0], chunk[:, 1]])
+        clump = grown.tufts(places, terrain.cover_color(*chunk.T), 90 + index)
         w.node(f"grass_{index:02d}", w.mesh(f"grass_{index:02d}", [(clump, m["grass"])]))
 
 
@@ -254,13 +262,23 @@ def bounce(places: Array) -> Array:
     return np.full(len(places), 0.3)
 
 
+def _ground_below(stage: Stage) -> Mesh:
+    """Return a level ground under all that stands: it takes light from what is low."""
+    low, high = (
+        f([f(mesh.positions, axis=0) for mesh in stage.solid()], axis=0) for f in (np.min, np.max)
+    )
+    size = high - low
+    return plane([low[0], 0, high[2]], [size[0], 0, 0], [0, 0, -size[2]], step_m=0.5)
+
+
 def build(out: Path) -> None:
     """Build the scene and write it."""
     writer = GlbWriter(position_step_m=1e-3)
     stage = Stage(writer, materials(writer), bounce)
     furnish(stage)
-    stage.write(stage.voxels(0.12))
-    land(stage)
+    voxels = stage.voxels(0.06, _ground_below(stage))
+    stage.write(voxels)
+    land(stage, voxels)
     plants(stage)
     moving(stage)
     writer.save(out)

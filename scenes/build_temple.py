@@ -16,6 +16,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from kit import ornaments as o
 from kit import stone
+from kit.contact import outlines
 from kit.glb import GlbWriter
 from kit.mesh import Array
 from kit.ornaments import placed
@@ -105,15 +106,16 @@ def build(out: Path) -> None:
     """Build the scene and write it."""
     writer = GlbWriter()
     stage = Stage(writer, materials(writer), bounce)
-    for group in (walls(), floors(), ceilings(), friezes()):
-        for name, parts in group.items():
-            stage.add(name, parts)
     furnish_court(stage)
     furnish_hall(stage)
     furnish_crypt(stage)
-    outside(stage)
     stage.add("orrery_stand", *(placed(orrery_stand(d), -1.85, 0, -5.1) for d in (1.0, 0.4)))
-    voxels = stage.voxels(0.1)
+    standing = outlines(stage.solid())
+    for group in (walls(), floors(standing), ceilings(), friezes()):
+        for name, parts in group.items():
+            stage.add(name, parts)
+    outside(stage)
+    voxels = stage.voxels(0.06)
     stage.write(voxels)
     orrery(stage)
     incense_burner(stage)

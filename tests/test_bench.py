@@ -1,5 +1,7 @@
 """`make bench` starts: its cases are settings that protocols may have."""
 
+import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -17,3 +19,27 @@ def test_the_benchmarks_and_their_cases_are_made():
     )
     assert shown.returncode == 0, shown.stderr
     assert "requires" in shown.stdout
+
+
+def test_a_side_of_the_comparison_draws_records_and_counts():
+    scenes = ROOT / "scenes"
+    wanted = {
+        "scene": str(scenes / "temple.glb"),
+        "trace": str(scenes / "temple_walk.csv"),
+        "effects": False,
+    }
+    shown = subprocess.run(
+        [sys.executable, str(ROOT / "bench" / "frame_worker.py"), json.dumps(wanted)],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        input="2\n",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert shown.returncode == 0, shown.stderr
+    counts, laps = map(json.loads, shown.stdout.splitlines())
+    assert 0 < counts["texture binds"] < counts["OpenGL calls"] < counts["calls"]
+    assert 0 < counts["scene draws"] < counts["draws"]
+    assert len(laps) == 2
+    assert all(0 < lap["loop_s"] < 1 and lap["opengl_s"] > 0 for lap in laps)

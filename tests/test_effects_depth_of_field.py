@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.support.effects import NEAR_M, depth_of_field, rgb_of, square_pixels, textures
+from tests.support.effects import depth_of_field, rgb_of, seen, square_pixels, textures
 from tests.support.kernels import blur
 from vrcomfort.geometry import Fov, Pose, axis_angle
 from vrcomfort.optics import levels
@@ -204,7 +204,7 @@ def test_frames_before_do_not_change_an_image(ctx, rng, samples):
         for each in focus_m:
             focus.write(np.full(4, each, "f4").tobytes())
             fov = square_pixels((128, 96))
-            effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+            effect.render(seen(fov))
             yield rgb_of(effect.target)
 
     (far,), (near,) = images(1.5), images(0.4)
@@ -281,7 +281,7 @@ def test_nothing_of_the_frame_before_is_left(ctx, rng, samples, limit_px, aspect
         for frame in frames:
             for into, new in zip((colour, depth), textures(ctx, *frame), strict=True):
                 into.write(new.read())
-            effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
+            effect.render(seen(fov))
         return rgb_of(effect.target)
 
     before = np.full((height, width, 3), 60_000.0), 0.5

@@ -18,6 +18,8 @@ from vrcomfort.render.reference import read_rgb
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.scene.data import Environment, Material, Node, Primitive, Scene
 
+LENS_FIRST, STREAKS_FIRST = ("depth_of_field", "motion_blur"), ("motion_blur", "depth_of_field")
+
 SUN = (60_000.0, 60_000.0, 60_000.0)
 FOV = Fov(-0.9, 0.7, 0.8, -0.85)
 
@@ -81,7 +83,7 @@ def last_images(ctx, scene, condition, size_px, frames):
     return found
 
 
-def condition(focus_m, law, order="depth_of_field_first", **lens):
+def condition(focus_m, law, order=LENS_FIRST, **lens):
     return Condition(
         name="extreme",
         focus=Focus(method="fixed", fixed_m=focus_m),
@@ -97,7 +99,7 @@ def test_every_output_is_finite_and_bounded(ctx, size_px, scene):
     """Through the points: the head jumps by metres, so that much was behind the eye before."""
     frames = two_frames([0.4, 0.2, -3.0], 1.5)
     for law in ("linear", "dioptre"):
-        for focus_m, order in ((0.05, "motion_blur_first"), (30_000.0, "depth_of_field_first")):
+        for focus_m, order in ((0.05, STREAKS_FIRST), (30_000.0, LENS_FIRST)):
             wide = condition(focus_m, law, order, max_radius_percent=10.0)
             for sharp, blurred in last_images(ctx, scene, wide, size_px, frames):
                 assert np.isfinite(blurred).all()

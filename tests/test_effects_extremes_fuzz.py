@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.oracles.motion import SPEED_LIMIT_PX
-from tests.support.effects import rgb_of, textures
+from tests.support.effects import rgb_of, seen, textures
 from tests.support.extremes import (
     FOCUS_M,
     HALF_MAX,
@@ -130,7 +130,7 @@ def test_depth_of_field(ctx, cases):
             ctx, colour=colour, depth=depth, focus=focus, settings=settings, size_px=(width, height)
         )
         eye = Pose(rng.uniform(-0.1, 0.1, 3), turn(rng, 0.5))
-        effect.render(fov=fov(rng), near_m=near_m, head_from_eye=eye)
+        effect.render(seen(fov(rng), near_m=near_m, head_from_eye=eye))
         check_between(rgb_of(effect.target), rgb_of(colour), (settings, focus_m))
 
 
@@ -166,7 +166,7 @@ def test_motion_blur(ctx, cases):
             settings=settings,
             size_px=(width, height),
         )
-        effect.render()
+        effect.render(seen())
         check_between(rgb_of(effect.target), rgb_of(colour), settings)
         assert all("nan" not in clamp for clamp in effect.clamps())
 

@@ -7,11 +7,12 @@ from hypothesis import strategies as st
 
 from tests.oracles.circle_of_confusion import lens_radius_px
 from tests.support.effects import coc_passes_of, square_pixels, textures
-from tests.support.render import at, eye, glowing, scene, wall
+from tests.support.render import at, eye, glowing, scene, still_life, wall
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics import circle_of_confusion as coc
 from vrcomfort.protocol import Condition, DepthOfField, Focus
 from vrcomfort.protocol.conditions import Peripheral
+from vrcomfort.render import plan
 from vrcomfort.render.effects.depth_of_field import lens_radius
 from vrcomfort.render.effects.depth_of_field.coc_passes import (
     CocPasses,
@@ -19,7 +20,6 @@ from vrcomfort.render.effects.depth_of_field.coc_passes import (
     DepthToCoc,
     eye_uniforms,
 )
-from vrcomfort.render.plan import depth_of_field as plan_depth_of_field
 from vrcomfort.render.reference import Reference
 
 NEAR_M = 0.02
@@ -205,7 +205,7 @@ def test_a_lens_without_an_opening_needs_no_pass():
         for shape, needed in ((None, False), (Peripheral(), True)):
             effect = DepthOfField(peripheral=shape, **settings)
             condition = Condition(name="c", depth_of_field=effect)
-            assert plan_depth_of_field(condition).needed is needed
+            assert plan.effect("depth_of_field", still_life(), condition).needed is needed
 
 
 @pytest.mark.parametrize("name", ["eye", "thin_lens", "mantiuk"])

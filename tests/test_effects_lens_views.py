@@ -19,12 +19,14 @@ from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.trace import read_trace
 
+LENS_FIRST = ("depth_of_field", "motion_blur")
+
 FOCUS = Focus(method="fixed", fixed_m=1.0)
 LENS = {"law": "dioptre", "max_radius_percent": 10.0, "full_blur_dioptre": 0.8}
 """At 64 px: 8 px of radius per dioptre, at most 6.4 px in a filter."""
 
 
-def condition(views, focus=FOCUS, motion_blur=None, order="depth_of_field_first", **settings):
+def condition(views, focus=FOCUS, motion_blur=None, order=LENS_FIRST, **settings):
     return Condition(
         name="views",
         focus=focus,
@@ -81,7 +83,7 @@ def test_views_leave_the_centre_view_behind(ctx, views):
     np.testing.assert_array_equal(one, many)
 
 
-@pytest.mark.parametrize("order", ["depth_of_field_first", "motion_blur_first"])
+@pytest.mark.parametrize("order", [LENS_FIRST, LENS_FIRST[::-1]])
 def test_what_is_in_focus_moves_as_without_views(ctx, order):
     blur = MotionBlur(mode="full", shutter_fraction=1.0, max_radius_percent=20.0)
     walk = [standing(), standing(1, 0.2)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.oracles.motion import streak_taps
-from tests.support.effects import motion_blur, motion_blur_pass, rgb_of
+from tests.support.effects import motion_blur, motion_blur_pass, rgb_of, seen
 from vrcomfort.geometry import Pose, axis_angle
 from vrcomfort.protocol.conditions import TurnRamp
 from vrcomfort.render.head_step import HeadStep
@@ -230,7 +230,7 @@ def test_the_longest_streak_is_remembered_over_frames(ctx, rng):
     rgb = rng.uniform(0, 1, (20, 30, 3))
     fade = TurnRamp(from_deg_s=60, to_deg_s=180)
     effect = motion_blur_pass(ctx, rgb, 2.0, [8.0, 0.0], fade_with_turning=fade, **WHOLE)
-    effect.render(step=turning(120))
+    effect.render(seen(step=turning(120)))
     assert effect.longest_half_velocity_px() == pytest.approx(4, rel=1e-3)
 
 

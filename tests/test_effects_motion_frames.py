@@ -251,7 +251,9 @@ def test_the_order_of_the_effects_decides_how_far_a_blurred_rim_reaches(ctx):
     for condition in (
         lens,
         both.model_copy(update={"name": "defocus_first"}),
-        both.model_copy(update={"name": "streaks_first", "effect_order": "motion_blur_first"}),
+        both.model_copy(
+            update={"name": "streaks_first", "effect_order": ("motion_blur", "depth_of_field")}
+        ),
     ):
         sharp, blurred, _ = last_eyes(ctx, content, condition, REST)[0]
         rows[condition.name] = blurred[SIZE[1] // 2, :, 1].astype(float)

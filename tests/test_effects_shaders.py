@@ -20,9 +20,11 @@ def test_every_shader_has_its_bound_in_the_docs():
 THROUGH = {
     "clip_now": "the scene's images",
     "through_lens": "the reference's images (test_render_depth_and_lens.py)",
-    "refocused": "focus.frag and focus_zone.frag (test_focus_pass.py, test_focus_zone.py)",
+    "zone_depth": "focus_weights.frag and focus_candidates.frag (test_focus_zone.py)",
+    "refocused": "focus.frag, with every law (test_focus_pass.py)",
     "unlimited_radius_at": "colour_and_coc.frag (test_effects_lens_laws.py)",
     "widest_px": "the shaders that look around (test_effects_levels.py)",
+    "distance_times_depth": "colour_and_coc.frag (test_focus_along_ray.py)",
     "reaches": "the same",
     "matters": "the same",
     "tiles_around": "the same",
@@ -33,6 +35,8 @@ THROUGH = {
     "add_peripheral_px": "colour_and_coc.frag (test_effects_peripheral.py)",
     "mean_over": "composite.frag and gather.frag (test_effects_depth_of_field.py)",
     "levels_of": "coc_tile_min_max.frag (test_effects_levels.py)",
+    "on_image": "scene.frag and depth.frag (test_scenes_extensions.py)",
+    "bent": "scene.vert and depth.vert (test_scenes_skins.py)",
     "pbr_neutral": "tone_map.frag (test_render_tone.py)",
     "srgb_encoded": "tone_map.frag (test_render_tone.py)",
 }

@@ -7,13 +7,13 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from tests.oracles.gaussian import gaussian_weights
-from tests.support.effects import rgb_of, square_pixels, textures
+from tests.support.effects import rgb_of, seen, square_pixels, textures
 from vrcomfort.geometry import Fov, Pose, axis_angle, focal_length_px
 from vrcomfort.optics.gaussian import sigma_px
 from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
 from vrcomfort.protocol.conditions import MoveRamp, SpeedBlur, TurnRamp
-from vrcomfort.render.effects.speed_blur import SpeedBlurPass, strength
-from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.effects.speed_blur import SpeedBlurPass
+from vrcomfort.render.head_step import HeadStep, speed_share
 
 TURNING = TurnRamp(from_deg_s=40, to_deg_s=120)
 MOVING = MoveRamp(from_m_s=1, to_m_s=3)
@@ -53,24 +53,24 @@ def test_a_ramp_that_falls_is_refused():
 
 def test_the_larger_ramp_wins_and_an_absent_one_does_not_count():
     step = HeadStep(yaw(0), yaw(8, (0.15, 0, 0)), Pose(), Pose(), 0.1)  # 80 deg/s, 1.5 m/s
-    assert strength(SpeedBlur(turning=TURNING, moving=MOVING), step) == pytest.approx(0.5)
-    assert strength(SpeedBlur(turning=TURNING), step) == pytest.approx(0.5)
-    assert strength(SpeedBlur(moving=MOVING), step) == pytest.approx(0.25)
-    assert strength(SpeedBlur(), step) == 0
-    assert strength(SpeedBlur(turning=TURNING, moving=MOVING), None) == 0
+    assert speed_share(SpeedBlur(turning=TURNING, moving=MOVING), step) == pytest.approx(0.5)
+    assert speed_share(SpeedBlur(turning=TURNING), step) == pytest.approx(0.5)
+    assert speed_share(SpeedBlur(moving=MOVING), step) == pytest.approx(0.25)
+    assert speed_share(SpeedBlur(), step) == 0
+    assert speed_share(SpeedBlur(turning=TURNING, moving=MOVING), None) == 0
 
 
 def test_head_and_avatar_are_told_apart():
     """The stage turns back by what the head turns: the scene is still, the head is not."""
     step = HeadStep(yaw(0), yaw(8), yaw(0), yaw(-8), 0.1)
     found = {
-        of: strength(SpeedBlur(speed_of=of, turning=TURNING), step)
+        of: speed_share(SpeedBlur(speed_of=of, turning=TURNING), step)
         for of in ("head", "avatar", "both")
     }
     assert found == pytest.approx({"head": 0.5, "avatar": 0.5, "both": 0.0})
     walk = HeadStep(Pose(), Pose(), Pose(), Pose((0.0, 0, -0.2)), 0.1)
     found = {
-        of: strength(SpeedBlur(speed_of=of, moving=MOVING), walk)
+        of: speed_share(SpeedBlur(speed_of=of, moving=MOVING), walk)
         for of in ("head", "avatar", "both")
     }
     assert found == pytest.approx({"head": 0.0, "avatar": 0.5, "both": 0.5})
@@ -94,7 +94,7 @@ def blurred(ctx, rgb, step=FULL, fov=None, **settings):
     colour, _ = textures(ctx, rgb, 1.0)
     wanted = SpeedBlur(moving=MOVING, **settings)
     effect = SpeedBlurPass(ctx, colour=colour, settings=wanted, size_px=size_px)
-    effect.render(fov=fov or square_pixels(size_px), step=step)
+    effect.render(seen(fov or square_pixels(size_px), step=step))
     return rgb_of(effect.target)
 
 

@@ -11,7 +11,8 @@ from vrcomfort.geometry import Fov, Gaze, Pose, View, yaw_pitch_roll
 from vrcomfort.optics.focus import gaze_tangents
 from vrcomfort.protocol import Condition, DepthOfField
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.passes import FocusPass
+from vrcomfort.render.focus.rule import Sight
+from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.pipeline import StereoRenderer
 
@@ -37,16 +38,18 @@ def rooms():
 def samples(ctx, gazes, *, settings=SETTINGS, head=None, cuts=()):
     head = head or Pose()
     gpu = GpuScene(ctx, rooms())
-    focus = FocusPass(ctx, gpu, settings)
+    focus = make_focus_pass(ctx, gpu, settings)
     gpu.update(0.0, head)
     found = []
     for index, gaze in enumerate(gazes):
         found += focus.render(
-            frame_index=index,
-            display_time_ns=index * 10_000_000,
-            world_from_head=head,
-            discontinuity=index in cuts,
-            gaze=gaze,
+            Sight(
+                frame_index=index,
+                display_time_ns=index * 10_000_000,
+                world_from_head=head,
+                discontinuity=index in cuts,
+                gaze=gaze,
+            )
         )
     return [*found, *focus.drain()]
 
@@ -83,10 +86,10 @@ def test_the_rays_are_where_the_twin_says(ctx):
     turn = Pose(np.zeros(3), yaw_pitch_roll(0.5, 0.3, 0.0))
     node = at(0.0, 0.0, -3.0, rotation=turn.orientation, scale=np.full(3, 40.0))
     gpu = GpuScene(ctx, scene([node], [wall()], [glowing((1.0, 1.0, 1.0))]))
-    focus = FocusPass(ctx, gpu, SETTINGS)
+    focus = make_focus_pass(ctx, gpu, SETTINGS)
     gpu.update(0.0, Pose())
     gaze = gaze_at(25.0, -10.0)
-    focus.render(frame_index=0, display_time_ns=0, world_from_head=Pose(), gaze=gaze)
+    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=Pose(), gaze=gaze))
     (found,) = focus.drain()
     rays = np.concatenate([gaze_tangents(gaze.pose, 1.5), -np.ones((9, 1))], axis=1)
     normal = turn.matrix()[:3, 2]

@@ -1,5 +1,7 @@
 """Focus on the GPU: rays that hit what they should, the twin's estimate, samples that come late."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,11 @@ from tests.oracles.raycast import cast
 from tests.oracles.refocus import FocusState, advance
 from vrcomfort.geometry import Pose, axis_angle, yaw_pitch_roll
 from vrcomfort.gpu.gl import LATENCY
-from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
+from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.protocol.conditions import Focus, FocusRuleName
+from vrcomfort.render.focus.fixed import FixedFocus
+from vrcomfort.render.focus.rule import Sight
+from vrcomfort.render.focus.rules import RULES, make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import Image, Material, Node, Primitive, Scene
@@ -53,17 +58,19 @@ def samples_of(
     ctx, scene, *, settings=None, heads=(HEAD,), times_s=None, cuts=(), step_ns=FRAME_NS
 ):
     gpu = GpuScene(ctx, scene)
-    focus = FocusPass(ctx, gpu, settings or Focus())
+    focus = make_focus_pass(ctx, gpu, settings or Focus())
     samples = []
     times_s = [0.0] * len(heads) if times_s is None else times_s
     heads = list(heads) * (len(times_s) // len(heads))
     for index, (time_s, head) in enumerate(zip(times_s, heads, strict=True)):
         gpu.update(time_s, head)
         samples += focus.render(
-            frame_index=index,
-            display_time_ns=index * step_ns,
-            world_from_head=head,
-            discontinuity=index in cuts,
+            Sight(
+                frame_index=index,
+                display_time_ns=index * step_ns,
+                world_from_head=head,
+                discontinuity=index in cuts,
+            )
         )
     return [*samples, *focus.drain()]
 
@@ -124,7 +131,9 @@ def test_holes_of_an_alpha_mask_let_rays_through(ctx):
     pixels[:, 8:, 3] = 0
     material = Material(base_color_image=0, alpha_mode="MASK", alpha_cutoff=0.5)
     scene = scene_of(
-        [wall(1.0, Pose(), 1.0)], material=material, images=(Image(pixels, repeat=(False, False)),)
+        [wall(1.0, Pose(), 1.0)],
+        material=material,
+        images=(Image(pixels, wrap=("clamp_to_edge", "clamp_to_edge")),),
     )
     (sample,) = samples_of(ctx, scene, heads=(Pose(),))
     left = ray_directions(2.0)[:, 0] < -1e-6
@@ -165,17 +174,7 @@ def jumping_squares(depths_m):
 
 
 @pytest.mark.parametrize("mean", ["metres", "dioptres"])
-@pytest.mark.parametrize(
-    "law",
-    [
-        "linear",
-        "linear_dioptre",
-        "low_pass",
-        "low_pass_backward_euler",
-        "duration",
-        "instant",
-    ],
-)
+@pytest.mark.parametrize("law", LAWS)
 def test_the_shader_computes_what_its_twin_does(ctx, mean, law):
     random = np.random.default_rng(5)
     depths_m = random.uniform(0.3, 12.0, (30, 1)) * random.uniform(0.8, 1.25, (30, 9))
@@ -205,12 +204,12 @@ def test_the_shader_computes_what_its_twin_does(ctx, mean, law):
 
 def test_samples_come_a_fixed_number_of_frames_late_and_all_of_them(ctx):
     gpu = GpuScene(ctx, scene_of([]))
-    focus = FocusPass(ctx, gpu, Focus())
+    focus = make_focus_pass(ctx, gpu, Focus())
     arrived = [
         [
             sample.frame_index
             for sample in focus.render(
-                frame_index=index, display_time_ns=index, world_from_head=Pose()
+                Sight(frame_index=index, display_time_ns=index, world_from_head=Pose())
             )
         ]
         for index in range(7)
@@ -234,9 +233,9 @@ def test_at_a_discontinuity_focus_is_at_once_where_the_rays_say(ctx):
 
 def test_the_texture_holds_the_last_frames_focus(ctx):
     gpu = GpuScene(ctx, scene_of([wall(2.5)]))
-    focus = FocusPass(ctx, gpu, Focus())
+    focus = make_focus_pass(ctx, gpu, Focus())
     gpu.update(0.0, HEAD)
-    focus.render(frame_index=0, display_time_ns=0, world_from_head=HEAD)
+    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=HEAD))
     x, y, bits, w = np.frombuffer(focus.texture.read(), np.float32)
     assert (x, y) == pytest.approx((2.5, 2.5), rel=1e-6)
     assert (bits, w) == (511, 1)
@@ -245,17 +244,21 @@ def test_the_texture_holds_the_last_frames_focus(ctx):
 def test_a_ray_draws_only_what_it_meets(ctx):
     around = [wall(2.0, HEAD @ Pose(np.zeros(3), yaw_pitch_roll(a, 0, 0)), 0.2) for a in range(6)]
     gpu = GpuScene(ctx, scene_of(around))
-    focus = FocusPass(ctx, gpu, Focus())
+    focus = make_focus_pass(ctx, gpu, Focus())
     gpu.update(0.0, HEAD)
-    focus.render(frame_index=0, display_time_ns=0, world_from_head=HEAD)
+    focus.render(Sight(frame_index=0, display_time_ns=0, world_from_head=HEAD))
     assert focus.triangles == 9 * 2
+
+
+def test_every_rule_of_a_protocol_is_there():
+    assert RULES.keys() == set(get_args(FocusRuleName))
 
 
 def test_fixed_focus_draws_nothing(ctx):
     gpu = GpuScene(ctx, scene_of([wall(2.5)]))
     focus = make_focus_pass(ctx, gpu, Focus(method="fixed", fixed_m=1.5))
     assert isinstance(focus, FixedFocus)
-    (sample,) = focus.render(frame_index=4, display_time_ns=0, world_from_head=HEAD)
+    (sample,) = focus.render(Sight(frame_index=4, display_time_ns=0, world_from_head=HEAD))
     assert (sample.frame_index, sample.focus_m, sample.focus_raw_m) == (4, 1.5, 1.5)
     assert np.isnan(sample.rays_m).all()
     assert not sample.used.any()

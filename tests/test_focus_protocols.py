@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import pytest
 
+from tests.support.render import still_life
 from vrcomfort.design import build_design
 from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import Condition, Focus
@@ -54,13 +55,15 @@ def test_mantiuk_in_numbers():
 
 
 def test_the_plan_says_how_focus_is_found():
+    scene = still_life()
     zone = load_protocol("hillaire_2008").condition("blur_on")
-    assert "0.25 of the image's sides" in plan.focus(zone).reason
-    assert "peripheral" in plan.depth_of_field(zone).reason
+    reason = plan.focus(scene, zone).reason
+    assert "0.25 of the image's sides, drawn in 64×64 px and averaged by the GPU in 7" in reason
+    assert "peripheral" in plan.effect("depth_of_field", scene, zone).reason
     gaze = load_protocol("mantiuk_2011").condition("gaze_7")
-    assert "needs an eye tracker; nine rays ahead without one" in plan.focus(gaze).reason
+    assert "needs an eye tracker; nine rays ahead without one" in plan.focus(scene, gaze).reason
     strict = gaze.model_copy(update={"focus": Focus(method="gaze")})
-    assert "the session stops without one" in plan.focus(strict).reason
+    assert "the session stops without one" in plan.focus(scene, strict).reason
 
 
 def test_the_manifest_says_that_nine_rays_may_stand_in_for_the_gaze():

@@ -1,21 +1,44 @@
 """The laws by which focus follows its target: at any frame rate, with dropped frames."""
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from tests.oracles.refocus import FocusState, advance, refocus
-from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
-from vrcomfort.protocol.conditions import Focus
+from tests.oracles.refocus import TWINS, FocusState, advance
+from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.optics.refocus.low_pass import low_pass_share
+from vrcomfort.optics.refocus.low_pass_backward_euler import backward_euler_share
+from vrcomfort.protocol.conditions import Focus, RefocusLawName
 
-EXACT = ["linear", "linear_dioptre", "low_pass", "duration", "instant"]
-LAWS = [*EXACT, "low_pass_backward_euler"]
-laws = st.sampled_from(LAWS)
+EXACT = [name for name in LAWS if name != "low_pass_backward_euler"]
+laws = st.sampled_from(list(LAWS))
 distances = st.floats(0.05, 30_000.0)
 times = st.floats(0.0, 1.0)
+
+
+def test_every_law_of_a_protocol_is_there_and_has_a_twin():
+    assert LAWS.keys() == TWINS.keys() == set(get_args(RefocusLawName))
+
+
+def test_a_law_takes_settings_that_there_are_and_what_it_does_not_take_changes_nothing():
+    other = {"refocus_s": 0.7, "cutoff_hz": 3.0, "duration_s": 0.9, "refixation_dioptre": 0.4}
+    other["infinity_m"] = 900.0
+    assert set().union(*(law.settings for law in LAWS.values())) == other.keys()
+    for name, law in LAWS.items():
+        state = FocusState(2.0, 2.0)
+        for key, value in other.items():
+            usual, changed = Focus(law=name), Focus(law=name, **{key: value})
+            # 0.3 dioptres away, and so soon that even 60 km/s is on its way
+            steps = [advance(state, 1 / 0.8, 5e-6, each) for each in (usual, changed)]
+            assert (steps[0] != steps[1]) == (key in law.settings), (name, key)
+
+
+def refocus(start_m, target_m, dt_s, settings):
+    return advance(FocusState(start_m), target_m, dt_s, settings).focus_m
 
 
 def moved(start_m, target_m, steps_s, settings):

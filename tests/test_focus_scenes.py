@@ -7,7 +7,8 @@ from tests.oracles.focus import estimate_focus, ray_directions
 from tests.oracles.raycast import cast
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.passes import FocusPass
+from vrcomfort.render.focus.rule import Sight
+from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
@@ -33,11 +34,13 @@ def walk(scene):
 
 def gpu_samples(ctx, scene, poses):
     gpu = GpuScene(ctx, scene)
-    focus = FocusPass(ctx, gpu, SETTINGS)
+    focus = make_focus_pass(ctx, gpu, SETTINGS)
     samples = []
     for index, (time_s, head) in enumerate(poses):
         gpu.update(time_s, head)
-        samples += focus.render(frame_index=index, display_time_ns=index, world_from_head=head)
+        samples += focus.render(
+            Sight(frame_index=index, display_time_ns=index, world_from_head=head)
+        )
     return [*samples, *focus.drain()]
 
 

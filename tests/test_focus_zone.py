@@ -9,10 +9,12 @@ from hypothesis.extra.numpy import arrays
 from tests.oracles.autofocus_zone import halved, zone_focus_m
 from tests.support.render import at, glowing, scene, wall
 from vrcomfort.geometry import Fov, Pose, View, yaw_pitch_roll
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import autofocus_zone as zone
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.passes import FocusPass
-from vrcomfort.render.focus.rays import screen_tangents
+from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rule import Sight
+from vrcomfort.render.focus.rules import RULES, make_focus_pass
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.scene.data import Material
 
@@ -48,8 +50,8 @@ def test_halving_to_one_texel_is_the_weighted_mean_at_any_size(image):
 def test_one_distance_everywhere_is_the_focus_and_the_sky_is_a_number(distance_m, infinity_m, mean):
     settings = Focus(mean=mean, infinity_m=infinity_m)
     for depth, expected in ((NEAR_M / distance_m, min(distance_m, infinity_m)), (0.0, infinity_m)):
-        weighted = zone.weighted(np.full((3, 5), depth), np.full((3, 5), 0.5), NEAR_M, settings)
-        focus_m = zone_focus_m(weighted.sum(axis=(0, 1)), settings)
+        found = zone.reduced(np.full((3, 5), depth), np.full((3, 5), 0.5), NEAR_M, settings)
+        focus_m = zone_focus_m(found, NEAR_M, settings)
         assert focus_m == pytest.approx(expected, rel=1e-9)
 
 
@@ -57,20 +59,68 @@ def test_the_mean_by_hand():
     """A target at 2 m on one pixel of four, a wall at 10 m on the rest; the same W_G for all."""
     depth = NEAR_M / np.array([[2.0, 10.0], [10.0, 10.0]])
     semantic = np.array([[1.0, 0.004], [0.004, 0.004]])
-    weighted = zone.weighted(depth, semantic, NEAR_M, SETTINGS)
-    found = zone_focus_m(weighted.mean(axis=(0, 1)), SETTINGS)
+    found = zone_focus_m(zone.reduced(depth, semantic, NEAR_M, SETTINGS), NEAR_M, SETTINGS)
     assert found == pytest.approx((2.0 + 3 * 0.004 * 10) / 1.012)
     alike = Focus(semantic_max=0.004)
-    weighted = zone.weighted(depth, semantic, NEAR_M, alike)
-    assert zone_focus_m(weighted.mean(axis=(0, 1)), alike) == pytest.approx(8.0)
+    found = zone_focus_m(zone.reduced(depth, semantic, NEAR_M, alike), NEAR_M, alike)
+    assert found == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize(("statistic", "of_all_m"), [("minimum", 2.0), ("maximum", 10.0)])
+def test_the_extremes_by_hand(statistic, of_all_m):
+    """Of what weighs more than the least: 3 m and 5 m. Where all weigh the same, of everything."""
+    depth = NEAR_M / np.array([[2.0, 10.0], [5.0, 3.0]])
+    semantic = np.array([[0.004, 0.004], [1.0, 0.01]])
+    settings = SETTINGS.model_copy(update={"zone_statistic": statistic})
+    found = zone_focus_m(zone.reduced(depth, semantic, NEAR_M, settings), NEAR_M, settings)
+    assert found == pytest.approx(3.0 if statistic == "minimum" else 5.0)
+    alike = settings.model_copy(update={"semantic_max": 0.004})
+    found = zone_focus_m(zone.reduced(depth, semantic, NEAR_M, alike), NEAR_M, alike)
+    assert found == pytest.approx(of_all_m)
+
+
+@given(
+    sizes.flatmap(lambda size: arrays(float, (2, *size), elements=st.floats(0.004, 1.0))),
+    st.booleans(),
+)
+def test_an_extreme_is_one_of_the_pixels_and_none_goes_beyond_it(image, weighs):
+    distance_m, semantic = 10 * image[0], image[1] if weighs else np.full(image[1].shape, 0.004)
+    found = {}
+    for statistic in ("minimum", "mean", "maximum"):
+        settings = Focus(zone_statistic=statistic)
+        reduced = zone.reduced(NEAR_M / distance_m, semantic, NEAR_M, settings)
+        found[statistic] = zone_focus_m(reduced, NEAR_M, settings)
+    first = semantic > np.float32(0.004)
+    among = distance_m[first] if first.any() else distance_m
+    assert found["minimum"] == pytest.approx(among.min())
+    assert found["maximum"] == pytest.approx(among.max())
+    if not weighs:
+        slack = 1 + 1e-9
+        assert found["minimum"] / slack <= found["mean"] <= found["maximum"] * slack
+
+
+@pytest.mark.parametrize("statistic", ["mean", "minimum", "maximum"])
+@pytest.mark.parametrize("size_px", [(1, 1), (64, 64), (63, 17), (2, 5)])
+def test_the_plan_counts_the_passes_that_are_drawn(ctx, statistic, size_px):
+    content = target_before_a_wall()
+    settings = SETTINGS.model_copy(update={"zone_statistic": statistic, "zone_size_px": size_px})
+    focus = make_focus_pass(ctx, GpuScene(ctx, content), settings, near_m=NEAR_M)
+    drawn = []
+    render = FullscreenPass.render
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(FullscreenPass, "render", lambda *a: (drawn.append(1), render(*a)))
+        focus.render(Sight(0, 0, Pose()))
+    assert f"by the GPU in {len(drawn)} pass" in RULES["autofocus_zone"].plan(settings).reason
 
 
 def sample(ctx, content, settings, *, head=None, tangents=(1.0, 0.8)):
     head = head or Pose()
     gpu = GpuScene(ctx, content)
-    focus = FocusPass(ctx, gpu, settings, near_m=NEAR_M)
+    focus = make_focus_pass(ctx, gpu, settings, near_m=NEAR_M)
     gpu.update(0.0, head)
-    focus.render(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
+    focus.render(
+        Sight(frame_index=3, display_time_ns=0, world_from_head=head, screen_tangents=tangents)
+    )
     (found,) = focus.drain()
     return found, focus
 
@@ -91,8 +141,8 @@ def cpu_zone_m(settings, tangents, target_weight):
     hit = (np.abs(x - 0.1) < 0.15)[None, :] & (np.abs(y - 0.05) < 0.15)[:, None]
     assert 0.05 < hit.mean() < 0.9
     depth = NEAR_M / np.where(hit, 2.0, 10.0)
-    weighted = zone.weighted(depth, np.where(hit, target_weight, 0.004), NEAR_M, settings)
-    return zone_focus_m(weighted.sum(axis=(0, 1)), settings)
+    weights = np.where(hit, target_weight, 0.004)
+    return zone_focus_m(zone.reduced(depth, weights, NEAR_M, settings), NEAR_M, settings)
 
 
 @pytest.mark.parametrize("mean", ["metres", "dioptres"])
@@ -108,6 +158,58 @@ def test_the_gpu_and_the_cpu_find_what_is_worked_out_by_hand(ctx, mean, size_px,
     assert slow.focus_m == pytest.approx(expected, rel=1e-5)
     assert np.isnan(found.rays_m).all()
     assert not found.used.any()
+
+
+@pytest.mark.parametrize("size_px", [(64, 64), (63, 37), (5, 7), (40, 32)])
+@pytest.mark.parametrize(
+    ("statistic", "weight", "expected_m"),
+    [
+        ("minimum", 0.004, 2.0),
+        ("maximum", 0.004, 10.0),
+        ("minimum", 1.0, 2.0),
+        ("maximum", 0.5, 2.0),
+    ],
+)
+def test_the_gpu_and_the_cpu_find_the_extremes(ctx, size_px, statistic, weight, expected_m):
+    content = target_before_a_wall(semantic_weight=weight)
+    settings = SETTINGS.model_copy(update={"zone_statistic": statistic, "zone_size_px": size_px})
+    for where in ("gpu", "cpu"):
+        found, _ = sample(ctx, content, settings.model_copy(update={"zone_mean_on": where}))
+        assert found.focus_m == pytest.approx(expected_m, rel=1e-6)
+        assert found.focus_raw_m == found.focus_m
+
+
+@pytest.mark.parametrize("statistic", ["minimum", "maximum"])
+def test_the_gpu_searches_a_zone_of_many_distances_as_the_cpu_does(ctx, statistic):
+    random = np.random.default_rng(3)
+    nodes = [
+        at(
+            *random.uniform(-0.4, 0.4, 2),
+            -random.uniform(1.0, 5.0),
+            scale=np.full(3, 0.2),
+            rotation=yaw_pitch_roll(*random.uniform(-1.0, 1.0, 3)),
+            semantic_weight=random.choice([0.004, 0.01, 1.0]),
+        )
+        for _ in range(12)
+    ]
+    content = scene(nodes, [wall()], [glowing((1.0, 1.0, 1.0), double_sided=True)])
+    settings = SETTINGS.model_copy(update={"zone_statistic": statistic, "zone_ratio": 0.5})
+    focus_m = [
+        sample(ctx, content, settings.model_copy(update={"zone_mean_on": where}))[0].focus_m
+        for where in ("gpu", "cpu")
+    ]
+    assert focus_m[0] == pytest.approx(focus_m[1], rel=1e-6)
+    assert 0.8 < focus_m[0] < 5.2
+
+
+def test_the_sky_is_the_farthest_unless_something_matters(ctx):
+    settings = SETTINGS.model_copy(update={"zone_statistic": "maximum", "infinity_m": 100.0})
+    card = [at(0.0, 0.0, -2.0, scale=np.full(3, 0.1))]
+    content = scene(card, [wall()], [glowing((1.0, 1.0, 1.0))])
+    assert sample(ctx, content, settings)[0].focus_m == pytest.approx(100.0, rel=1e-6)
+    nearest = settings.model_copy(update={"zone_statistic": "minimum"})
+    assert sample(ctx, content, nearest)[0].focus_m == pytest.approx(2.0, rel=1e-6)
+    assert sample(ctx, scene([], [], []), nearest)[0].focus_m == pytest.approx(100.0, rel=1e-6)
 
 
 def test_an_important_thing_takes_the_focus_from_a_wall_that_covers_more(ctx):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -131,8 +133,25 @@ def test_focal_length_and_principal_point_of_a_symmetric_view():
 
 def test_poses_cannot_be_changed_in_place():
     pose = Pose()
-    with pytest.raises(ValueError, match="read-only"):
-        pose.position[0] = 1
+    for array in (pose.position, pose.orientation, pose.rotation):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    with pytest.raises(AttributeError, match="a pose never changes"):
+        pose.position = np.ones(3)
+    assert pose == Pose()
+
+
+@given(poses, poses)
+def test_poses_are_equal_where_their_numbers_are(a, b):
+    assert pickle.loads(pickle.dumps(a)) == a  # noqa: S301 - what it has just written
+    same = a.numbers == b.numbers
+    assert (a == b) is same
+    assert not same or hash(a) == hash(b)
+    assert a.numbers == (*a.position.tolist(), *a.orientation.tolist())
+    turned = a.turned_as(b)
+    assert np.array_equal(turned.position, a.position)
+    assert np.array_equal(turned.orientation, b.orientation)
+    np.testing.assert_allclose(turned.rotation @ [0, 0, -1], b.forward, atol=1e-12)
 
 
 def _angle_between(a, b):

@@ -19,7 +19,9 @@ from typing import get_args
 import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.conditions import Kernel, MoveRamp, SpeedBlur
+from vrcomfort.protocol.conditions import (
+    FocusRuleName, Kernel, MoveRamp, RefocusLawName, SpeedBlur, Vignette
+)
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
@@ -46,16 +48,21 @@ fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
     StereoRenderer(context, (16, 16)).begin(scene, condition)
+narrow = Condition(name="n", vignette=Vignette(colour="scene"))
+StereoRenderer(context, (16, 16)).begin(scene, narrow)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
 for samples in (16, 36):
     few = DepthOfField(samples=samples, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="samples", depth_of_field=few))
-zone = Condition(
-    name="zone", focus=Focus(method="autofocus_zone"), depth_of_field=DepthOfField()
-)
-StereoRenderer(context, (16, 16)).begin(scene, zone)
+rules = [Focus(method=method, without_gaze="nine_ray") for method in get_args(FocusRuleName)]
+for rule in (*rules, Focus(method="autofocus_zone", zone_statistic="minimum")):
+    condition = Condition(name="rule", focus=rule, depth_of_field=DepthOfField())
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
+for law in get_args(RefocusLawName):
+    condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
+    StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
 CopyFloor(context, (16, 16))
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)

@@ -11,6 +11,10 @@ vector = st.tuples(coordinate, coordinate, coordinate)
 part = st.floats(-1, 1)
 
 
+def box(center, half):
+    return culling.boxes(np.array([center]), np.array([half]))
+
+
 @settings(max_examples=200, deadline=None)
 @given(
     quaternion=st.tuples(part, part, part, part).filter(lambda q: np.linalg.norm(q) > 0.1),
@@ -23,14 +27,14 @@ def test_a_box_with_a_point_in_view_is_never_dropped(quaternion, center, half, i
     matrix = camera.clip_from_relative()
     x, y, z, w = matrix @ np.append(np.array(center) + np.array(half) * inside, 1.0)
     in_view = w > 0 and max(abs(x), abs(y)) <= w and z <= w
-    kept = culling.visible(culling.planes(matrix), np.array([center]), np.array([half]))[0]
+    kept = culling.visible(culling.planes(matrix), box(center, half))[0]
     assert kept or not in_view
 
 
 def test_boxes_behind_and_beside_are_dropped():
     planes = culling.planes(EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5)).clip_from_relative())
     centers = np.array([[0, 0, -5.0], [0, 0, 5.0], [9, 0, -5.0], [0, 0, -1e6]])
-    kept = culling.visible(planes, centers, np.full((4, 3), 0.5))
+    kept = culling.visible(planes, culling.boxes(centers, np.full((4, 3), 0.5)))
     assert kept.tolist() == [True, False, False, True]
 
 
@@ -39,10 +43,25 @@ def test_several_frusta_at_once_see_what_each_sees():
     clips = [EyeCamera(Pose((0, 0, 0), q), Fov(-0.9, 0.6, 0.5, -0.7)) for q in turns]
     planes = [culling.planes(clip.clip_from_relative()) for clip in clips]
     boxes = np.random.default_rng(6).normal(size=(2, 200, 3))
-    centers, halves = 5 * boxes[0], np.abs(boxes[1])
-    together = culling.visible(np.array(planes), centers, halves)
-    assert np.array_equal(together, [culling.visible(each, centers, halves) for each in planes])
+    boxes = culling.boxes(5 * boxes[0], np.abs(boxes[1]))
+    together = culling.visible(np.array(planes), boxes)
+    assert np.array_equal(together, [culling.visible(each, boxes) for each in planes])
     assert 0 < together.mean() < 1
+
+
+def test_frusta_around_other_points_see_what_they_see_of_boxes_from_there():
+    rng = np.random.default_rng(7)
+    clips = np.array([EyeCamera(Pose(), Fov(-0.9, 0.6, 0.5, -0.7)).clip_from_relative()] * 3)
+    centers, halves, origins = (
+        rng.normal(size=(200, 3)) * 5,
+        rng.random((200, 3)),
+        rng.normal(size=(3, 3)),
+    )
+    planes = culling.planes(clips)
+    found = culling.visible(culling.from_origins(planes, origins), culling.boxes(centers, halves))
+    for plane, origin, seen in zip(planes, origins, found, strict=True):
+        assert np.array_equal(seen, culling.visible(plane, culling.boxes(centers - origin, halves)))
+    assert not np.array_equal(found[0], found[1])
 
 
 @given(center=vector, half=st.tuples(*[st.floats(0, 5)] * 3), inside=st.tuples(part, part, part))

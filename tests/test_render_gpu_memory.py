@@ -24,7 +24,7 @@ from vrcomfort.render.pipeline import StereoRenderer
 
 RENDER = Path(gl.__file__).parent
 SIZE = (45, 33)
-WIDTH, HEIGHT, SAMPLES, BUFFER_SIZE = 0x1000, 0x1001, 0x9106, 0x8764
+WIDTH, HEIGHT, LAYERS, SAMPLES, BUFFER_SIZE = 0x1000, 0x1001, 0x8071, 0x9106, 0x8764
 CHANNELS = (0x805C, 0x805D, 0x805E, 0x805F, 0x884A)
 """Bits of red, green, blue, alpha and depth."""
 
@@ -79,7 +79,7 @@ class Survey:
             self._level(name, level, WIDTH) * self._level(name, level, HEIGHT)
             for level in range(levels)
         )
-        return texels * bits // 8 * max(samples, 1)
+        return texels * bits // 8 * max(samples, 1) * self._level(name, 0, LAYERS)
 
     def names(self):
         return {kind: self._names(kind) for kind in ("Texture", "Buffer", "Renderbuffer")}
@@ -165,4 +165,5 @@ def test_everything_that_renders_allocates_through_the_account():
         for file in RENDER.rglob("*.py")
         for call in raw.finditer(file.read_text(encoding="utf-8"))
     }
-    assert found == {"gl.py: ctx.texture(", "gl.py: ctx.depth_texture(", "gl.py: ctx.buffer("}
+    kinds = ("texture", "texture_array", "depth_texture", "buffer")
+    assert found == {f"gl.py: ctx.{kind}(" for kind in kinds}

@@ -7,10 +7,12 @@ import pytest
 from test_effects_optics import evaluate
 
 from tests.oracles import reflection, sky
-from vrcomfort.geometry import normalize
+from vrcomfort.geometry import Fov, Pose, normalize
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.render.lighting import Light
-from vrcomfort.scene.data import Environment, Scene
+from vrcomfort.render import lighting
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.eye_blocks import EyeBlocks
+from vrcomfort.scene.data import Environment, Scene, SpotLight
 
 ENVIRONMENT = Environment(
     sun_direction=normalize([0.3, 0.7, -0.4]),
@@ -52,8 +54,9 @@ void main() {{
     source = gl.color_texture(ctx, (len(rows), 1), dtype="f4")
     source.write(padded.tobytes())
     target = gl.color_texture(ctx, (len(rows), 1), dtype="f4")
-    light = Light(ctx, Scene("light", (), (), (), environment=environment))
-    light.update(np.zeros(3), None, None)
+    blocks = EyeBlocks(ctx, Scene("light", (), (), (), environment=environment), (1, 1), lens=False)
+    eye = EyeCamera(Pose(), Fov(-0.5, 0.5, 0.5, -0.5))
+    blocks.update(eye, PreviousCamera(Pose(), 0.0), None, None)
     ctx.framebuffer([target]).use()
     source.use(0)
     triangle = ctx.vertex_array(ctx.program(shaders.source("common/fullscreen.vert"), program), [])
@@ -69,6 +72,23 @@ def test_lamps_fall_off(ctx, rng):
     # The window is a difference of numbers beside 1.
     np.testing.assert_allclose(found, twin, rtol=1e-5, atol=1e-6 * 1e4)
     assert (twin <= 1e4).all()
+
+
+@pytest.mark.parametrize(("inner", "outer"), [(0.0, 0.3), (0.5, 0.9), (0.4, 0.401), (1.2, 1.57)])
+def test_cones_are_the_twin(ctx, rng, inner, outer):
+    lamp = SpotLight((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), 1.0, (0.0, 0.0, -1.0), inner, outer)
+    block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
+    environment = replace(ENVIRONMENT, point_lights=(lamp,))
+    lighting.Light(Scene("light", (), (), (), environment=environment), block)
+    angle = np.concatenate([rng.uniform(0, np.pi, 300), rng.uniform(inner, outer, 100)])
+    turn = rng.uniform(0, 2 * np.pi, 400)
+    shines = [np.sin(angle) * np.cos(turn), np.sin(angle) * np.sin(turn), -np.cos(angle)]
+    rows = np.column_stack([-np.transpose(shines), np.zeros(400)]).astype("f4")
+    of_lamp = np.float32([block["lamp_direction"][0], [*[0.0] * 3, block["lamp_intensity"][0, 3]]])
+    found = evaluate(ctx, "light.glsl", "vec4(cone(x.xyz, a, b.w))", rows, constants=of_lamp)[:, 0]
+    twin = reflection.cone(angle, inner_rad=inner, outer_rad=outer)
+    np.testing.assert_allclose(found, twin, atol=3e-4)  # at most 1000 times a rounded cosine
+    assert {0.0, 1.0} <= {*twin} or outer > 1.5 or inner == 0
 
 
 def test_air_is_the_twin(ctx, rng):

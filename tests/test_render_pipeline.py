@@ -65,7 +65,7 @@ def test_the_plan_holds_what_is_needed_and_gives_reasons():
     assert needed(lit, PLAIN) == ["shadow", "scene", "tone_map"]
     assert needed(dark, DEFOCUS) == ["focus", "scene", "depth_of_field", "tone_map"]
     assert needed(dark, STREAKS) == ["scene", "velocity", "motion_blur", "tone_map"]
-    swapped = BOTH.model_copy(update={"effect_order": "motion_blur_first"})
+    swapped = BOTH.model_copy(update={"effect_order": ("motion_blur", "depth_of_field")})
     assert needed(dark, swapped)[-3:] == ["motion_blur", "depth_of_field", "tone_map"]
     assert all(item.reason for item in plan_passes(lit, BOTH))
 
@@ -92,8 +92,8 @@ def test_disabled_effects_own_nothing_on_the_gpu(ctx, count_objects):
         counts[condition.name] = {kind: after[kind] - before[kind] for kind in after}
         del renderer
     plain = counts["plain"]
-    # Colour and depth, many samples and one; two tone-mapped images; shadow map; three images.
-    assert plain["Texture"] == 4 + 2 + 1 + 3
+    # Colour and depth, many samples and one; two tone-mapped images; shadow map; two image arrays.
+    assert plain["Texture"] == 4 + 2 + 1 + 2
     for kind in ("Texture", "Framebuffer", "Program"):
         assert counts["dof"][kind] > plain[kind]
         assert counts["mb"][kind] > plain[kind]

@@ -19,6 +19,7 @@ from vrcomfort.protocol.conditions import (
     MotionBlur,
     SpeedBlur,
     TurnRamp,
+    Vignette,
 )
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Node
@@ -36,8 +37,9 @@ NOTHING_TO_BLUR = {
     "nothing moves by itself": {"motion_blur": MotionBlur(mode="objects_only")},
     "no blur at any speed": {"speed_blur": SpeedBlur(max_sigma_arcmin=0, turning=ZERO_TURN)},
     "no speed counts": {"speed_blur": SpeedBlur()},
+    "nothing narrows the field": {"vignette": Vignette(open_deg=180)},
     "focus of nothing": {"focus": Focus(method="autofocus_zone")},
-    "order of nothing": {"effect_order": "motion_blur_first"},
+    "order of nothing": {"effect_order": ("motion_blur", "depth_of_field")},
     "level of nothing": {"quality": "reference"},
 }
 

@@ -133,7 +133,12 @@ def test_masks_cut_holes_and_blends_let_through(ctx):
     masked = glowing(RED, alpha_mode="MASK", base_color_image=0)
     masked = replace(masked, base_color=(0, 0, 0, 1))
     half = replace(glowing(GREEN, alpha_mode="BLEND"), base_color=(0, 0, 0, 0.5))
-    content = scene([at(0, 0, -1)], [wall(4)], [masked], images=(Image(pixels, (False, False)),))
+    content = scene(
+        [at(0, 0, -1)],
+        [wall(4)],
+        [masked],
+        images=(Image(pixels, ("clamp_to_edge", "clamp_to_edge")),),
+    )
     colour, depth = drawn(ctx, content)
     assert colour[32, 4].max() == 0
     assert depth[32, 4] == 0

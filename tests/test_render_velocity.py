@@ -63,7 +63,7 @@ def test_cancelled_head_rotation_is_exactly_still(ctx, degrees):
     stage = Pose((12.3, 0.1, -7.7), axis_angle([0.0, 1.0, 0.0], 0.3))
     head = Pose((0.2, 1.6, -0.4), yaw_pitch_roll(0.4, 0.1, -0.05))
     turn = axis_angle([0.3, 0.9, 0.1], np.radians(degrees))
-    turned = replace(head, orientation=quaternion_multiply(head.orientation, turn))
+    turned = Pose(head.position, quaternion_multiply(head.orientation, turn))
     head_from_eye = Pose((0.0315, 0, 0))
     pose = previous_eye_pose(
         "rotation_cancelled",

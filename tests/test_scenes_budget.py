@@ -295,12 +295,23 @@ def test_a_scene_reads_what_is_in_its_folder(tmp_path, uri, monkeypatch):
     assert len(load_scene("scene.gltf").primitives) == 1
 
 
-@pytest.mark.parametrize("name", ["KHR_texture_transform", "EXT_of_tomorrow"])
+@pytest.mark.parametrize("name", ["KHR_texture_basisu", "EXT_of_tomorrow"])
 def test_an_unknown_extension_that_the_file_requires_is_refused(tmp_path, name):
     file = Gltf()
     file.root["extensionsRequired"] = [name]
     path = file.save(tmp_path / "scene.gltf", meshes=[{"primitives": [file.triangle()]}])
     with pytest.raises(InputError, match=f"needs {name}, which cannot be read"):
+        load_scene(path)
+
+
+def test_an_unknown_extension_that_the_file_requires_is_told_with_its_place(tmp_path):
+    file = Gltf()
+    file.root["extensionsRequired"] = ["EXT_meshopt_compression"]
+    packed = {**file.triangle(), "extensions": {"EXT_meshopt_compression": {}}}
+    meshes = [{"primitives": [file.triangle()]}, {"name": "bush", "primitives": [packed]}]
+    path = file.save(tmp_path / "scene.gltf", meshes=meshes)
+    place = r"\(first in meshes\[1\] \('bush'\)\.primitives\[0\]\)"
+    with pytest.raises(InputError, match=f"{place}, which cannot be read; .* mesh compression"):
         load_scene(path)
 
 

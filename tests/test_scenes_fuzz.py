@@ -16,8 +16,10 @@ from hypothesis import strategies as st
 from tests.support.scene_files import Gltf, png
 from vrcomfort.errors import InputError
 from vrcomfort.gpu import shaders
-from vrcomfort.render.surfaces import _features, _material_block
-from vrcomfort.render.vertex_data import vertex_bytes
+from vrcomfort.render import lighting
+from vrcomfort.render.draw_list import DrawList
+from vrcomfort.render.materials import ImageArrays, batch_key, material_blocks
+from vrcomfort.render.vertex_data import bending_bytes, second_uv_bytes, vertex_bytes
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 
@@ -34,7 +36,16 @@ def whole_file() -> dict[str, Any]:
     normal = file.accessor([[0, 0, 1]] * 3)
     uv = file.accessor([[0, 0], [1, 0], [0, 1]])
     color = file.accessor([[255, 255, 0, 255]] * 3, "uint8", normalized=True)
-    first = file.triangle(NORMAL=normal, TEXCOORD_0=uv, COLOR_0=color)
+    joints = file.accessor([[0, 1, 0, 0]] * 3, "uint8")
+    weights = file.accessor([[0.5, 0.5, 0, 0]] * 3)
+    first = file.triangle(
+        NORMAL=normal,
+        TEXCOORD_0=uv,
+        TEXCOORD_1=uv,
+        COLOR_0=color,
+        JOINTS_0=joints,
+        WEIGHTS_0=weights,
+    )
     first |= {"material": 0, "indices": file.accessor([0, 1, 2], "uint16")}
     strip = file.triangle() | {"mode": 5, "indices": file.accessor([2, 1, 0], "uint8")}
     moved = {
@@ -50,28 +61,41 @@ def whole_file() -> dict[str, Any]:
     image = {"bufferView": file.view(png(np.zeros((2, 2, 3)))), "mimeType": "image/png"}
     surface = {
         "baseColorFactor": [1, 0.5, 0.2, 1], "baseColorTexture": {"index": 0},
-        "metallicFactor": 0.1, "metallicRoughnessTexture": {"index": 0, "texCoord": 0},
+        "metallicFactor": 0.1, "metallicRoughnessTexture": {"index": 0, "texCoord": 1},
     }  # fmt: skip
     glow = {"KHR_materials_emissive_strength": {"emissiveStrength": 2.0}}
     lamp = {"type": "point", "intensity": 3.0, "color": [1, 1, 0.5]}
+    cone = {"innerConeAngle": 0.2, "outerConeAngle": 0.5}
+    spot = {"type": "spot", "intensity": 2.0, "range": 4.0, "spot": cone}
+    moved_uv = {"offset": [0.5, 0], "rotation": 0.3, "scale": [2, 1], "texCoord": 1}
+    bind = file.accessor(np.tile(np.eye(4).ravel(), (2, 1)))
     return file.root | {
         "scene": 0,
-        "scenes": [{"nodes": [0, 2]}],
+        "scenes": [{"nodes": [0, 2, 4, 5]}],
         "nodes": [
             {"name": "turned", "mesh": 0, "rotation": TURN, "scale": [1, 2, 1], "children": [1]},
             {"mesh": 1, "translation": [0, 1, 0]},
             {"name": "lamp", "matrix": np.eye(4).ravel().tolist(),
              "extensions": {"KHR_lights_punctual": {"light": 0}}},
             {"name": "far", "mesh": 1},
+            {"name": "spot", "extensions": {"KHR_lights_punctual": {"light": 1}}},
+            {"name": "bent", "mesh": 2, "skin": 0},
         ],
-        "meshes": [{"name": "first", "primitives": [first]}, {"primitives": [strip, fan]}],
+        "skins": [{"name": "rig", "joints": [0, 1], "inverseBindMatrices": bind}],
+        "meshes": [
+            {"name": "first", "primitives": [first]},
+            {"primitives": [strip, fan]},
+            {"name": "bent", "primitives": [first]},
+        ],
         "materials": [{
             "name": "painted", "pbrMetallicRoughness": surface, "alphaMode": "MASK",
-            "normalTexture": {"index": 0, "scale": 0.5}, "emissiveFactor": [0, 0, 1],
+            "normalTexture": {"index": 0, "scale": 0.5,
+                              "extensions": {"KHR_texture_transform": moved_uv}},
+            "emissiveFactor": [0, 0, 1],
             "alphaCutoff": 0.3, "doubleSided": True, "extensions": glow,
         }],
         "textures": [{"source": 0, "sampler": 0}],
-        "samplers": [{"wrapS": 33071, "wrapT": 10497}],
+        "samplers": [{"wrapS": 33071, "wrapT": 33648}],
         "images": [image],
         "animations": [{
             "name": "spin",
@@ -85,7 +109,7 @@ def whole_file() -> dict[str, Any]:
             ],
         }],
         "extensionsUsed": ["KHR_lights_punctual"],
-        "extensions": {"KHR_lights_punctual": {"lights": [lamp]}},
+        "extensions": {"KHR_lights_punctual": {"lights": [lamp, spot, {"type": "directional"}]}},
     }  # fmt: skip
 
 
@@ -142,10 +166,12 @@ def assert_says_what_is_wrong(error: InputError, path: Path) -> None:
 
 
 def assert_can_be_drawn(scene: Scene) -> None:
-    layout = shaders.block_dtype("surface.glsl", "Material")
-    for material in scene.materials:
-        assert np.isfinite(_material_block(material, layout)["base_color"]).all()
-        _features(material, vertex_colors=True)
+    images = ImageArrays.of(scene)
+    blocks = material_blocks(scene, images)
+    assert all(np.isfinite(blocks[name]).all() for name in ("base_color", "uv_u", "uv_v"))
+    DrawList.of(scene, images)
+    for number, material in enumerate(scene.materials):
+        batch_key(scene, images, number, vertex_colors=True, skinned=False, mirrored=False)
         for name in ("base_color", "normal", "metallic_roughness", "emissive"):
             index = getattr(material, f"{name}_image")
             assert index is None or 0 <= index < len(scene.images)
@@ -154,10 +180,19 @@ def assert_can_be_drawn(scene: Scene) -> None:
         assert primitive.indices.max() < len(primitive.positions)
         assert np.isfinite(primitive.bounds).all()
     vertex_bytes(scene.primitives)
+    second_uv_bytes(scene.primitives)
+    bending_bytes(scene.primitives)
     for time_s in (0.0, 0.3, 1.0):
         assert np.isfinite(scene.world_from_node(time_s)).all()
+        for index, node in enumerate(scene.nodes):
+            for item in node.mesh:
+                assert np.isfinite(scene.positions(index, item, time_s)).all()
     assert np.isfinite([(*lamp.intensity, lamp.range_m) for lamp in
                         scene.environment.point_lights]).all()  # fmt: skip
+    layout = shaders.block_dtype("light.glsl", "Light")
+    block = np.zeros((), layout)
+    lighting.Light(scene, block)
+    assert all(np.isfinite(block[name]).all() for name in layout.names or ())
 
 
 def test_the_whole_file_loads(tmp_path: Path) -> None:

@@ -70,7 +70,7 @@ def test_masks_let_rays_through_where_alpha_is_low():
     pixels[:, :2, 3] = 0
     material = Material(base_color_image=0, alpha_mode="MASK", alpha_cutoff=0.5)
     scene = scene_of(Node("a", mesh=(0, 1)), primitives=(quad(), quad(z=-1.0)), material=material,
-                     image=Image(pixels, (False, False)))  # fmt: skip
+                     image=Image(pixels, ("clamp_to_edge", "clamp_to_edge")))  # fmt: skip
     assert ahead(scene, x=0.6) == pytest.approx(5.0)
     assert ahead(scene, x=-0.6) == np.inf
     # Bilinear: the edge lies midway between the second and third texel's centres.

@@ -203,6 +203,11 @@ def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
         ('focus = { method = "fixed", law = "instant" }', 'nothing with method = "fixed"'),
         ('focus = { law = "instant", cutoff_hz = 4.0 }', 'nothing with law = "instant"'),
         ('focus = { method = "gaze", ring_deg = 3.0 }', 'nothing with method = "gaze"'),
+        (
+            'focus = { method = "autofocus_zone", zone_statistic = "maximum", mean = "metres" }',
+            '`mean` does nothing with zone_statistic = "maximum"',
+        ),
+        ('focus = { zone_statistic = "mean" }', 'nothing with method = "nine_ray"'),
         ("depth_of_field = { pupil_mm = 3.0 }", '`pupil_mm` does nothing with law = "linear"'),
         ('depth_of_field = { kernel = "mip", samples = 36 }', 'nothing with kernel = "mip"'),
         ("depth_of_field = { over_blur = 0.5 }", "nothing with views = 1"),

@@ -99,9 +99,10 @@ class FocusSample:
     frame_index
         `Frame.index`.
     focus_m, focus_raw_m
-        After and before the refocus law, metres along the head's forward axis.
+        After and before the refocus law, metres along the head's forward axis, or along the ray
+        where the condition measures so.
     rays_m
-        (9,) metres along the head's forward axis, NaN where focus is not found by rays.
+        (9,) metres, measured alike; NaN where focus is not found by rays.
     used
         (9,) bool, False for outliers.
     """

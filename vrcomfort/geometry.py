@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -23,6 +25,7 @@ from vrcomfort.rotations import (
     rotate,
     rotated,
     rotation_matrix,
+    rotation_rows,
     slerp,
     unit_quaternion,
     yaw_pitch_roll,
@@ -56,15 +59,8 @@ FARTHEST_M = 1e6
 precision."""
 
 
-def _frozen(values: ArrayLike, size: int) -> Array:
-    array = np.array(values, dtype=np.float64).reshape(size)
-    array.setflags(write=False)
-    return array
-
-
-@dataclass(frozen=True, eq=False)
 class Pose:
-    """A rigid transform: the place of a frame (`source`) in another (`target`).
+    """A rigid transform: the place of a frame (`source`) in another (`target`). It never changes.
 
     Parameters
     ----------
@@ -72,63 +68,116 @@ class Pose:
         (3,) metres, in the target frame.
     orientation
         (4,) unit quaternion (x, y, z, w), target-from-source.
+
+    Attributes
+    ----------
+    numbers
+        Position, then orientation. A frame has dozens of poses, and plain numbers take a tenth of
+        the time of arrays of three: arrays are made of them where somebody asks for one.
     """
 
-    position: Array = field(default_factory=lambda: np.zeros(3))
-    orientation: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, 1.0]))
+    __slots__ = ("_orientation", "_position", "_rotation", "numbers")
+    numbers: tuple[float, ...]
+    _position: Array | None
+    _orientation: Array | None
+    _rotation: Array | None
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position", _frozen(self.position, 3))
-        object.__setattr__(self, "orientation", _frozen(unit_quaternion(self.orientation), 4))
+    def __init__(
+        self,
+        position: ArrayLike = (0.0, 0.0, 0.0),
+        orientation: ArrayLike = (0.0, 0.0, 0.0, 1.0),
+    ) -> None:
+        x, y, z = np.asarray(position, dtype=np.float64).reshape(3).tolist()
+        turn = unit_quaternion(np.asarray(orientation, dtype=np.float64).reshape(4))
+        self._set((x, y, z, *turn.tolist()))
 
     @classmethod
     def of(cls, position: Sequence[float], orientation: Sequence[float]) -> Pose:
-        """Make a pose from plain numbers, in a tenth of the time: a frame has dozens of poses."""
+        """Make a pose from plain numbers, in a tenth of the time."""
         x, y, z, w = orientation
         square = x * x + y * y + z * z + w * w
         if abs(square - 1.0) >= ROUNDING:
             length = math.sqrt(square)
             orientation = (x / length, y / length, z / length, w / length)
-        pose = object.__new__(cls)
-        pose.__dict__["position"] = place = np.array(position)
-        pose.__dict__["orientation"] = turn = np.array(orientation)
-        place.setflags(write=False)
-        turn.setflags(write=False)
+        pose = cls.__new__(cls)
+        pose._set((*position, *orientation))
         return pose
+
+    def _set(self, numbers: tuple[float, ...]) -> None:
+        write = object.__setattr__
+        write(self, "numbers", numbers)
+        for name in ("_position", "_orientation", "_rotation"):
+            write(self, name, None)
+
+    def __setattr__(self, name: str, value: object) -> NoReturn:
+        raise AttributeError(f"a pose never changes: {name!r} cannot be set")
+
+    def _keep(self, name: str, values: ArrayLike) -> Array:
+        array = np.array(values, dtype=np.float64)
+        array.setflags(write=False)
+        object.__setattr__(self, name, array)
+        return array
+
+    @property
+    def position(self) -> Array:
+        """Return (3,) metres."""
+        kept = self._position
+        return self._keep("_position", self.numbers[:3]) if kept is None else kept
+
+    @property
+    def orientation(self) -> Array:
+        """Return the (4,) unit quaternion."""
+        kept = self._orientation
+        return self._keep("_orientation", self.numbers[3:]) if kept is None else kept
+
+    @property
+    def rotation(self) -> Array:
+        """Return target-from-source as a (3, 3) rotation matrix."""
+        kept = self._rotation
+        return self._keep("_rotation", rotation_rows(*self.numbers[3:])) if kept is None else kept
 
     def __matmul__(self, other: Pose) -> Pose:
         """Compose: ``a_from_c = a_from_b @ b_from_c``."""
-        turn, (x, y, z) = self.orientation.tolist(), self.position.tolist()
-        dx, dy, dz = rotated(*turn, *other.position.tolist())
-        return Pose.of((x + dx, y + dy, z + dz), product(*turn, *other.orientation.tolist()))
+        x, y, z, qx, qy, qz, qw = self.numbers
+        px, py, pz, rx, ry, rz, rw = other.numbers
+        dx, dy, dz = rotated(qx, qy, qz, qw, px, py, pz)
+        turn = product(qx, qy, qz, qw, rx, ry, rz, rw)
+        return Pose.of((x + dx, y + dy, z + dz), turn)
 
     def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, Pose)
-            and np.array_equal(self.position, other.position)
-            and np.array_equal(self.orientation, other.orientation)
-        )
+        return isinstance(other, Pose) and self.numbers == other.numbers
 
     def __hash__(self) -> int:
-        return hash((self.position.tobytes(), self.orientation.tobytes()))
+        return hash(self.numbers)
+
+    def __repr__(self) -> str:
+        return f"Pose(position={self.numbers[:3]}, orientation={self.numbers[3:]})"
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return Pose, (self.numbers[:3], self.numbers[3:])
 
     def inverse(self) -> Pose:
         """Return source-from-target."""
-        x, y, z, w = self.orientation.tolist()
-        back_x, back_y, back_z = rotated(-x, -y, -z, w, *self.position.tolist())
+        px, py, pz, x, y, z, w = self.numbers
+        back_x, back_y, back_z = rotated(-x, -y, -z, w, px, py, pz)
         return Pose.of((-back_x, -back_y, -back_z), (-x, -y, -z, w))
+
+    def turned_as(self, other: Pose) -> Pose:
+        """Return a pose that is where this one is and turned as the other one is."""
+        return Pose.of(self.numbers[:3], other.numbers[3:])
 
     def matrix(self) -> Array:
         """Return target-from-source as a (4, 4) matrix."""
         matrix = np.eye(4)
-        matrix[:3, :3] = rotation_matrix(self.orientation)
-        matrix[:3, 3] = self.position
+        matrix[:3, :3] = self.rotation
+        matrix[:3, 3] = self.numbers[:3]
         return matrix
 
     @property
     def forward(self) -> Array:
         """Return the (3,) direction of −Z in the target frame."""
-        return rotate(self.orientation, np.array([0.0, 0.0, -1.0]))
+        _, _, _, x, y, z, w = self.numbers
+        return np.array(rotated(x, y, z, w, 0.0, 0.0, -1.0))
 
 
 @dataclass(frozen=True)
@@ -143,7 +192,7 @@ class Fov:
     up: float
     down: float
 
-    @property
+    @cached_property
     def tangents(self) -> tuple[float, float, float, float]:
         """Return the tangents of (left, right, up, down)."""
         return math.tan(self.left), math.tan(self.right), math.tan(self.up), math.tan(self.down)
@@ -215,15 +264,17 @@ def interpolate_pose(a: Pose, b: Pose, t: float) -> Pose:
     return Pose(a.position + (b.position - a.position) * t, slerp(a.orientation, b.orientation, t))
 
 
+@lru_cache(maxsize=16)
 def clip_from_view(fov: Fov, near_m: float) -> Array:
     """Return the (4, 4) reverse-Z projection with infinite far plane and clip depth [0, 1].
 
     Depth is ``near_m / distance``: 1 on the near plane, 0 at infinity, so ``1 / distance`` is
-    linear in depth and the sky needs no special case.
+    linear in depth and the sky needs no special case. The array is kept, hence read-only: a
+    headset's frusta stay the same.
     """
     left, right, up, down = fov.tangents
     width, height = right - left, up - down
-    return np.array(
+    matrix = np.array(
         [
             [2 / width, 0.0, (right + left) / width, 0.0],
             [0.0, 2 / height, (up + down) / height, 0.0],
@@ -231,6 +282,8 @@ def clip_from_view(fov: Fov, near_m: float) -> Array:
             [0.0, 0.0, -1.0, 0.0],
         ]
     )
+    matrix.setflags(write=False)
+    return matrix
 
 
 def focal_length_px(fov: Fov, size_px: tuple[int, int]) -> tuple[float, float]:

@@ -83,14 +83,19 @@ def _joined(parts: Sequence[Any]) -> Array:
 def rotation_matrix(quaternion: ArrayLike, /) -> Array:
     """Return the (..., 3, 3) rotation matrix of (..., 4) unit quaternions."""
     x, y, z, w = _parts(quaternion)
-    rows = [
+    rows = rotation_rows(x, y, z, w)
+    if isinstance(x, float):
+        return np.array(rows)
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def rotation_rows(x: Any, y: Any, z: Any, w: Any) -> list[list[Any]]:
+    """Return the rows of the matrix of a unit quaternion; each part a number or an array."""
+    return [
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
     ]
-    if isinstance(x, float):
-        return np.array(rows)
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def axis_angle(axis: ArrayLike, angle_rad: ArrayLike, /) -> Array:

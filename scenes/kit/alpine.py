@@ -34,7 +34,7 @@ def stone_block(seed: int, size: tuple[float, float, float], *, detail: int = 12
 def cairn(detail: float = 1.0) -> Parts:
     """Return a waymark of stacked stones, 1.35 m high."""
     rng = np.random.default_rng(3)
-    stones, y, layer = [], 0.0, 0
+    stones, y, layer = [], -0.05, 0
     facets = 7 if detail > 0.5 else 4
     while y < 1.2:
         radius = 0.46 * (1 - y / 1.45)

@@ -33,26 +33,24 @@ def needles_png(seed: int, size: int = 256) -> bytes:
 
 
 def grass_png(seed: int, size: int = 256) -> bytes:
-    """Return blades of grass on a transparent ground (root at v = 1)."""
+    """Return neutral blades that fan out from a root, on a transparent ground (root at v = 1).
+
+    Their mean is that of the neutral turf, and vertex colours turn both into the land's cover.
+    """
     rng = np.random.default_rng(seed)
     u, v = coordinates(size)
     alpha, tone = np.zeros((size, size)), np.zeros((size, size))
-    for _ in range(46):
-        root, lean, tall = (
-            rng.uniform(0.18, 0.82),
-            rng.uniform(-0.55, 0.55),
-            rng.uniform(0.45, 0.98),
-        )
+    for _ in range(52):
+        root = rng.uniform(0.38, 0.62)
+        lean = rng.uniform(-0.35, 0.35) + 0.9 * (root - 0.5)
+        tall = rng.uniform(0.45, 0.98) * (1 - 0.5 * abs(lean))
         t = (1 - v) / tall
-        blade = (np.abs(u - root - lean * 0.5 * t**1.8) < 0.017 * (1 - t) + 0.003) & (t < 1)
+        blade = (np.abs(u - root - lean * t**1.6) < 0.016 * (1 - t) + 0.004) & (t < 1)
         alpha = np.where(blade, 1.0, alpha)
-        tone = np.where(blade, rng.uniform(0, 1) * 0.5 + 0.5 * t, tone)
-    color = np.stack([92 + 84 * tone, 104 + 68 * tone, 48 + 46 * tone], axis=-1)
-    solid = blurred(alpha, 0.6) > 0.02
-    ground = np.array([120.0, 128.0, 70.0])
-    return cutout_png(
-        np.where(solid[..., None] & (alpha[..., None] > 0), color, ground), blurred(alpha, 0.5)
-    )
+        tone = np.where(blade, rng.uniform(0, 1), tone)
+    color = np.stack([146 + 62 * tone, 148 + 62 * tone, 136 + 62 * tone], axis=-1)
+    empty = np.array([172.0, 174.0, 164.0])
+    return cutout_png(np.where(alpha[..., None] > 0, color, empty), blurred(alpha, 0.5))
 
 
 def path_png(seed: int, size: int = 512) -> bytes:

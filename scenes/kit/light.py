@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from .mesh import Array, Mesh, unit
 
 RAYS = 28
+LEAST_OPEN = 0.25
+"""Openness of a place in a cranny that is narrower than a cube: it is dark, but never black."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +87,16 @@ def openness(
         sky[alive[~inside]] = directions[alive[~inside], 1] > -0.05 / voxels.cell_m
         alive = alive[inside & ~solid]
     near = np.minimum(free / reach_m, 1.0).reshape(-1, RAYS).mean(axis=1)
-    return near, sky.reshape(-1, RAYS).mean(axis=1)
+    return np.maximum(near, LEAST_OPEN), sky.reshape(-1, RAYS).mean(axis=1)
+
+
+def darkened(voxels: Voxels, mesh: Mesh, *, reach_m: float = 0.7) -> Mesh:
+    """Return an open ground, darkened in all its light where something stands near."""
+    near, _ = openness(voxels, mesh.positions, mesh.normals, reach_m=reach_m, far_m=reach_m)
+    rgba = mesh.rgba.copy()
+    rgba[:, :3] *= (0.55 + 0.45 * near)[:, None]
+    rgba[:, 3] *= near
+    return replace(mesh, colors=rgba)
 
 
 def baked(

@@ -34,8 +34,8 @@ def column(detail: float = 1.0, *, height: float = 4.6, radius: float = 0.3) -> 
     """Return a fluted column with a moulded base and a lotus capital."""
     h, r = height, radius
     base = numbers(
-        "0 0.16, 1.36 0.16, 1.42 0.2, 1.42 0.25, 1.36 0.29, 1.2 0.31, 1.18 "
-        "0.36, 1.26 0.39, 1.26 0.43, 1.18 0.46, 1.04 0.48, 1 0.56, 0.82 0.565"
+        "1.36 0.16, 1.42 0.2, 1.42 0.25, 1.36 0.29, 1.2 0.31, 1.18 "
+        "0.36, 1.26 0.39, 1.26 0.43, 1.18 0.46, 1.04 0.48, 1 0.56"
     )
     far = detail < 0.3
     low = lathe(
@@ -45,14 +45,21 @@ def column(detail: float = 1.0, *, height: float = 4.6, radius: float = 0.3) -> 
         uv=(2, 0.4),
     )
     flutes = 16 if detail > 0.6 else 0
+
+    def fluted(angle: Array, y: Array) -> Array:
+        # Flutes run out before the ends, so that the shaft meets its base and capital all around.
+        ends = np.minimum((y - 0.56) / 0.08, (h - 0.73 - y) / 0.08)
+        return 1 - 0.085 * np.abs(np.sin(angle * 8)) * np.clip(ends, 0, 1)
+
+    foot, neck = ([(r, 0.64)], [(r * 0.86, h - 0.81)]) if flutes else ([], [])
     shaft = lathe(
-        [(r, 0.56), (r * 0.98, 1.6), (r * 0.94, 2.6), (r * 0.86, h - 0.72)],
+        [(r, 0.555), *foot, (r * 0.965, 2.0), *neck, (r * 0.86, h - 0.71)],
         segments=flutes * 4 if flutes else few(32, detail, 10),
-        radius=(lambda angle, y: 1 - 0.085 * np.abs(np.sin(angle * 8)) + 0 * y) if flutes else None,
+        radius=fluted if flutes else None,
         uv=(2, 2.4),
     )
     top = numbers(
-        "0.86 -0.72, 0.95 -0.7, 0.95 -0.64, 0.86 -0.62, 0.9 -0.5, 1.06 -0.36, "
+        "0.85 -0.72, 0.95 -0.7, 0.95 -0.64, 0.86 -0.62, 0.9 -0.5, 1.06 -0.36, "
         "1.34 -0.2, 1.42 -0.14, 1.3 -0.12, 0 -0.12"
     )
 
@@ -87,7 +94,7 @@ def pedestal(detail: float = 1.0, *, height: float = 0.95, width: float = 0.5) -
     die = box([w, h - 0.3, w], bottom=False, uv_m=1.2).at(0, 0.14)
     parts: Parts = [(cube_mapped(join(trim)), "marble"), (die, "inscription")]
     if detail > 0.6:
-        beads = [ball(0.014, segments=6, rings=4).at(x, h - 0.125, z) for x, z in _rim(w * 0.58, 7)]
+        beads = [ball(0.014, segments=4, rings=3).at(x, h - 0.125, z) for x, z in _rim(w * 0.58, 7)]
         parts.append((join(beads), "gold"))
     return parts
 
@@ -106,7 +113,7 @@ def amphora(detail: float = 1.0, *, height: float = 0.75) -> Parts:
         "0.145 0.84, 0.15 0.92, 0.19 0.97, 0.205 0.985, 0.2 1, 0.175 "
         "0.995, 0.13 0.92, 0.11 0.8, 0 0.79"
     )
-    body = lathe(np.array(profile) * height * [0.9, 1], segments=few(40, detail, 12))
+    body = lathe(np.array(profile) * height * [0.9, 1], segments=few(36, detail, 12))
     parts: Parts = [(body, "vase")]
     if detail > 0.4:
         t = np.linspace(0, 1, few(12, detail))[:, None]

@@ -6,7 +6,7 @@ import numpy as np
 
 from .mesh import Array, Mesh, grid, join, unit
 from .ornaments import Parts
-from .shapes import lathe, plane
+from .shapes import lathe
 
 
 def pine(seed: int, *, height: float = 7.0, far: bool = False) -> Parts:
@@ -58,21 +58,25 @@ def _branch(length: float, droop: float, width: float, *, bends: int) -> Mesh:
     return Mesh(sheet.positions, normals, sheet.uvs, sheet.indices, colors)
 
 
-def tufts(places: Array, seed: int) -> Mesh:
-    """Return grass at (n, 3) places: three crossed cards each, both sides lit from above."""
+def tufts(places: Array, ground: Array, seed: int) -> Mesh:
+    """Return grass at (n, 3) places: three crossed cards each, lit and coloured as the ground is.
+
+    A card is a triangle whose lowest corner is below the ground: blades fan out from a root.
+    `ground` holds the ground's (n, 4) colours there; roots are darker than it, tips lighter.
+    """
     rng = np.random.default_rng(seed)
+    # The picture stands on the ground; the corner below it repeats the picture's top.
+    card = np.array([[-1.0, 1.0, 0.2], [0.0, -0.4, 0.0], [1.0, 1.0, 0.2]])
+    uvs = np.array([[0.0, 0.0], [0.5, 1.4], [1.0, 0.0]])
+    up = np.broadcast_to([0.0, 1.0, 0.0], card.shape)
+    shade = np.array([1.3, 0.45, 1.3])[:, None] * [1.0, 1.0, 0.9]
     blades = []
-    for place in places:
+    for place, color in zip(places, ground, strict=True):
         size, turn = rng.uniform(0.14, 0.3), rng.uniform(0, 180)
+        colors = np.column_stack([np.clip(shade * color[:3], 0, 1), np.ones(3)])
+        shape = card * [0.8 * size, size, size]
         for index in range(3):
-            w = size * 0.75
-            card = plane([-w, -0.02, 0], [2 * w, 0, 0], [0, size, 0.2 * size], step_m=9, uv_m=1.0)
-            uvs = np.array([[0, 1], [1, 1], [0, 0], [1, 0]], dtype=np.float64)
-            for indices in (card.indices, card.indices[:, ::-1]):
-                side = Mesh(card.positions, card.normals, uvs, indices).turned(
-                    "y", turn + 60 * index
-                )
-                # Blades let light through: both sides are lit as if they leaned to the sun.
-                lit = np.broadcast_to(unit(np.array([-0.6, 1.0, -0.25])), side.normals.shape)
-                blades.append(Mesh(side.positions, lit, side.uvs, side.indices).at(*place))
+            for corners in ([0, 1, 2], [2, 1, 0]):
+                side = Mesh(shape, up, uvs, np.array([corners]), colors)
+                blades.append(side.turned("y", turn + 60 * index).at(*place))
     return join(blades)

@@ -51,9 +51,9 @@ def box(size: ArrayLike, *, bevel_m: float = 0.0, uv_m: float = 1.0, bottom: boo
 
 
 def _bevelled_box(x: float, y: float, z: float, bevel: float, uv_m: float) -> Mesh:
-    """Stack rounded rectangles: inset foot, wall, inset top, lid."""
+    """Stack rounded rectangles: wall, inset top, lid. The foot has no bevel: it meets the floor."""
     b = bevel
-    rings = [(0, b), (b, 0), (y - b, 0), (y, b)]
+    rings = [(0, 0), (y - b, 0), (y, b)]
     outline = [rounded_rectangle(x - 2 * inset, z - 2 * inset, b) for _, inset in rings]
     points = np.stack(
         [

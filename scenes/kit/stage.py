@@ -33,12 +33,15 @@ class Stage:
             raise ValueError(f"two nodes are called {name}")
         self.nodes[name] = list(levels)
 
-    def voxels(self, cell_m: float) -> Voxels:
+    def solid(self) -> list[Mesh]:
         """Return what blocks the light, from the finest levels."""
-        solid = [
+        return [
             m for levels in self.nodes.values() for m, name in levels[0] if name not in NOT_SOLID
         ]
-        return voxelise(solid, cell_m)
+
+    def voxels(self, cell_m: float, *more: Mesh) -> Voxels:
+        """Return the cubes that block the light, `more` meshes' among them."""
+        return voxelise([*self.solid(), *more], cell_m)
 
     def write(self, voxels: Voxels) -> None:
         """Bake and write all nodes; coarser levels become nodes outside the scene graph."""

@@ -5,9 +5,12 @@ Walls are half a metre thick. North is −Z. A visitor starts at the origin, loo
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from .mesh import Mesh, join
+from .contact import floor
+from .mesh import Array, Mesh, join
 from .ornaments import Parts
 from .shapes import arch_wall, box, plane
 
@@ -79,14 +82,21 @@ def _crypt() -> dict[str, Mesh]:
     }
 
 
-def floors() -> dict[str, Parts]:
-    """Return the floors, cut into tiles of a size that culling can use."""
+def floors(around: Sequence[Array]) -> dict[str, Parts]:
+    """Return the floors, in tiles of a size that culling can use, finer `around` outlines."""
+
+    def tile(x0: float, x1: float, z0: float, z1: float, uv_m: float) -> Mesh:
+        x, z = (
+            np.linspace(a, b, max(2, round((b - a) / 0.9) + 1)) for a, b in ((x0, x1), (z0, z1))
+        )
+        return floor(x, z, around, uv_m=uv_m)
+
     nodes: dict[str, Parts] = {}
     for index, (z0, z1) in enumerate(((-9, -2), (-2, 5), (5, 12))):
-        nodes[f"court_floor_{index}"] = [(_floor(-5, 5, z0, z1, 1.6), "star_tiles")]
-        nodes[f"hall_floor_{index}"] = [(_floor(5.5, 13, z0, z1, 1.5), "mosaic")]
-    nodes["crypt_floor_0"] = [(_floor(13.5, 24.5, -2, 4.5, 1.8), "slabs")]
-    nodes["crypt_floor_1"] = [(_floor(13.5, 24.5, 4.5, 11, 1.8), "slabs")]
+        nodes[f"court_floor_{index}"] = [(tile(-5, 5, z0, z1, 1.6), "star_tiles")]
+        nodes[f"hall_floor_{index}"] = [(tile(5.5, 13, z0, z1, 1.5), "mosaic")]
+    nodes["crypt_floor_0"] = [(tile(13.5, 24.5, -2, 4.5, 1.8), "slabs")]
+    nodes["crypt_floor_1"] = [(tile(13.5, 24.5, 4.5, 11, 1.8), "slabs")]
     sills = [
         (5, 5.5, -7.5, -5.3),
         (5, 5.5, 0, 2.4),
@@ -94,15 +104,9 @@ def floors() -> dict[str, Parts]:
         (13, 13.5, 2, 4),
         (-5.5, -5, -0.9, 2.5),
     ]
-    nodes["thresholds"] = [(join([_floor(*sill, 1.0) for sill in sills]), "marble")]
-    nodes["alcove_floor"] = [(_floor(-7.5, -5.5, -1.35, 2.95, 1.6), "star_tiles")]
+    nodes["thresholds"] = [(join([tile(*sill, 1.0) for sill in sills]), "marble")]
+    nodes["alcove_floor"] = [(tile(-7.5, -5.5, -1.35, 2.95, 1.6), "star_tiles")]
     return nodes
-
-
-def _floor(x0: float, x1: float, z0: float, z1: float, uv_m: float) -> Mesh:
-    return plane([x0, 0, z1], [x1 - x0, 0, 0], [0, 0, z0 - z1], step_m=0.75, uv_m=uv_m).mapped(
-        u=x0 / uv_m, v=z1 / uv_m
-    )
 
 
 def _ceiling(x0: float, x1: float, z0: float, z1: float, y: float, uv_m: float = 2.0) -> Mesh:

@@ -7,10 +7,13 @@ u is the azimuth, v the logarithm of the distance. Heights are metres above the 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .contact import refined, triangulated
 from .mesh import Array, Mesh, grid, unit
 from .noise import cloud, fractal, gradient_noise, ridges
 from .texture import Ramp, blurred, ramp_png, slopes_png
@@ -23,6 +26,11 @@ NEAR_M, FAR_M = 120.0, 32_000.0
 SNOW_M = 760.0
 MARGIN = 0.008
 """Part of the polar picture that repeats its first and last row: mipmaps must not mix them."""
+
+TURF_M = 2.4
+"""Width of the turf's picture."""
+TERRACE_RINGS = 14
+"""How many of its inner rings the near mesh has not: the terrace is there."""
 
 MEADOW, FOREST, ROCK, SNOW, SCREE = range(5)
 RAMPS: list[Ramp] = [
@@ -91,15 +99,36 @@ def sheet(radius: Array, azimuth: Array) -> Array:
     return np.stack([x, np.maximum(height(x, z), LAKE_M - 12), z], axis=-1)
 
 
-def near_tiles(wedges: int = 12, sectors: int = 72) -> list[Mesh]:
-    """Return the land up to NEAR_M in tiles, coloured by its cover for a neutral texture."""
+def near_tiles(around: Sequence[Array], wedges: int = 12, sectors: int = 72) -> list[Mesh]:
+    """Return the land up to NEAR_M in tiles, coloured by its cover for a neutral texture.
+
+    The terrace is finer around the outlines of what stands on it.
+    """
     radius, _ = rings()
-    azimuth = np.linspace(0, 2 * np.pi, sectors + 1)
-    points = sheet(radius, azimuth)
-    whole = grid(points, points[..., [0, 2]] / 2.4)
-    color = cover_color(whole.positions[:, 0], whole.positions[:, 2])
-    mesh = Mesh(whole.positions, whole.normals, whole.uvs, whole.indices, color)
-    return _tiles(mesh, sectors, np.array([0, 14, len(radius) - 1]), wedges)
+    points = sheet(radius, np.linspace(0, 2 * np.pi, sectors + 1))
+    polar = grid(points, points[..., [0, 2]] / TURF_M)
+    row = np.arange(len(polar.positions)).reshape(len(radius), -1)
+    beyond = _part(polar, (polar.indices >= row[TERRACE_RINGS, 0]).all(axis=1))
+    return [
+        replace(tile, colors=cover_color(tile.positions[:, 0], tile.positions[:, 2]))
+        for part in (_terrace(polar, row, around), beyond)
+        for tile in _wedges(part, wedges)
+    ]
+
+
+def _terrace(polar: Mesh, row: NDArray[np.int64], around: Sequence[Array]) -> Mesh:
+    """Return the land within a ring of the polar mesh: its points, but where land is level."""
+    rim, within = row[TERRACE_RINGS, :-1], row[:TERRACE_RINGS, :-1].ravel()
+    x, _, z = polar.positions[within].T
+    kept = np.concatenate([rim, within[from_terrace(x, z) > 0.99]])
+    grid_xz = np.stack(np.meshgrid(*(np.arange(-24.0, 24.1, 2.1),) * 2), -1).reshape(-1, 2) + CENTER
+    level = grid_xz[from_terrace(*grid_xz.T) < 0.93]
+    places = np.concatenate([polar.positions[kept][:, [0, 2]], level])
+    places = refined(places, np.arange(len(places)) < len(kept), around)
+    positions, normals = (np.zeros((len(places), 3)) for _ in range(2))
+    positions[:, [0, 2]], normals[:, 1] = places, 1.0
+    positions[: len(kept)], normals[: len(kept)] = polar.positions[kept], polar.normals[kept]
+    return Mesh(positions, normals, places / TURF_M, triangulated(places))
 
 
 def far_tiles(wedges: int = 30, bands: int = 9, sectors: int = 300) -> list[Mesh]:

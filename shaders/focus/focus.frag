@@ -3,9 +3,10 @@
 //
 // Input:  depth: 9x1 reverse-Z depths, near_m / distance, 0 = sky; texel 0 is the central ray.
 // Output: include/refocus.glsl.
-// Twin:   tests/oracles/focus.py. MEAN_DIOPTRES and GAZE select variants at compile time.
+// Twin:   tests/oracles/focus.py. MEAN_DIOPTRES, GAZE and ALONG_RAY select variants at compile time.
 // Source: Carnegie & Rhee 2015, p. 36, where the outlier rule (median absolute deviation) is ours;
 //         GAZE: Mantiuk et al. 2011, section 4, where the median is ours.
+#include "refocus_law.glsl"
 #include "refocus.glsl"
 
 uniform sampler2D depth;
@@ -13,6 +14,9 @@ uniform float near_m;
 uniform float infinity_m;
 uniform float outlier_mad;    // in scaled median absolute deviations
 uniform float outlier_floor;  // share of the median, or dioptres with MEAN_DIOPTRES
+#ifdef ALONG_RAY
+uniform float ray_lengths[RAYS];  // metres along each ray per metre along the head's forward axis
+#endif
 #ifdef GAZE
 uniform int estimate;  // 0: the mean, as without GAZE; 1: the median; 2: the target of before
 #endif
@@ -32,7 +36,11 @@ float median(float values[RAYS]) {
 
 float metres_of(int ray) {
     float z = texelFetch(depth, ivec2(ray, 0), 0).x;
-    return z * infinity_m > near_m ? near_m / z : infinity_m;
+    float near = near_m;
+#ifdef ALONG_RAY
+    near *= ray_lengths[ray];
+#endif
+    return z * infinity_m > near ? near / z : infinity_m;
 }
 
 #ifdef GAZE

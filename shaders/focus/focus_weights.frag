@@ -1,15 +1,14 @@
 #version 450 core
 // What each pixel of the autofocus zone says about the focus, and how much it counts.
 //
-// Input:  depth (reverse-Z, 0 = sky) and semantic weight of the zone, from the head centre.
+// Input:  include/zone_depth.glsl; semantic weight of what the zone shows.
 // Output: x = weight * value, y = weight. The value is the distance over infinity_m, at most 1, so
 //         that nothing overflows; MEAN_DIOPTRES: one over the distance in metres.
 // Twin:   vrcomfort/optics/autofocus_zone.py.
 // Source: Hillaire et al. 2008, Eq. 2 (W_S, W_G).
-uniform sampler2D depth;
+#include "zone_depth.glsl"
+
 uniform sampler2D semantic;
-uniform float near_m;
-uniform float infinity_m;
 uniform vec2 semantic_limits;  // W_S min, max
 uniform vec2 gauss_limits;     // W_G min (border), max (centre)
 
@@ -18,7 +17,7 @@ out vec4 weighted;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    float z = max(texelFetch(depth, pixel, 0).r, near_m / infinity_m);
+    float z = zone_depth(pixel, uv);
 #ifdef MEAN_DIOPTRES
     float value = z / near_m;
 #else

@@ -1,7 +1,8 @@
 // What turns an eye's depth into signed circle-of-confusion radii: uniforms and functions.
 //
 // Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
-// blur. Radii in pixels of image width, negative in front of the focus.
+// blur. Distances are those along the head's forward axis, or with ALONG_RAY from the head centre along
+// each ray. Radii in pixels of image width, negative in front of the focus.
 
 uniform sampler2D depth;            // reverse-Z, 0 = sky
 uniform sampler2D focus;            // x = focus distance in m
@@ -12,6 +13,9 @@ uniform float offset_m;             // the eye is this far in front of the head 
 uniform float infinity_m;
 uniform float px_per_defocus;       // radius per metre or per dioptre of defocus
 uniform float radius_limit_px;      // r_max
+#ifdef ALONG_RAY
+uniform vec3 eye_in_view;           // from the head centre, m
+#endif
 #ifdef LAW_THIN_LENS
 uniform float focal_length_m;
 uniform float distance_offset_m;    // added to the distances of focus and point alike
@@ -21,20 +25,37 @@ uniform float peripheral_px;
 uniform float peripheral_exponent;
 #endif
 
+#ifdef ALONG_RAY
+// Distance from the head centre, times z: the hypotenuse of its parts along and across the head's
+// forward axis.
+float distance_times_depth(float z, vec2 uv) {
+    vec3 ray = vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
+    float along = near_m * head_depth_slope(tangents, head_forward_in_view, uv) + offset_m * z;
+    return length(vec4(along, cross(head_forward_in_view, eye_in_view * z + near_m * ray)));
+}
+
+#endif
+
 // Radius of a depth at an image position, without a limit and without peripheral blur.
 float unlimited_radius_at(float z, vec2 uv) {
+#ifdef ALONG_RAY
+    float near = distance_times_depth(z, uv);
+    float offset = 0.0;
+#else
     float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
+    float offset = offset_m;
+#endif
     float focus_m = texelFetch(focus, ivec2(0), 0).x;
 #ifdef LAW_THIN_LENS
     // An image at the lens's focal length sees the blur of Eq. 1 under f_d / (f_d - f) times the
     // angle that the aperture has from the distance of the defocus.
     float f_d = lens_focus_m(focus_m + distance_offset_m, focal_length_m,
                              infinity_m + distance_offset_m);
-    return unlimited_radius_px(z, near, f_d, offset_m + distance_offset_m,
+    return unlimited_radius_px(z, near, f_d, offset + distance_offset_m,
                                infinity_m + distance_offset_m,
                                px_per_defocus * f_d / (f_d - focal_length_m), radius_limit_px);
 #else
-    return unlimited_radius_px(z, near, focus_m, offset_m, infinity_m, px_per_defocus,
+    return unlimited_radius_px(z, near, focus_m, offset, infinity_m, px_per_defocus,
                                radius_limit_px);
 #endif
 }

@@ -1,13 +1,7 @@
-// One material (render/surfaces.py) and its reflection.
+// Reflection of a surface.
 //
 // Source: Khronos glTF 2.0, appendix B; Filament's formulation of GGX
 // (https://google.github.io/filament/Filament.md.html, section 4).
-
-layout(std140, binding = 2) uniform Material {
-    vec4 base_color;    // rgba, linear
-    vec4 emissive;      // rgb: radiance, a: scale of the normal map
-    vec4 reflection;    // x: metallic, y: roughness, z: alpha cut-off
-};
 
 const float INV_PI = 0.318309886;
 

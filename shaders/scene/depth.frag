@@ -4,12 +4,17 @@
 //
 // Input:  base colour alpha = factor * image * vertex colour; semantic weight of the thing.
 // Output: depth, or nothing; SEMANTIC: the weight.
-#include "surface.glsl"
-
 #ifdef ALPHA_MASK
-layout(binding = 0) uniform sampler2D base_color_image;
+#include "material.glsl"
+uniform sampler2DArray base_color_images;
 in vec2 uv;
+#ifdef UV_1
+in vec2 uv_1;
+#else
+const vec2 uv_1 = vec2(0.0);
+#endif
 in float alpha;
+flat in int material_index;
 #endif
 #ifdef SEMANTIC
 flat in float semantic_weight;
@@ -18,11 +23,12 @@ out float weight;
 
 void main() {
 #ifdef ALPHA_MASK
-    float covered = base_color.a * alpha;
+    Material material = materials[material_index];
+    float covered = material.base_color.a * alpha;
 #ifdef BASE_COLOR_IMAGE
-    covered *= texture(base_color_image, uv).a;
+    covered *= texture(base_color_images, vec3(on_image(material, BASE_COLOR, uv, uv_1), material.layers.x)).a;
 #endif
-    if (covered < reflection.z) discard;
+    if (covered < material.reflection.z) discard;
 #endif
 #ifdef SEMANTIC
     weight = semantic_weight;

@@ -1,27 +1,34 @@
 #version 450 core
 // Lights a surface: sun with shadow, hemisphere of sky and ground, lamps, air.
 //
-// Input:  interpolated surface, its material and textures.
+// Input:  interpolated surface, its material and textures. UNLIT: its base colour is its radiance.
 // Output: linear HDR radiance, before exposure; VELOCITY: px per frame (include/velocity.glsl).
 //         ALPHA_MASK: alpha is coverage (the samples of a pixel are switched by it).
 #include "view.glsl"
 #include "light.glsl"
 #include "surface.glsl"
+#include "material.glsl"
 #include "sky.glsl"
 
-layout(binding = 0) uniform sampler2D base_color_image;
-layout(binding = 1) uniform sampler2D normal_image;
-layout(binding = 2) uniform sampler2D metallic_roughness_image;
-layout(binding = 3) uniform sampler2D emissive_image;
-layout(binding = 4) uniform sampler2DShadow shadow_map;
+uniform sampler2DArray base_color_images;
+uniform sampler2DArray normal_images;
+uniform sampler2DArray metallic_roughness_images;
+uniform sampler2DArray emissive_images;
+uniform sampler2DShadow shadow_map;
 
 in vec3 relative;
 in vec3 normal;
 in vec2 uv;
+#ifdef UV_1
+in vec2 uv_1;
+#else
+const vec2 uv_1 = vec2(0.0);
+#endif
 #ifdef VERTEX_COLORS
 in vec4 color;
 #endif
 flat in vec2 thing;
+flat in int material_index;
 layout(location = 0) out vec4 radiance;
 #ifdef VELOCITY
 #include "velocity.glsl"
@@ -34,11 +41,11 @@ const float HALF_FLOAT_MAX = 65504.0;
 
 // Tangent frame from screen derivatives: no tangents in the vertices.
 // Source: Schueler, "Normal mapping without precomputed tangents", ShaderX 5 (2006).
-vec3 mapped_normal(vec3 n) {
-    vec3 texel = texture(normal_image, uv).xyz * 2.0 - 1.0;
-    texel.xy *= emissive.a;
+vec3 mapped_normal(vec3 n, vec2 at, float layer, float scale_of_map) {
+    vec3 texel = texture(normal_images, vec3(at, layer)).xyz * 2.0 - 1.0;
+    texel.xy *= scale_of_map;
     vec3 dx = dFdx(relative), dy = dFdy(relative);
-    vec2 du = dFdx(uv), dv = dFdy(uv);
+    vec2 du = dFdx(at), dv = dFdy(at);
     vec3 across_x = cross(dy, n), across_y = cross(n, dx);
     vec3 t = across_x * du.x + across_y * dv.x;
     vec3 b = across_x * du.y + across_y * dv.y;
@@ -71,7 +78,8 @@ float sunlight(vec3 n) {
 #endif
 
 void main() {
-    vec4 albedo = base_color;
+    Material material = materials[material_index];
+    vec4 albedo = material.base_color;
     float ambient = thing.x;
 #ifdef VERTEX_COLORS
     // A pixel's centre may lie outside the triangle: what is interpolated there leaves its range,
@@ -85,24 +93,29 @@ void main() {
 #endif
 #endif
 #ifdef BASE_COLOR_IMAGE
-    albedo *= texture(base_color_image, uv);
+    albedo *= texture(base_color_images,
+                      vec3(on_image(material, BASE_COLOR, uv, uv_1), material.layers.x));
 #endif
     float coverage = 1.0;
 #ifdef ALPHA_MASK
     // Steepen alpha to one pixel's width around the cut-off, so that an edge covers by its area.
-    coverage = clamp((albedo.a - reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
+    coverage = clamp((albedo.a - material.reflection.z) / max(fwidth(albedo.a), 1e-4) + 0.5, 0.0, 1.0);
 #endif
 #ifdef ALPHA_BLEND
     coverage = albedo.a;
 #endif
-    float metallic = reflection.x;
-    float roughness = reflection.y;
+    float distance_m = length(relative);
+#ifdef UNLIT
+    vec3 sum = albedo.rgb;
+#else
+    float metallic = material.reflection.x;
+    float roughness = material.reflection.y;
 #ifdef METALLIC_ROUGHNESS_IMAGE
-    vec4 surface = texture(metallic_roughness_image, uv);
+    vec4 surface = texture(metallic_roughness_images,
+                           vec3(on_image(material, METALLIC_ROUGHNESS, uv, uv_1), material.layers.z));
     metallic *= surface.b;
     roughness *= surface.g;
 #endif
-    float distance_m = length(relative);
     vec3 v = -relative / max(distance_m, 1e-6);
     // A normal without a length (files have them) has no direction: such a surface faces the eye.
     vec3 n = dot(normal, normal) > 0.0 ? normalize(normal) : v;
@@ -111,7 +124,7 @@ void main() {
 #endif
     vec3 smooth_normal = n;
 #ifdef NORMAL_IMAGE
-    n = mapped_normal(n);
+    n = mapped_normal(n, on_image(material, NORMAL, uv, uv_1), material.layers.y, material.emissive.a);
 #endif
     float alpha = filtered_alpha(max(roughness * roughness, 0.01), n);
     vec3 diffuse = albedo.rgb * (1.0 - metallic);
@@ -132,19 +145,34 @@ void main() {
     while (lamps != 0u) {
         int lamp = findLSB(lamps);
         lamps &= lamps - 1u;
-        vec3 to_lamp = lamp_position[lamp].xyz - relative;
+        vec4 place = lamp_position[lamp];
+#ifdef FAR_LAMPS
+        vec3 to_lamp = place.w > 0.0 ? place.xyz - relative : place.xyz;
+#else
+        vec3 to_lamp = place.xyz - relative;
+#endif
         float range_m = length(to_lamp);
         vec3 l = to_lamp / max(range_m, 1e-4);
-        float received = max(dot(n, l), 0.0) * lamp_falloff(range_m, lamp_position[lamp].w);
+        float received = max(dot(n, l), 0.0);
+#ifdef FAR_LAMPS
+        received *= place.w > 0.0 ? lamp_falloff(range_m, place.w) : 1.0;
+#else
+        received *= lamp_falloff(range_m, place.w);
+#endif
+#ifdef CONES
+        received *= cone(l, lamp_direction[lamp], lamp_intensity[lamp].a);
+#endif
         sum += lamp_intensity[lamp].rgb * received
              * (diffuse * INV_PI + specular(n, v, l, f0, alpha));
     }
 #endif
-    vec3 glow = emissive.rgb;
+    vec3 glow = material.emissive.rgb;
 #ifdef EMISSIVE_IMAGE
-    glow *= texture(emissive_image, uv).rgb;
+    glow *= texture(emissive_images,
+                    vec3(on_image(material, EMISSIVE, uv, uv_1), material.layers.w)).rgb;
 #endif
     sum += glow;
+#endif
 #ifdef FOG
     sum = through_air(sum, distance_m);
 #endif

@@ -1,4 +1,4 @@
-"""Means over the autofocus zone: the twins of ``focus_zone.frag`` and of halving.
+"""What comes of the autofocus zone: the twins of ``focus_zone.frag`` and of halving.
 
 NumPy, float64. Source: Hillaire et al. 2008, Eq. 3.
 """
@@ -20,12 +20,13 @@ def halved(image: Array) -> Array:
     return quarters
 
 
-def zone_focus_m(sums: ArrayLike, settings: ZoneSettings) -> float:
-    """Return the focus distance from (2,) means (or sums) of `weighted`.
+def zone_focus_m(reduced: ArrayLike, near_m: float, settings: ZoneSettings) -> float:
+    """Return the focus distance from the (2,) numbers of `reduced`, or sums in place of means.
 
     Means over a zone that zeros have made larger have one factor too many, and it cancels: any
     size of zone is exact.
     """
-    values, weights = np.asarray(sums, dtype=np.float64)
-    mean = float(values / weights)
-    return 1 / mean if settings.mean == "dioptres" else settings.infinity_m * mean
+    x, y = np.asarray(reduced, dtype=np.float64).tolist()
+    if settings.zone_statistic != "mean":
+        return near_m / x
+    return y / x if settings.mean == "dioptres" else settings.infinity_m * (x / y)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vrcomfort.geometry import Array
+from vrcomfort.geometry import Array, Fov, Pose, rotate
 from vrcomfort.optics.circle_of_confusion import lens_focus_m, signed_radius_px
 
 LEAST_COSINE = 1e-3
@@ -58,6 +58,29 @@ def lens_radius_px(
         offset_m=offset_m + distance_offset_m,
         infinity_m=infinity_m + distance_offset_m,
     )
+
+
+def distance_from_head_m(
+    depth: ArrayLike, /, *, fov: Fov, near_m: float, head_from_eye: Pose, uv: ArrayLike
+) -> Array:
+    """Return the (...,) distances from the head centre of what an eye sees, inf for the sky.
+
+    Parameters
+    ----------
+    depth
+        (...,) reverse-Z of the eye.
+    uv
+        (..., 2) image position, (0, 0) lower left, (1, 1) upper right.
+    """
+    z = np.asarray(depth, dtype=np.float64)[..., None]
+    left, right, up, down = fov.tangents
+    low, high = np.array([left, down]), np.array([right, up])
+    tangents = low + (high - low) * np.asarray(uv, dtype=np.float64)
+    ray = np.concatenate([tangents, np.full((*tangents.shape[:-1], 1), -1.0)], axis=-1)
+    in_view = ray * (near_m / np.where(z > 0, z, 1.0))
+    in_head = rotate(head_from_eye.orientation, in_view) + head_from_eye.position
+    found: Array = np.where(z[..., 0] > 0, np.linalg.norm(in_head, axis=-1), np.inf)
+    return found
 
 
 def with_peripheral_px(

@@ -1,7 +1,8 @@
 """Who is in front of whom where discs are gathered: told by signed radii, which order depth.
 
-NumPy twins, in float64, of ``shaders/include/discs.glsl``; of `margin_px` and `nearer` in ``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds
-are ours.
+NumPy twins, in float64, of ``shaders/include/discs.glsl``; of `margin_px` and `nearer` in
+``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds are
+ours.
 """
 
 from __future__ import annotations

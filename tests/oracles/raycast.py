@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh.ray.ray_triangle import RayMeshIntersector, ray_triangle_id
 
 from vrcomfort.geometry import Array, Pose, normalize
-from vrcomfort.scene.data import Image, Material, Primitive, Scene
+from vrcomfort.scene.data import Image, Material, Primitive, Scene, Wrap
 
 
 def cast(
@@ -179,7 +179,10 @@ def _alpha(
     if primitive.colors is not None:
         alpha = alpha * np.einsum("ij,ij->i", primitive.colors[corners, 3], weights)
     if material.base_color_image is not None:
-        uv = np.einsum("ijk,ij->ik", primitive.uvs[corners], weights)
+        uv_map = material.base_color_uv
+        uvs = primitive.uvs if uv_map.uv_set == 0 else primitive.uvs_1
+        uv = np.einsum("ijk,ij->ik", uvs[corners], weights)
+        uv = np.column_stack([uv, np.ones(len(uv))]) @ uv_map.matrix().T
         alpha = alpha * _texture_alpha(scene.images[material.base_color_image], uv)
     return np.asarray(alpha)
 
@@ -194,11 +197,16 @@ def _texture_alpha(image: Image, uv: Array) -> Array:
     for dx, dy, weight in (
         (0, 0, (1 - u) * (1 - v)), (1, 0, u * (1 - v)), (0, 1, (1 - u) * v), (1, 1, u * v),
     ):  # fmt: skip
-        column = _wrap(low[:, 0] + dx, width, image.repeat[0])
-        row = _wrap(low[:, 1] + dy, height, image.repeat[1])
+        column = _wrap(low[:, 0] + dx, width, image.wrap[0])
+        row = _wrap(low[:, 1] + dy, height, image.wrap[1])
         alpha += weight * image.pixels[row, column, 3] / 255
     return alpha
 
 
-def _wrap(texel: NDArray[np.int64], size: int, repeat: bool) -> NDArray[np.int64]:
-    return np.asarray(texel % size if repeat else np.clip(texel, 0, size - 1))
+def _wrap(texel: NDArray[np.int64], size: int, wrap: Wrap) -> NDArray[np.int64]:
+    if wrap == "clamp_to_edge":
+        return np.asarray(np.clip(texel, 0, size - 1))
+    if wrap == "repeat":
+        return np.asarray(texel % size)
+    within = texel % (2 * size)
+    return np.asarray(np.minimum(within, 2 * size - 1 - within))

@@ -24,6 +24,18 @@ def lamp_falloff(distance_m: ArrayLike, range_m: ArrayLike, /) -> Array:
     return falloff
 
 
+def cone(angle_rad: ArrayLike, /, *, inner_rad: float, outer_rad: float) -> Array:
+    """Return (...,) the share of a spot light at an angle from its direction.
+
+    Notes
+    -----
+    Khronos KHR_lights_punctual, "Inner and Outer Cone Angles".
+    """
+    inner, outer = np.cos([inner_rad, outer_rad])
+    inside = (np.cos(np.asarray(angle_rad, dtype=np.float64)) - outer) / max(inner - outer, 1e-3)
+    return np.asarray(np.clip(inside, 0, 1) ** 2)
+
+
 def through_air(
     radiance: ArrayLike, distance_m: ArrayLike, /, *, fog: ArrayLike, density_per_m: float
 ) -> Array:

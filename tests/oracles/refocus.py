@@ -1,45 +1,19 @@
 """How focus follows what is looked at: the laws of accommodation.
 
-NumPy twins, in float64, of ``shaders/include/refocus.glsl``. The laws and their sources:
-`vrcomfort.optics.refocus`.
+NumPy twins, in float64, of ``shaders/include/refocus_*.glsl``, each by the name of its law. The
+laws and their sources: `vrcomfort.optics.refocus`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple, Protocol
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
-from vrcomfort.optics.refocus import backward_euler_share, low_pass_share
-
-
-class RefocusSettings(Protocol):
-    """The settings used here; `protocol.conditions.Focus` has them."""
-
-    @property
-    def law(self) -> str:
-        """Return the law's name, one of those below."""
-
-    @property
-    def refocus_s(self) -> float:
-        """Return the time from `infinity_m` to 1 m of the two linear laws."""
-
-    @property
-    def infinity_m(self) -> float:
-        """Return the distance taken for the sky."""
-
-    @property
-    def cutoff_hz(self) -> float:
-        """Return the cut-off frequency of the low-pass filters."""
-
-    @property
-    def duration_s(self) -> float:
-        """Return how long every change of focus takes."""
-
-    @property
-    def refixation_dioptre(self) -> float:
-        """Return how far a target has to move before a new change of focus begins."""
+from vrcomfort.optics.refocus.laws import LAWS
+from vrcomfort.protocol.conditions import Focus
 
 
 class FocusState(NamedTuple):
@@ -58,33 +32,46 @@ class FocusState(NamedTuple):
     left_s: float = 0.0
 
 
-def refocus(current_m: float, target_m: float, dt_s: float, settings: RefocusSettings, /) -> float:
-    """Return the focus distance `dt_s` after it was `current_m`; it never passes `target_m`.
-
-    For the laws without a memory, which are all but `duration`.
-    """
-    if settings.law == "instant":
-        return target_m
-    if settings.law == "linear":
-        return _towards(current_m, target_m, settings.infinity_m / settings.refocus_s * dt_s)
-    if settings.law == "linear_dioptre":
-        return 1.0 / _towards(1.0 / current_m, 1.0 / target_m, dt_s / settings.refocus_s)
-    filters = {"low_pass": low_pass_share, "low_pass_backward_euler": backward_euler_share}
-    return _part_of_the_way(current_m, target_m, filters[settings.law](dt_s, settings.cutoff_hz))
+def metres(state: FocusState, target_m: float, step_m: float, _: Focus) -> FocusState:
+    """Move by at most so many metres: ``refocus_metres.glsl``."""
+    return FocusState(_towards(state.focus_m, target_m, step_m))
 
 
-def advance(
-    state: FocusState, target_m: float, dt_s: float, settings: RefocusSettings, /
-) -> FocusState:
-    """Return the state `dt_s` later, by any law."""
-    if settings.law != "duration":
-        return FocusState(refocus(state.focus_m, target_m, dt_s, settings))
+def dioptres(state: FocusState, target_m: float, step_dioptre: float, _: Focus) -> FocusState:
+    """Move by at most so many dioptres: ``refocus_dioptres.glsl``."""
+    return FocusState(1 / _towards(1 / state.focus_m, 1 / target_m, step_dioptre))
+
+
+def share(state: FocusState, target_m: float, step_share: float, _: Focus) -> FocusState:
+    """Move by a share of the way in metres: ``refocus_share.glsl``."""
+    return FocusState(_part_of_the_way(state.focus_m, target_m, step_share))
+
+
+def duration(state: FocusState, target_m: float, step_s: float, settings: Focus) -> FocusState:
+    """Move so that each change takes `duration_s`: ``refocus_duration.glsl``."""
     aim_m, left_s = state.aim_m, state.left_s
     if abs(1 / target_m - 1 / aim_m) > settings.refixation_dioptre:
         aim_m, left_s = target_m, settings.duration_s
-    share = dt_s / left_s if left_s > dt_s else 1.0
-    focus_m = 1 / _part_of_the_way(1 / state.focus_m, 1 / target_m, share)
-    return FocusState(focus_m, aim_m, max(left_s - dt_s, 0.0))
+    part = step_s / left_s if left_s > step_s else 1.0
+    focus_m = 1 / _part_of_the_way(1 / state.focus_m, 1 / target_m, part)
+    return FocusState(focus_m, aim_m, max(left_s - step_s, 0.0))
+
+
+TWINS: dict[str, Callable[[FocusState, float, float, Focus], FocusState]] = {
+    "linear": metres,
+    "linear_dioptre": dioptres,
+    "low_pass": share,
+    "low_pass_backward_euler": share,
+    "duration": duration,
+    "instant": metres,
+}
+"""By the name of the law."""
+
+
+def advance(state: FocusState, target_m: float, dt_s: float, settings: Focus, /) -> FocusState:
+    """Return the state `dt_s` later; focus never passes `target_m`."""
+    step = LAWS[settings.law].step_size(settings, dt_s)
+    return TWINS[settings.law](state, target_m, step, settings)
 
 
 def _towards(current: float, target: float, step: float) -> float:
@@ -93,5 +80,5 @@ def _towards(current: float, target: float, step: float) -> float:
     )
 
 
-def _part_of_the_way(current: float, target: float, share: float) -> float:
-    return target if share >= 1.0 else current + (target - current) * share
+def _part_of_the_way(current: float, target: float, part: float) -> float:
+    return target if part >= 1.0 else current + (target - current) * part

@@ -5,8 +5,10 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl
 from vrcomfort.protocol.conditions import DepthOfField, MotionBlur
+from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
+from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 
 NEAR_M = 0.02
@@ -53,6 +55,13 @@ def square_pixels(size_px):
     return Fov.symmetric(vertical_rad=1.6, aspect=size_px[0] / size_px[1])
 
 
+def seen(fov=None, *, near_m=NEAR_M, head_from_eye=None, eye_index=0, time_ns=0, **known):
+    """Return what an effect is told of an eye whose head rests at the origin."""
+    head_from_eye = head_from_eye or Pose()
+    camera = EyeCamera(head_from_eye, fov or square_pixels((1, 1)), near_m, Pose())
+    return EyeFrame(eye_index, time_ns, head_from_eye, camera, **known)
+
+
 def depth_of_field(ctx, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, eye=None, **settings):
     """Return the (h, w, 3) blurred image."""
     size_px = rgb.shape[1], rgb.shape[0]
@@ -66,7 +75,7 @@ def depth_of_field(ctx, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, ey
         settings=DepthOfField(**settings),
         size_px=size_px,
     )
-    effect.render(fov=fov or square_pixels(size_px), near_m=near_m, head_from_eye=eye or Pose())
+    effect.render(seen(fov or square_pixels(size_px), near_m=near_m, head_from_eye=eye))
     return rgb_of(effect.target)
 
 
@@ -85,7 +94,7 @@ def motion_blur_pass(ctx, rgb, distance_m, velocity, *, step=None, **settings):
         settings=MotionBlur(**settings),
         size_px=size_px,
     )
-    effect.render(step=step)
+    effect.render(seen(step=step))
     return effect
 
 

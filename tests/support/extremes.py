@@ -16,6 +16,7 @@ from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import (
+    DirectionalLight,
     Environment,
     Image,
     Material,
@@ -23,6 +24,7 @@ from vrcomfort.scene.data import (
     PointLight,
     Primitive,
     Scene,
+    SpotLight,
 )
 
 HALF_MAX = 65_504.0
@@ -231,6 +233,8 @@ def environment(rng):
         PointLight(tuple(rng.normal(0, 5, 3).tolist()), bright(), float(10.0 ** rng.uniform(-3, 3)))
         for _ in range(rng.integers(0, 4))
     )
+    # Of a generator of their own: the cases of other tests stay what they were.
+    cones, far = _cones_and_far_lights(np.random.default_rng(int(1e9 * abs(sun[0]))), most)
     return Environment(
         sun_direction=sun / np.linalg.norm(sun),
         sun_irradiance=bright() if rng.random() < 0.6 else (0.0, 0.0, 0.0),
@@ -242,8 +246,26 @@ def environment(rng):
         fog_color=bright(),
         cloud_cover=float(rng.choice([0.0, 0.5, 1.0])),
         ambient_in_vertex_alpha=bool(rng.random() < 0.5),
-        point_lights=lamps,
+        point_lights=lamps + cones,
+        directional_lights=far,
     )
+
+
+def _cones_and_far_lights(rng, most):
+    """Return spot lights, some with next to no cone, and directional ones."""
+
+    def towards():
+        axis = rng.normal(size=3)
+        return tuple((axis / np.linalg.norm(axis)).tolist())
+
+    cones = tuple(
+        SpotLight(tuple(rng.normal(0, 5, 3).tolist()), (most, 0.0, most),
+                  10.0 ** rng.uniform(-3, 3), towards(), 0.0,
+                  float(rng.choice([1e-6, 0.5, np.pi / 2])))
+        for _ in range(rng.integers(0, 3))
+    )  # fmt: skip
+    far = tuple(DirectionalLight(towards(), (most, most, 0.0)) for _ in range(rng.integers(0, 3)))
+    return cones, far
 
 
 def scene(rng):

@@ -21,7 +21,7 @@ COMPONENT = {
     "uint32": 5125,
     "float32": 5126,
 }
-KIND = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+KIND = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
 
 
 class Gltf:

@@ -10,11 +10,7 @@ from contextlib import contextmanager
 from types import FrameType
 
 from vrcomfort.headset.watchdog import TOGETHER_S
-
-SIGNALS = tuple(
-    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
-)
-"""Windows has no SIGHUP."""
+from vrcomfort.stop_signals import SIGNALS
 
 _last: tuple[int, float] = signal.SIGINT, -TOGETHER_S
 """The signal that came last, and when."""

@@ -2,28 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
-from typing import Any, Protocol
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any, Protocol, TypeAlias
 
 import moderngl
 
 from vrcomfort.gpu import gl, shaders
 
 
-class Uniforms(Protocol):
+class Fields(Protocol):
     """A named tuple whose fields are the names of a program's uniforms."""
 
-    def _asdict(self) -> dict[str, Any]: ...
+    @property
+    def _fields(self) -> tuple[str, ...]: ...
+
+    def __iter__(self) -> Iterator[Any]: ...
 
 
 class Together:
-    """The fields of several tuples of uniforms."""
+    """Several tuples of uniforms."""
 
     def __init__(self, *parts: Uniforms) -> None:
-        self._parts = parts
+        self.parts: tuple[Fields, ...] = tuple(one for part in parts for one in _parts(part))
 
-    def _asdict(self) -> dict[str, Any]:
-        return {name: value for part in self._parts for name, value in part._asdict().items()}
+
+Uniforms: TypeAlias = Fields | Together
 
 
 _FILTERS = {
@@ -81,7 +84,6 @@ class FullscreenPass:
         self.targets = (self.target, *more)
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
-        self._inputs = tuple(enumerate(texture for _, texture in named))
         for name in inputs:
             units = tuple(unit for unit, (other, _) in enumerate(named) if other == name)
             self._triangle.program[name] = units if len(units) > 1 else units[0]
@@ -90,39 +92,54 @@ class FullscreenPass:
             for unit, (name, _) in enumerate(named)
             if name in filtered or name in mipmapped
         )
+        self._members: dict[tuple[str, ...], tuple[Any, ...]] = {}
+        self._last: dict[tuple[str, ...], Fields] = {}
         if constants is not None:
             self._set(constants)
         self._framebuffer = ctx.framebuffer(self.targets)
-        self._scope = ctx.scope(self._framebuffer, moderngl.NOTHING)
+        flags = moderngl.NOTHING
         self._mode, self._vertices = moderngl.TRIANGLES, 3
         if tiles is not None:
             columns, rows = tiles
             self._mode, self._vertices = moderngl.POINTS, columns * rows
-            self._scope = ctx.scope(self._framebuffer, moderngl.PROGRAM_POINT_SIZE)
+            flags = moderngl.PROGRAM_POINT_SIZE
             # Points whose middle is outside the viewport are not drawn: it is of whole tiles.
             point_px = int((defines or {})["POINT_PX"])
             self._framebuffer.viewport = (0, 0, columns * point_px, rows * point_px)
+        self._triangle.scope = ctx.scope(self._framebuffer, flags)
+        self._bind = gl.binder(ctx, [texture for _, texture in named])
 
     def render(self, uniforms: Uniforms | None = None) -> None:
         """Draw, after setting the uniforms of this frame."""
         if uniforms is not None:
             self._set(uniforms)
-        for unit, texture in self._inputs:
-            texture.use(unit)
+        self._bind()
         for unit, sampler in self._samplers:
             sampler.use(unit)
-        with self._scope:
-            self._triangle.render(self._mode, vertices=self._vertices)
+        self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
             sampler.clear(unit)
 
     def _set(self, uniforms: Uniforms) -> None:
-        for name, value in uniforms._asdict().items():
-            member: Any = self._triangle.program[name]
-            if isinstance(value, bytes):
-                member.write(value)
-            else:
-                member.value = value
+        for part in _parts(uniforms):
+            names = part._fields
+            if self._last.get(names) == part:
+                continue  # the program keeps them
+            self._last[names] = part
+            for member, value in zip(self._members_of(names), part, strict=True):
+                if isinstance(value, bytes):
+                    member.write(value)
+                else:
+                    member.value = value
+
+    def _members_of(self, names: tuple[str, ...]) -> tuple[Any, ...]:
+        if names not in self._members:
+            self._members[names] = tuple(self._triangle.program[name] for name in names)
+        return self._members[names]
+
+
+def _parts(uniforms: Uniforms) -> tuple[Fields, ...]:
+    return uniforms.parts if isinstance(uniforms, Together) else (uniforms,)
 
 
 def _textures(given: moderngl.Texture | Sequence[moderngl.Texture]) -> Sequence[moderngl.Texture]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import ctypes
 import sys
 import weakref
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import moderngl
@@ -34,6 +34,9 @@ _LOWER_LEFT, _ZERO_TO_ONE = 0x8CA1, 0x935F
 _TEXTURE_2D, _TEXTURE_2D_MULTISAMPLE = 0x0DE1, 0x9100
 _DEPTH_COMPONENT, _DEPTH_COMPONENT32F, _FLOAT = 0x1902, 0x8CAC, 0x1406
 _SRGB8_ALPHA8, _TEXTURE_SAMPLES = 0x8C43, 0x9106
+_TEXTURE_2D_ARRAY, _RGBA8, _RGBA, _UNSIGNED_BYTE = 0x8C1A, 0x8058, 0x1908, 0x1401
+
+_UNIFORM_ALIGNMENT = 256
 
 
 def create_context() -> moderngl.Context:
@@ -126,6 +129,22 @@ def copier(ctx: moderngl.Context) -> Callable[[moderngl.Texture, moderngl.Textur
     return copy_texture
 
 
+def binder(
+    ctx: moderngl.Context,
+    textures: Sequence[moderngl.Texture | moderngl.TextureArray],
+    first_unit: int = 0,
+) -> Callable[[], None]:
+    """Return a function that puts textures on units that follow each other, with one call."""
+    kept = tuple(textures)
+    names = (ctypes.c_uint * len(kept))(*(texture.glo for texture in kept))
+    bind = function(ctx, "glBindTextures", ctypes.c_uint, ctypes.c_int, ctypes.c_void_p)
+
+    def bind_all() -> None:
+        bind(first_unit, len(kept), names)
+
+    return bind_all
+
+
 def color_texture(
     ctx: moderngl.Context,
     size_px: tuple[int, int],
@@ -142,15 +161,37 @@ def color_texture(
     return _entered(ctx, texture if samples else point_sampled(texture), components, dtype)
 
 
-def image_texture(
-    ctx: moderngl.Context, size_px: tuple[int, int], rgba: bytes, *, srgb: bool
-) -> moderngl.Texture:
-    """Return an 8-bit RGBA picture with mipmaps; `srgb` is decoded to linear when sampled."""
-    texture = ctx.texture(size_px, 4, rgba, internal_format=_SRGB8_ALPHA8 if srgb else None)
+_WRAPS = {"repeat": 0x2901, "clamp_to_edge": 0x812F, "mirrored_repeat": 0x8370}
+_WRAP_S, _WRAP_T = 0x2802, 0x2803
+
+
+def wrap(ctx: moderngl.Context, texture: moderngl.TextureArray, ways: tuple[str, str]) -> None:
+    """Say how a texture goes on outside of [0, 1], in u and in v (moderngl mirrors nothing)."""
+    function(ctx, "glBindTexture", ctypes.c_uint, ctypes.c_uint)(_TEXTURE_2D_ARRAY, texture.glo)
+    parameter = function(ctx, "glTexParameteri", ctypes.c_uint, ctypes.c_uint, ctypes.c_int)
+    for axis, way in zip((_WRAP_S, _WRAP_T), ways, strict=True):
+        parameter(_TEXTURE_2D_ARRAY, axis, _WRAPS[way])
+
+
+def image_array(
+    ctx: moderngl.Context, size_px: tuple[int, int], layers: Sequence[bytes], *, srgb: bool
+) -> moderngl.TextureArray:
+    """Return 8-bit RGBA pictures with mipmaps; `srgb` is decoded to linear when sampled.
+
+    moderngl has no sRGB arrays; the same texture gets new storage here, as in `depth_texture`.
+    """
+    width, height = size_px
+    texture = ctx.texture_array((*size_px, len(layers)), 4)
+    function(ctx, "glBindTexture", ctypes.c_uint, ctypes.c_uint)(_TEXTURE_2D_ARRAY, texture.glo)
+    allocate = function(ctx, "glTexImage3D", *[ctypes.c_int] * 9, ctypes.c_void_p)
+    kind = _SRGB8_ALPHA8 if srgb else _RGBA8
+    shape = (width, height, len(layers))
+    allocate(_TEXTURE_2D_ARRAY, 0, kind, *shape, 0, _RGBA, _UNSIGNED_BYTE, None)
+    for layer, pixels in enumerate(layers):
+        texture.write(pixels, viewport=(0, 0, layer, width, height, 1))
     texture.build_mipmaps()
-    gpu_memory.account(ctx).add(
-        texture, gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True)
-    )
+    entry = gpu_memory.texture("image", size_px, 4, "f1", mipmaps=True, layers=len(layers))
+    gpu_memory.account(ctx).add(texture, entry)
     return texture
 
 
@@ -162,6 +203,11 @@ def buffer(ctx: moderngl.Context, data: bytes) -> moderngl.Buffer:
 def dynamic_buffer(ctx: moderngl.Context, size_bytes: int) -> moderngl.Buffer:
     """Return a buffer whose content changes from frame to frame."""
     return _entered_buffer(ctx, ctx.buffer(reserve=size_bytes, dynamic=True))
+
+
+def uniform_stride(size_bytes: int) -> int:
+    """Return how far apart in a buffer uniform blocks of a size may begin, on every driver."""
+    return -(-size_bytes // _UNIFORM_ALIGNMENT) * _UNIFORM_ALIGNMENT
 
 
 def _entered_buffer(ctx: moderngl.Context, made: moderngl.Buffer) -> moderngl.Buffer:

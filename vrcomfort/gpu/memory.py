@@ -37,7 +37,11 @@ class Account:
         self._made: WeakKeyDictionary[object, tuple[int, Allocation]] = WeakKeyDictionary()
         self._count = 0
 
-    def add(self, thing: moderngl.Texture | moderngl.Buffer, allocation: Allocation) -> None:
+    def add(
+        self,
+        thing: moderngl.Texture | moderngl.TextureArray | moderngl.Buffer,
+        allocation: Allocation,
+    ) -> None:
         """Enter what has just been allocated."""
         self._made[thing] = self._count, allocation
         self._count += 1
@@ -77,13 +81,15 @@ def texture(
     *,
     samples: int = 0,
     mipmaps: bool = False,
+    layers: int = 1,
 ) -> Allocation:
-    """Return the entry of a texture; `dtype` is moderngl's."""
+    """Return the entry of a texture, or of an array of them; `dtype` is moderngl's."""
     texel_bytes = components * _DTYPE_BYTES[dtype]
     words = [f"{size_px[0]}×{size_px[1]}", f"{components} × {8 * _DTYPE_BYTES[dtype]} bit"]
     words += [f"{samples} samples"] if samples else []
     words += ["mipmaps"] if mipmaps else []
-    size = texture_bytes(size_px, texel_bytes, samples=samples, mipmaps=mipmaps)
+    words += [f"{layers} layers"] if layers > 1 else []
+    size = layers * texture_bytes(size_px, texel_bytes, samples=samples, mipmaps=mipmaps)
     return Allocation(kind, ", ".join(words), size)
 
 

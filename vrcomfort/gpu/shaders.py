@@ -1,7 +1,7 @@
 """Compiles the GLSL files of the `shaders` folder.
 
 Files are named by what they do; shared functions are in ``shaders/include`` (one level deep).
-Variants are made with defines, never by pasting text.
+Variants are made with defines, or by choosing an include file; never by pasting text.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from vrcomfort.resources import data_folder
 
 Defines = Mapping[str, int | float | str]
+Chosen = Mapping[str, str]
 
 _INCLUDE = re.compile(r'^[ \t]*#include[ \t]+"([^"]+)"', re.MULTILINE)
 _MEMBER = re.compile(r"^\s*(mat4|vec4)\s+(\w+)\s*(?:\[(\d+)\])?\s*;", re.MULTILINE)
@@ -33,6 +34,7 @@ def program(
     fragment: str | None,
     vertex: str = "common/fullscreen.vert",
     defines: Defines | None = None,
+    chosen: Chosen | None = None,
 ) -> moderngl.Program:
     """Compile and link a pair of files; `fragment=None` draws depth only.
 
@@ -40,6 +42,8 @@ def program(
     ----------
     defines
         ``#define`` lines for both files; a boolean feature is a key with the value 1.
+    chosen
+        Which file an ``#include`` means that names none: a choice that is left to who compiles.
 
     Raises
     ------
@@ -47,7 +51,8 @@ def program(
         If the driver rejects the code; the message starts with the names of the files.
     """
     stages = [name for name in (vertex, fragment) if name is not None]
-    texts = tuple(_with_defines(source(name), defines or {}) for name in stages)
+    files = (_with_chosen(source(name), chosen or {}) for name in stages)
+    texts = tuple(_with_defines(text, defines or {}) for text in files)
     for text in texts:
         _register_includes(ctx, text)
     try:
@@ -64,6 +69,10 @@ def _with_defines(text: str, defines: Defines) -> str:
     return "\n".join([version, *lines, "#line 2", rest])
 
 
+def _with_chosen(text: str, chosen: Chosen) -> str:
+    return _INCLUDE.sub(lambda line: f'#include "{chosen.get(line[1], line[1])}"', text)
+
+
 def _register_includes(ctx: moderngl.Context, text: str) -> None:
     for name in _INCLUDE.findall(text):
         ctx.includes[name] = source(f"include/{name}")
@@ -76,9 +85,20 @@ def block_dtype(include: str, block: str) -> np.dtype[Any]:
     The GLSL text is the only declaration. Members must be `vec4`, `mat4` or arrays of them, which
     std140 packs without gaps. A `mat4` is (4, 4) with the matrix transposed: columns first.
     """
-    body = re.search(rf"uniform\s+{block}\s*\{{(.*?)\}}", source(f"include/{include}"), re.DOTALL)
+    return _members(include, f"uniform {block}")
+
+
+@cache
+def struct_dtype(include: str, struct: str) -> np.dtype[Any]:
+    """Return the memory layout of a struct that blocks hold; see :func:`block_dtype`."""
+    return _members(include, f"struct {struct}")
+
+
+def _members(include: str, what: str) -> np.dtype[Any]:
+    start = r"\s+".join(what.split())
+    body = re.search(rf"{start}\s*\{{(.*?)\}}", source(f"include/{include}"), re.DOTALL)
     if body is None:
-        raise RuntimeError(f"{include} declares no uniform block {block}")
+        raise RuntimeError(f"{include} declares no {what}")
     shapes = {"mat4": (4, 4), "vec4": (4,)}
     return np.dtype(
         [
@@ -88,8 +108,17 @@ def block_dtype(include: str, block: str) -> np.dtype[Any]:
     )
 
 
+def offset(block: np.dtype[Any], member: str) -> int:
+    """Return where a member begins in a block, in bytes."""
+    fields: Any = block.fields
+    return int(fields[member][1])
+
+
 def fullscreen(
-    ctx: moderngl.Context, fragment: str, defines: Defines | None = None
+    ctx: moderngl.Context,
+    fragment: str,
+    defines: Defines | None = None,
+    chosen: Chosen | None = None,
 ) -> moderngl.VertexArray:
     """Return a full-screen triangle with its program: ``.render(vertices=3)`` draws it."""
-    return ctx.vertex_array(program(ctx, fragment, defines=defines), [])
+    return ctx.vertex_array(program(ctx, fragment, defines=defines, chosen=chosen), [])

@@ -89,7 +89,9 @@ class PlaybackHeadset:
         self._size_px = image_size_px
         self._rate = None if refresh_hz is None else Fraction(refresh_hz)
         self._ipd_m = ipd_m
+        self._head_from_eyes = [Pose((side * ipd_m / 2, 0.0, 0.0)) for side in (-1, 1)]
         self._fovs = fovs
+        self._default_fovs = default_fovs(image_size_px)
         self._loop = loop
         self._max_frames = max_frames
         self._real_time = real_time
@@ -162,7 +164,7 @@ class PlaybackHeadset:
             yield from self._own_times(start_ns)
             return
         for count, sample in enumerate(self._resampled()):
-            yield sample, start_ns + round(count * SECOND_NS / self._rate)
+            yield sample, start_ns + _periods_ns(count, self._rate)
 
     def _own_times(self, start_ns: int) -> Iterator[tuple[_Sample, int]]:
         times, cuts = self._trace.time_ns, self._trace.cuts
@@ -188,14 +190,15 @@ class PlaybackHeadset:
         assert self._rate is not None  # noqa: S101 - tells mypy what `_schedule` knows
         times = self._trace.time_ns[first:end]
         count = 0
-        while (time_ns := int(times[0]) + round(count * SECOND_NS / self._rate)) <= times[-1] + 1:
+        first_ns, last_ns = int(times[0]), int(times[-1])
+        while (time_ns := first_ns + _periods_ns(count, self._rate)) <= last_ns + 1:
             before, fraction = _place(times, time_ns)
             yield _Sample(first + before, fraction, time_ns, count == 0)
             count += 1
 
     def _period_ns(self, sample: _Sample) -> int:
         if self._rate is not None:
-            return round(SECOND_NS / self._rate)
+            return _periods_ns(1, self._rate)
         if self._trace.period_ns is not None:
             return int(self._trace.period_ns[sample.index])
         return self._trace.median_period_ns
@@ -219,17 +222,27 @@ class PlaybackHeadset:
         if self._trace.eyes is not None:
             eyes = [_pose_at(eye, sample) for eye in self._trace.eyes]
         else:
-            half = np.array([self._ipd_m / 2, 0.0, 0.0])
-            eyes = [head @ Pose(-half), head @ Pose(half)]
+            eyes = [head @ head_from_eye for head_from_eye in self._head_from_eyes]
         return View(eyes[0], left), View(eyes[1], right)
 
     def _fovs_at(self, sample: _Sample) -> tuple[Fov, Fov]:
         if self._fovs is not None:
             return self._fovs
         if self._trace.fovs is None:
-            return default_fovs(self._size_px)
+            return self._default_fovs
         left, right = self._trace.fovs[sample.index].tolist()
         return Fov(*left), Fov(*right)
+
+
+def _periods_ns(count: int, rate_hz: Fraction) -> int:
+    """Return the time of so many periods: `round(count * SECOND_NS / rate_hz)`, sooner.
+
+    >>> _periods_ns(3, Fraction(90))
+    33333333
+    """
+    whole, rest = divmod(count * SECOND_NS * rate_hz.denominator, rate_hz.numerator)
+    twice = 2 * rest - rate_hz.numerator
+    return whole + (twice > 0 or (twice == 0 and whole % 2 == 1))
 
 
 def _wait_until(due_s: float) -> float:
@@ -259,7 +272,7 @@ def _place(times: Times, time_ns: int) -> tuple[int, float]:
     A sample within 1 ns counts as being there: recorded times are whole nanoseconds, and a
     recording that is played at its own rate must give its own poses.
     """
-    before = int(np.searchsorted(times, time_ns + 1, side="right")) - 1
+    before = int(times.searchsorted(time_ns + 1, side="right")) - 1
     elapsed = time_ns - int(times[before])
     if elapsed <= 1:
         return before, 0.0
@@ -271,4 +284,5 @@ def _pose_at(track: PoseTrack, sample: _Sample) -> Pose:
         return track.pose(sample.index)
     a, b = sample.index, sample.index + 1
     position = track.positions[a] + (track.positions[b] - track.positions[a]) * sample.fraction
-    return Pose(position, slerp(track.orientations[a], track.orientations[b], sample.fraction))
+    turn = slerp(track.orientations[a], track.orientations[b], sample.fraction)
+    return Pose.of(position.tolist(), turn.tolist())

@@ -1,7 +1,8 @@
 """On which level of an image a disc is summed, so that it never has too many texels: no OpenGL.
 
 Level 0 are the pixels; texels of level L are 2^L px wide. Two levels share the discs between
-them. Twin of ``shaders/include/levels.glsl``. Radii are in pixels of image width. All choices are ours.
+them. Twin of ``shaders/include/levels.glsl``. Radii are in pixels of image width. All
+choices are ours.
 """
 
 from __future__ import annotations

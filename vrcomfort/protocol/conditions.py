@@ -6,9 +6,9 @@ Every number that a paper gives is a named setting here; the paper's protocol fi
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.protocol.quality_levels import Quality, filled
@@ -29,6 +29,22 @@ Kernel = Literal["vrcomfort", "scatter", "poisson12", "poisson15_near", "mip", "
 """Ours, and those of Carnegie & Rhee 2015, Hillaire et al. 2008, Mantiuk et al. 2011, and (the last
 two) "Four Tricks for Fast Blurring in Software and Hardware", 2001."""
 
+EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "vignette"]
+EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
+"""In the order in which they come where a condition does not say otherwise."""
+
+FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed"]
+
+RefocusLawName = Literal[
+    "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
+]
+
+_FORMER_ORDERS: dict[Any, tuple[EffectName, ...]] = {
+    "depth_of_field_first": ("depth_of_field", "motion_blur"),
+    "motion_blur_first": ("motion_blur", "depth_of_field"),
+}
+"""Words of the first version, which protocols of recorded studies have."""
+
 CameraMode = Literal[
     "full", "head_cancelled", "rotation_cancelled", "rotation_cancelled_eye", "objects_only"
 ]
@@ -47,12 +63,12 @@ class Focus(Settings):
     al. 2011 (`gaze`).
     """
 
-    method: Literal["nine_ray", "autofocus_zone", "gaze", "fixed"] = "nine_ray"
+    method: FocusRuleName = "nine_ray"
     fixed_m: Distance = 2.0
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
-    """In which unit distances are averaged (nine rays and autofocus zone)."""
+    """In which unit distances are averaged (nine rays, and the mean of the autofocus zone)."""
     outlier_mad: Annotated[float, Field(ge=0.001, le=1e6)] = 3.0
     """Rays further than this many scaled median absolute deviations from the median are dropped."""
     outlier_floor_fraction: Annotated[float, Field(ge=0, le=1000)] = 0.02
@@ -63,8 +79,11 @@ class Focus(Settings):
     """Side of the autofocus zone over that of the image: its area is the square of it."""
     zone_size_px: tuple[ZoneSide, ZoneSide] = (64, 64)
     """Width and height at which the zone is drawn, whatever the size of the image."""
+    zone_statistic: Literal["mean", "minimum", "maximum"] = "mean"
+    """What the zone's distances come to: their weighted mean, or the nearest or farthest of what
+    weighs more than `semantic_min`; where nothing there does, of everything."""
     zone_mean_on: Literal["gpu", "cpu"] = "gpu"
-    """Where the zone is averaged; the CPU waits for the GPU in every frame."""
+    """Where the zone is averaged or searched; the CPU waits for the GPU in every frame."""
     semantic_min: Weight = 0.004
     """W_S,min: least weight of anything, and that of the sky."""
     semantic_max: Weight = 1.0
@@ -77,10 +96,8 @@ class Focus(Settings):
     """Neighbourhood of the line of sight whose median distance counts: the tracker's error."""
     without_gaze: Literal["stop", "nine_ray"] = "stop"
     """What `gaze` does with a headset that has no eye tracker."""
-    law: Literal[
-        "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
-    ] = "linear"
-    """How focus moves to its target: see `vrcomfort.optics.refocus`."""
+    law: RefocusLawName = "linear"
+    """How focus moves to its target: one file of `vrcomfort.optics.refocus` for each."""
     refocus_s: Seconds = 0.5
     """Time from `infinity_m` to 1 m: 30 km / 0.5 s (`linear`), 1 D / 0.5 s (`linear_dioptre`)."""
     cutoff_hz: Annotated[float, Field(ge=0.001, le=10_000)] = 5.0
@@ -120,6 +137,11 @@ class DepthOfField(Settings):
     law: Literal["linear", "dioptre", "thin_lens", "eye"] = "linear"
     """`linear`: radius ∝ |d_f − d| (Carnegie & Rhee); the others ∝ |1/d_f − 1/d|: `dioptre` by the
     defocus that reaches r_max, `thin_lens` by a camera's lens, `eye` by the pupil."""
+    distance_along: Literal["head_axis", "ray"] = "head_axis"
+    """Which distances the law, and the search for the focus, take: `head_axis`, along the head's
+    forward axis, so that a lens is sharp in a plane; `ray`, from the head centre, so that it is
+    sharp on a sphere. An eye accommodates to the distance along its line of sight: where people
+    look 40° aside, the two differ by 1/cos 40° = 1.3."""
     max_radius_percent: Annotated[float, Field(ge=0, le=10)] = 1.75
     """r_max as a percentage of one eye's image width; 0 gives the pinhole image."""
     full_blur_m: Distance = 10.0
@@ -161,6 +183,12 @@ class DepthOfField(Settings):
         if self.views > 1 and self.peripheral is not None:
             message = "views > 1 cannot be combined with peripheral blur, which no lens makes"
             raise PydanticCustomError("views_peripheral", message)
+        if self.views > 1 and self.distance_along == "ray":
+            message = (
+                'views > 1 cannot be combined with distance_along = "ray": through points of a '
+                "lens, a plane is in focus"
+            )
+            raise PydanticCustomError("views_ray", message)
         return self
 
     @property
@@ -222,22 +250,58 @@ class MotionBlur(Settings):
     blur scale when the head is rotating", Chapman 2020, who gives no speeds)."""
 
 
-class SpeedBlur(Settings):
-    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+class SpeedRamps(Settings):
+    """How much of an effect the participant's speed brings.
 
-    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
-    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
-    here it is an angle. Both ramps may be there: the larger wins; one that is absent does not
-    count. It comes after the other effects.
+    The larger ramp wins; one that is absent does not count.
     """
 
     speed_of: Literal["head", "avatar", "both"] = "both"
     """`head`: of the tracked head in its room; `avatar`: of locomotion alone, as in Budhiraja et
-    al.; `both`: of the head in the scene."""
+    al. 2017; `both`: of the head in the scene."""
     turning: TurnRamp | None = None
     moving: MoveRamp | None = None
+
+
+class SpeedBlur(SpeedRamps):
+    """A blur of the whole image that grows with the participant's speed, alike in both eyes.
+
+    As DynamicGaussianBlur of GingerVR (Ang & Quarles 2020), after Budhiraja et al. 2017. GingerVR
+    starts at 40 deg/s and gives sigma in pixels (15), of which its 5 x 5 kernel cuts off most;
+    here it is an angle.
+    """
+
     max_sigma_arcmin: Annotated[float, Field(ge=0, le=120)] = 30.0
     """Standard deviation of the Gaussian at full strength, in the middle of the image."""
+
+
+class Vignette(SpeedRamps):
+    """A field-of-view restrictor that closes with the participant's speed, alike in both eyes.
+
+    After Fernandes & Feiner 2016, who darken the border of the view while the user moves. Angles
+    are degrees of visual angle across the field, centred on the head's forward axis. Without ramps
+    the field is `open_deg` wide all the time.
+    """
+
+    open_deg: Annotated[float, Field(gt=0, le=180)] = 110.0
+    """Diameter of the clear field at rest. One that is wider than the headset's cannot be seen."""
+    restricted_deg: Annotated[float, Field(ge=0, le=180)] = 60.0
+    """Diameter of the clear field at full speed."""
+    feather_deg: Annotated[float, Field(ge=0.01, le=90)] = 10.0
+    """Width of the border, outside the clear field, in which the cover begins."""
+    attack_s: Annotated[float, Field(ge=0, le=3600)] = 0.3
+    """Time in which the field closes from `open_deg` to `restricted_deg`, at a constant rate."""
+    release_s: Annotated[float, Field(ge=0, le=3600)] = 1.0
+    """Time in which it opens again."""
+    colour: Literal["black", "scene"] = "black"
+    """Of the cover; `scene` is the mean colour of what the left eye sees, for both eyes."""
+
+    @model_validator(mode="after")
+    def _narrows(self) -> Self:
+        if self.restricted_deg > self.open_deg:
+            message = "`restricted_deg` must not be more than `open_deg`"
+            raise PydanticCustomError("vignette_order", message)
+        return self
 
 
 class Condition(Settings):
@@ -251,10 +315,31 @@ class Condition(Settings):
     depth_of_field: DepthOfField | None = None
     motion_blur: MotionBlur | None = None
     speed_blur: SpeedBlur | None = None
-    effect_order: Literal["depth_of_field_first", "motion_blur_first"] = "depth_of_field_first"
-    """Says something where both are there; speed blur comes after either."""
+    vignette: Vignette | None = None
+    effect_order: tuple[EffectName, ...] = EFFECTS
+    """Which effect comes first; those that are not named come last, in their usual order."""
 
     @model_validator(mode="before")
     @classmethod
     def _take_what_the_level_says(cls, data: Any) -> Any:
         return filled(data)
+
+    @field_validator("effect_order", mode="before")
+    @classmethod
+    def _name_former_orders(cls, value: Any) -> Any:
+        return _FORMER_ORDERS.get(value, value) if isinstance(value, str) else value
+
+    @field_validator("effect_order")
+    @classmethod
+    def _name_each_once(cls, value: tuple[EffectName, ...]) -> tuple[EffectName, ...]:
+        for name in value:
+            if value.count(name) > 1:
+                message = "`{name}` is named more than once; name each effect once"
+                raise PydanticCustomError("effect_twice", message, {"name": name})
+        return (*value, *(name for name in EFFECTS if name not in value))
+
+    @property
+    def effects(self) -> dict[EffectName, Settings]:
+        """Return the settings of the effects that the condition names, in their order."""
+        named = {name: getattr(self, name) for name in self.effect_order}
+        return {name: settings for name, settings in named.items() if settings is not None}

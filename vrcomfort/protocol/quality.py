@@ -13,7 +13,7 @@ from typing import get_args
 
 from pydantic import BaseModel
 
-from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.conditions import EFFECTS, Condition
 from vrcomfort.protocol.quality_levels import (
     DIALLED,
     Effects,
@@ -61,7 +61,7 @@ def _equals_level(name: str, settings: BaseModel, level: Quality) -> bool:
 
 def effects_of(drawn: Collection[str]) -> Effects | None:
     """Return what figures call the passes that are drawn; None: no effect, or others too."""
-    if "speed_blur" in drawn:
+    if any(name in drawn for name in EFFECTS if name not in DIALLED):
         return None
     lens, shutter = (name in drawn for name in DIALLED)
     if lens and shutter:

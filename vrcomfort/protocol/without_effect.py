@@ -6,6 +6,7 @@ import tomllib
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
+from vrcomfort.optics.refocus.laws import LAWS
 from vrcomfort.protocol.conditions import Condition, Settings
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.settings_file import Problem
@@ -14,34 +15,37 @@ _Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""
 
 _ZONE: _Needs = {"method": ("autofocus_zone",)}
+_ZONE_MEAN: _Needs = {**_ZONE, "zone_statistic": ("mean",)}
 _GAZE: _Needs = {"method": ("gaze",)}
 _RAYS_AHEAD: _Needs = {"method": ("nine_ray",)}
 _THIN_LENS: _Needs = {"law": ("thin_lens",)}
 _FOLLOWING: _Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
-_DURATION: _Needs = {**_FOLLOWING, "law": ("duration",)}
+_LAWS_THAT_TAKE = {
+    key: tuple(name for name, law in LAWS.items() if key in law.settings)
+    for key in sorted(set().union(*(law.settings for law in LAWS.values())))
+    if key != "infinity_m"  # which is also where the sky is
+}
 
 NEEDS: dict[str, dict[str, _Needs]] = {
     "focus": {
         "fixed_m": {"method": ("fixed",)},
         "ring_deg": _RAYS_AHEAD,
-        "mean": {"method": ("nine_ray", "autofocus_zone")},
+        "mean": {"method": ("nine_ray", "autofocus_zone"), "zone_statistic": ("mean",)},
         "outlier_mad": _RAYS_AHEAD,
         "outlier_floor_fraction": {**_RAYS_AHEAD, "mean": ("metres",)},
         "outlier_floor_dioptre": {**_RAYS_AHEAD, "mean": ("dioptres",)},
         "zone_ratio": _ZONE,
         "zone_size_px": _ZONE,
+        "zone_statistic": _ZONE,
         "zone_mean_on": _ZONE,
         "semantic_min": _ZONE,
         "semantic_max": _ZONE,
-        "gauss_centre": _ZONE,
-        "gauss_border": _ZONE,
+        "gauss_centre": _ZONE_MEAN,
+        "gauss_border": _ZONE_MEAN,
         "gaze_radius_deg": _GAZE,
         "without_gaze": _GAZE,
         "law": _FOLLOWING,
-        "refocus_s": {**_FOLLOWING, "law": ("linear", "linear_dioptre")},
-        "cutoff_hz": {**_FOLLOWING, "law": ("low_pass", "low_pass_backward_euler")},
-        "duration_s": _DURATION,
-        "refixation_dioptre": _DURATION,
+        **{key: {**_FOLLOWING, "law": laws} for key, laws in _LAWS_THAT_TAKE.items()},
     },
     "depth_of_field": {
         "full_blur_m": {"law": ("linear",)},

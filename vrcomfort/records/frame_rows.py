@@ -22,7 +22,7 @@ class GazeRow:
     gaze
         In the stage; blank where it is not valid.
     hit_m
-        Where focus follows the gaze: how far away what it meets is, along the head's forward axis.
+        Where focus follows the gaze: how far away what it meets is: `FocusSample.focus_raw_m`.
     """
 
     FILE: ClassVar[str] = "gaze.csv"
@@ -43,7 +43,7 @@ class GazeRow:
         """Return the values in the order of the header."""
         ray: list[float | None] = [None] * 6
         if self.gaze.valid:
-            ray = [*self.gaze.pose.position.tolist(), *self.gaze.pose.forward.tolist()]
+            ray = [*self.gaze.pose.numbers[:3], *self.gaze.pose.forward.tolist()]
         hit_m = self.hit_m if self.gaze.valid else None
         return [self.session_s, self.xr_time_ns, int(self.gaze.valid), *ray, hit_m, self.resumed]
 
@@ -123,12 +123,12 @@ class FrameRow:
             self.period_ns,
             self.trial,
             int(self.should_render),
-            *_numbers(self.head),
-            *_numbers(self.left.pose),
-            *_numbers(self.right.pose),
+            *self.head.numbers,
+            *self.left.pose.numbers,
+            *self.right.pose.numbers,
             *_angles(self.left),
             *_angles(self.right),
-            *_numbers(self.avatar),
+            *self.avatar.numbers,
             self.head_valid,
             self.head_tracked,
             self.session_state,
@@ -144,10 +144,6 @@ class FrameRow:
             int(self.discontinuity),
             self.resumed,
         ]
-
-
-def _numbers(pose: Pose) -> list[float]:
-    return [*pose.position.tolist(), *pose.orientation.tolist()]
 
 
 def _angles(view: View) -> tuple[float, float, float, float]:

@@ -35,8 +35,7 @@ POSE_COLUMNS = (*HEAD, *EYES, *FOVS, *AVATAR)
 
 def pose_cells(body: Body, pose: Pose) -> dict[str, float]:
     """Return a pose as its seven named numbers."""
-    values = [*pose.position.tolist(), *pose.orientation.tolist()]
-    return dict(zip(pose_columns(body), values, strict=True))
+    return dict(zip(pose_columns(body), pose.numbers, strict=True))
 
 
 def fov_cells(eye: Eye, fov: Fov) -> dict[str, float]:

@@ -208,11 +208,11 @@ def cell_text(value: Cell) -> str:
 
     Line ends inside a text become spaces, so that a row is a line and a cut one is seen.
     """
-    if value is None or (isinstance(value, float) and not math.isfinite(value)):
+    if isinstance(value, float):  # most are
+        return repr(float(value)) if math.isfinite(value) else ""
+    if value is None:
         return ""
-    if isinstance(value, str):
-        return " ".join(value.splitlines())
-    return repr(float(value)) if isinstance(value, float) else str(int(value))
+    return " ".join(value.splitlines()) if isinstance(value, str) else str(int(value))
 
 
 def csv_line(cells: Iterable[str]) -> str:

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from vrcomfort.geometry import Array, Fov, Pose, clip_from_view, rotation_matrix
+from vrcomfort.geometry import Array, Fov, Pose, clip_from_view
 
 LensLaw = Literal["linear", "dioptre"]
 """Radius per metre of defocus, or per dioptre (all lenses)."""
@@ -76,11 +76,12 @@ class EyeCamera:
 
     def view_from_relative(self) -> Array:
         """Return the (4, 4) rotation from world axes, with the eye as origin, into the view."""
-        return rotation_only(rotation_matrix(self.world_from_eye.orientation).T)
+        return rotation_only(self.world_from_eye.rotation.T)
 
     def clip_from_relative(self) -> Array:
         """Return (4, 4) clip-from-relative; relative = world axes, with the eye as origin."""
-        matrix: Array = self.clip_from_view() @ self.view_from_relative()
+        matrix = self.clip_from_view().copy()
+        matrix[:, :3] = matrix[:, :3] @ self.world_from_eye.rotation.T
         return matrix
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Pose, interpolate_pose, rotation_matrix
+from vrcomfort.geometry import Pose, interpolate_pose
 from vrcomfort.protocol.conditions import CameraMode
 
 Float32: TypeAlias = NDArray[np.float32]
@@ -35,19 +35,17 @@ def previous_eye_pose(
     - ``objects_only``: no camera moves, locomotion neither (Chapman's first form: the previous
       view is the present one).
     """
-    eye = world_from_stage @ stage_from_head @ head_from_eye
     if mode == "objects_only":
-        return eye
-    previous_head = {
-        "full": previous_stage_from_head,
-        "head_cancelled": stage_from_head,
-        "rotation_cancelled": Pose(previous_stage_from_head.position, stage_from_head.orientation),
-        "rotation_cancelled_eye": previous_stage_from_head,
-    }[mode]
-    previous_eye = previous_world_from_stage @ previous_head @ head_from_eye
+        return world_from_stage @ stage_from_head @ head_from_eye
+    head = previous_stage_from_head
+    if mode == "head_cancelled":
+        head = stage_from_head
+    elif mode == "rotation_cancelled":
+        head = head.turned_as(stage_from_head)
+    previous_eye = previous_world_from_stage @ head @ head_from_eye
     if mode != "rotation_cancelled_eye":
         return previous_eye
-    return Pose(previous_eye.position, eye.orientation)
+    return previous_eye.turned_as(world_from_stage @ stage_from_head @ head_from_eye)
 
 
 class CameraMotion(NamedTuple):
@@ -84,4 +82,4 @@ def extrapolated_eye_pose(
 
 
 def _view_rotation(world_from_eye: Pose) -> Float32:
-    return rotation_matrix(world_from_eye.orientation).T.astype(np.float32)
+    return world_from_eye.rotation.T.astype(np.float32)

@@ -2,47 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import moderngl
 
 from vrcomfort.frame import FocusSample, Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.render import plan
-from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
-from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
-from vrcomfort.render.effects.depth_of_field.lens_views import LensViews, blur_of_one_view
-from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
-from vrcomfort.render.effects.speed_blur import SpeedBlurPass
-from vrcomfort.render.focus.passes import FixedFocus, FocusPass, make_focus_pass
-from vrcomfort.render.focus.rays import screen_tangents
+from vrcomfort.render.camera import Lens, PreviousCamera
+from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
+from vrcomfort.render.effects.effect import Effect, EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.kinds import in_order
+from vrcomfort.render.focus.autofocus_zone import screen_tangents
+from vrcomfort.render.focus.rule import FocusPass, Sight
+from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.frames import EyeImages, head_from_gaze
-from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.scene.data import Scene
 
 
-class PlacedEye(NamedTuple):
-    """An eye of this frame, and what motion blur counts as the eye of the frame before."""
-
-    head_from_eye: Pose
-    camera: EyeCamera
-    previous: PreviousCamera | None
-    step: HeadStep | None = None
-    """How the head got here; None where the frame before has nothing to do with this one."""
-
-
 class ConditionPasses:
     """The passes of one condition in one scene, wired by their textures.
 
-    With several views through the lens, motion blur that comes first blurs each view along its own
-    velocities; motion blur that comes after depth of field blurs the mean of the views along those
-    of the centre view, which is drawn last: its colour, depth and velocity are the eye's.
+    Effects are drawn in the condition's order, each from the result of the one before. With several
+    views through the lens, the effects up to depth of field are drawn in each view (motion blur
+    along its own velocities), and the others once, on the mean of the views, with the depth and the
+    velocity of the centre view, which is drawn last: its colour, depth and velocity are the eye's.
     """
 
     def __init__(
@@ -58,181 +46,152 @@ class ConditionPasses:
     ) -> None:
         self._ctx = ctx
         self._size_px = size_px
-        self._near_m = near_m
-        self.names = tuple(item.name for item in plan_passes(scene, condition) if item.needed)
-        velocity = plan.velocity(scene, condition).needed
-        self._lens_views: LensViews | None = None
-        blur = condition.depth_of_field if plan.depth_of_field(condition).needed else None
+        planned = plan_passes(scene, condition)
+        self.names = tuple(item.name for item in planned if item.needed)
+        kinds = [kind for kind in in_order(condition) if kind.name in self.names]
+        blur = condition.depth_of_field if "depth_of_field" in self.names else None
+        self._views = blur.views if blur is not None else 1
         self.scene = ScenePass(
             ctx,
             scene,
             size_px,
-            velocity=velocity,
+            velocity="velocity" in self.names,
             samples=samples,
-            lens_law="dioptre" if blur is not None and blur.views > 1 else None,
+            lens_law="dioptre" if self._views > 1 else None,
         )
-        self.focus: FocusPass | FixedFocus | None = None
-        self._depth_of_field: DepthOfFieldPass | None = None
-        self._motion_blur: MotionBlurPass | None = None
-        self._speed_blur: SpeedBlurPass | None = None
+        self.focus: FocusPass | None = None
+        if any("focus" in kind.reads for kind in kinds):
+            along_ray = blur is not None and blur.distance_along == "ray"
+            self.focus = make_focus_pass(
+                ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
+            )
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
-        effects = [self._add_depth_of_field, self._add_motion_blur]
-        if condition.effect_order == "motion_blur_first":
-            effects.reverse()
-        for add in effects:
-            add(condition)
-        self._add_speed_blur(condition)
-        self._blur_first = condition.effect_order == "motion_blur_first"
+        self._lens_views: LensViews | None = None
+        self._of_view: list[Effect] = []
+        """Drawn in each view through the lens."""
+        self._of_eye: list[Effect] = []
+        """Drawn once."""
+        self._depth_of_field: Effect | None = None
+        for kind in kinds:
+            self._add(kind, condition)
         exposure = scene.environment.exposure
         self.tone_maps = tuple(
             ToneMapPass(ctx, radiance=self.colour, size_px=size_px, exposure=exposure)
             for _ in range(eyes)
         )
 
-    def _add_depth_of_field(self, condition: Condition) -> None:
-        settings = condition.depth_of_field
-        if settings is None or not plan.depth_of_field(condition).needed:
-            return
-        focus, near_m = condition.focus, self._near_m
-        self.focus = make_focus_pass(self._ctx, self.scene.gpu, focus, near_m=near_m)
-        of_one_view = blur_of_one_view(settings, self._size_px)
-        if of_one_view is not None:
-            self._depth_of_field = DepthOfFieldPass(
+    def _add(self, kind: EffectKind, condition: Condition) -> None:
+        focus = self.focus.texture if self.focus is not None else None
+        made = {"focus": focus, "velocity": self.scene.velocity}
+        effect = kind.build(
+            EffectInputs(
                 self._ctx,
-                colour=self.colour,
-                depth=self.scene.depth,
-                focus=self.focus.texture,
-                settings=of_one_view,
-                size_px=self._size_px,
-                infinity_m=focus.infinity_m,
+                condition,
+                getattr(condition, kind.name),
+                self._size_px,
+                self.colour,
+                self.scene.depth,
+                {name: texture for name in kind.reads if (texture := made[name]) is not None},
             )
-            self.colour = self._depth_of_field.target
-        if settings.views > 1:
-            self.scene.lens_focus = self.focus.texture
-            self._lens_views = LensViews(self._ctx, self.colour, settings, focus.infinity_m)
-            self.colour = self._lens_views.target
-
-    def _add_motion_blur(self, condition: Condition) -> None:
-        settings = condition.motion_blur
-        velocity = self.scene.velocity
-        if settings is None or velocity is None:
-            return
-        self._motion_blur = MotionBlurPass(
-            self._ctx,
-            colour=self.colour,
-            depth=self.scene.depth,
-            velocity=velocity,
-            settings=settings,
-            size_px=self._size_px,
         )
-        self.colour = self._motion_blur.target
+        if effect is not None:
+            self._of_eye.append(effect)
+            self.colour = effect.target
+        if kind.name == "depth_of_field":
+            self._depth_of_field = effect
+            self._add_lens_views(condition)
 
-    def _add_speed_blur(self, condition: Condition) -> None:
-        settings = condition.speed_blur
-        if settings is None or not plan.speed_blur(condition).needed:
+    def _add_lens_views(self, condition: Condition) -> None:
+        settings = condition.depth_of_field
+        if settings is None or self.focus is None or self._views == 1:
             return
-        self._speed_blur = SpeedBlurPass(
-            self._ctx, colour=self.colour, settings=settings, size_px=self._size_px
-        )
-        self.colour = self._speed_blur.target
+        self._of_view, self._of_eye = self._of_eye, []
+        self.scene.lens_focus = self.focus.texture
+        infinity_m = condition.focus.infinity_m
+        self._lens_views = LensViews(self._ctx, self.colour, settings, infinity_m)
+        self.colour = self._lens_views.target
 
     def warm_up(self) -> None:
         """Draw once what frames in which nothing moves leave out, so that it is compiled."""
-        for effect in (self._motion_blur, self._speed_blur):
-            if effect is not None:
-                effect.warm_up()
+        for effect in self._effects:
+            effect.warm_up()
+
+    @property
+    def _effects(self) -> Sequence[Effect]:
+        return (*self._of_view, *self._of_eye)
 
     @property
     def max_blur_px(self) -> float | None:
         """Return the largest radius or half streak there can be; None: views have no limit."""
         if self._lens_views is not None:
             return None
-        effects = self._depth_of_field, self._motion_blur
-        return max((effect.limit_px for effect in effects if effect is not None), default=0.0)
+        return max((effect.limit_px for effect in self._effects), default=0.0)
 
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur so far, in words; waits for the GPU."""
-        lens = self._depth_of_field.clamps() if self._depth_of_field else ()
-        if self._lens_views is not None:
-            views = f"in each of {self._lens_views.views} views through the lens"
-            lens = tuple(f"{clamp} {views}; their mean has no limit" for clamp in lens)
-        return lens + (self._motion_blur.clamps() if self._motion_blur else ())
+        return tuple(clamp for effect in self._effects for clamp in self._clamps(effect))
+
+    def _clamps(self, effect: Effect) -> tuple[str, ...]:
+        clamps = effect.clamps()
+        if self._lens_views is None or effect is not self._depth_of_field:
+            return clamps
+        views = f"in each of {self._lens_views.views} views through the lens"
+        return tuple(f"{clamp} {views}; their mean has no limit" for clamp in clamps)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
-        if self._depth_of_field is not None:
-            self._depth_of_field.forget()
+        for effect in self._effects:
+            effect.forget()
 
     def find_focus(self, frame: Frame, world_from_head: Pose) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
             return ()
-        return self.focus.render(
-            frame_index=frame.index,
-            display_time_ns=frame.predicted_display_time_ns,
-            world_from_head=world_from_head,
-            discontinuity=frame.discontinuity,
-            screen_tangents=screen_tangents(frame.views),
-            gaze=head_from_gaze(frame),
+        sight = Sight(
+            frame.index,
+            frame.predicted_display_time_ns,
+            world_from_head,
+            frame.discontinuity,
+            screen_tangents(frame.views),
+            head_from_gaze(frame),
         )
+        return self.focus.render(sight)
 
-    def render_eye(
-        self, index: int, eye: PlacedEye, scene_time_s: float, before_s: float
-    ) -> EyeImages:
-        """Draw one eye (0 left, 1 right) and its effects."""
-        camera = eye.camera
-        previous = eye.previous or PreviousCamera(camera.world_from_eye, before_s)
+    def render_eye(self, eye: EyeFrame, scene_time_s: float, before_s: float) -> EyeImages:
+        """Draw one eye and its effects; the left one first."""
         self.triangles = 0
-
-        def draw(lens: Lens | None = None) -> None:
-            self.scene.render(replace(camera, lens=lens), scene_time_s, previous)
-            self.triangles += self.scene.triangles
-
-        if self._lens_views is None:
-            self._render_once(eye, draw)
-        else:
-            self._render_views(eye, draw, self._lens_views)
-        if self._speed_blur is not None:
-            self._speed_blur.render(fov=camera.fov, step=eye.step)
-        self.tone_maps[index].render()
+        if self._lens_views is not None:
+            self._lens_views.render(
+                eye.camera.fov,
+                lambda lens: self._draw(eye, self._of_view, scene_time_s, before_s, lens),
+            )
+        self._draw(eye, self._of_eye, scene_time_s, before_s)
+        tone_map = self.tone_maps[eye.eye_index]
+        tone_map.render()
         return EyeImages(
-            camera,
+            eye.camera,
             eye.previous,
             self.scene.colour,
             self.colour,
             self.scene.depth,
             self.scene.velocity,
-            self.tone_maps[index].target,
+            tone_map.target,
         )
 
-    def _render_once(self, eye: PlacedEye, draw: Callable[[], None]) -> None:
-        steps = [self._blur_defocus, self._blur_motion]
-        draw()
-        for step in reversed(steps) if self._blur_first else steps:
-            step(eye)
-
-    def _render_views(
-        self, eye: PlacedEye, draw: Callable[[Lens | None], None], views: LensViews
+    def _draw(
+        self,
+        eye: EyeFrame,
+        effects: Sequence[Effect],
+        scene_time_s: float,
+        before_s: float,
+        lens: Lens | None = None,
     ) -> None:
-        def draw_and_blur(lens: Lens) -> None:
-            draw(lens)
-            if self._blur_first:
-                self._blur_motion(eye)
-            self._blur_defocus(eye)
-
-        views.render(eye.camera.fov, draw_and_blur)
-        draw(None)
-        if not self._blur_first:
-            self._blur_motion(eye)
-
-    def _blur_defocus(self, eye: PlacedEye) -> None:
-        if self._depth_of_field is not None:
-            self._depth_of_field.render(
-                fov=eye.camera.fov, near_m=eye.camera.near_m, head_from_eye=eye.head_from_eye
-            )
-
-    def _blur_motion(self, eye: PlacedEye) -> None:
-        if self._motion_blur is not None:
-            self._motion_blur.render(still=self.scene.still, step=eye.step)
+        previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
+        camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
+        self.scene.render(camera, scene_time_s, previous)
+        self.triangles += self.scene.triangles
+        seen = eye._replace(still=self.scene.still)
+        for effect in effects:
+            effect.render(seen)

@@ -28,15 +28,27 @@ def planes(clip_from_source: Array, *, near: bool = True) -> Array:
     return np.asarray((_SIDES if near else _SIDES[:4]) @ clip_from_source)
 
 
-def visible(planes: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
+def from_origins(planes: Array, origins: Array) -> Array:
+    """Return (views, k, 4) planes around (views or 1, 3) origins for boxes in one frame for all."""
+    moved = planes.copy()
+    moved[..., 3] -= np.einsum("vkj,vj->vk", planes[..., :3], origins)
+    return moved
+
+
+def boxes(centers: Array, halves: Array) -> Array:
+    """Return (7, n) axis-aligned boxes as `visible` takes them: centres, half extents, ones."""
+    return np.concatenate([centers.T, halves.T, np.ones((1, len(centers)))])
+
+
+def visible(planes: Array, boxes: Array) -> NDArray[np.bool_]:
     """Return False for the axis-aligned boxes that lie wholly outside of one plane.
 
     Parameters
     ----------
     planes
         (k, 4) in the frame of the boxes, or (views, k, 4) for several frusta.
-    centers, halves
-        (n, 3) centres and half extents. A box that only its corner planes would exclude is kept.
+    boxes
+        (7, n), see :func:`boxes`. A box that only its corner planes would exclude is kept.
 
     Returns
     -------
@@ -44,16 +56,18 @@ def visible(planes: Array, centers: Array, halves: Array) -> NDArray[np.bool_]:
         (n,), or (views, n) for several frusta.
     """
     flat = planes.reshape(-1, 4)
-    normals = flat[:, :3]
-    reach = normals @ centers.T
-    reach += np.abs(normals) @ halves.T
-    inside = (reach >= -flat[:, 3:]).reshape(*planes.shape[:-1], -1)
-    return np.asarray(inside.all(axis=-2))
+    weights = np.empty((len(flat), 7))
+    weights[:, :3], weights[:, 6] = flat[:, :3], flat[:, 3]
+    np.abs(flat[:, :3], out=weights[:, 3:6])
+    # How far the corner that is furthest inside of a plane lies inside of it.
+    reach = weights @ boxes
+    return np.asarray(reach.reshape(*planes.shape[:-1], -1).min(axis=-2) >= 0)
 
 
 def lengths(vectors: Array) -> Array:
-    """Return (n,) lengths of (n, 3) vectors."""
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", vectors, vectors)))
+    """Return (n,) lengths of (3, n) vectors."""
+    x, y, z = vectors
+    return np.asarray(np.sqrt(x * x + y * y + z * z))
 
 
 def transformed_boxes(

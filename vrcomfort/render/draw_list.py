@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.render import culling
+from vrcomfort.render.materials import BatchKey, ImageArrays, batch_key, materials_per_block
+from vrcomfort.render.skin_boxes import SkinBoxes
 from vrcomfort.scene.data import Node, Scene
 
 COMMAND = np.dtype(
@@ -30,14 +32,6 @@ COMMAND = np.dtype(
 """DrawElementsIndirectCommand (OpenGL 4.5, §10.4)."""
 
 
-class BatchKey(NamedTuple):
-    """What one multi-draw shares: everything that needs a change of OpenGL state."""
-
-    material: int
-    mirrored: bool
-    vertex_colors: bool
-
-
 class Batch(NamedTuple):
     """A run of commands, to be drawn with one call."""
 
@@ -49,7 +43,7 @@ class Batch(NamedTuple):
 class _Item(NamedTuple):
     node: int
     primitive: int
-    key: int
+    key: BatchKey
     from_m: float
     until_m: float
     base_level: bool
@@ -57,11 +51,31 @@ class _Item(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class DrawList:
-    """The rows of a scene. All arrays are (items,) or (items, 3)."""
+    """The rows of a scene. All arrays are (items,) or (items, 3).
+
+    Parameters
+    ----------
+    keys, depth_keys
+        What draws share, for colour and where only depth is drawn.
+    key, depth_key
+        Of each row, by index into them.
+    material
+        Index into the block that the row's key names.
+    blended
+        Whether a row writes no depth.
+    first_joint
+        Where in the list of all joints those of a row's skin begin, 0 without one.
+    skin_boxes
+        Around what joints bend.
+    """
 
     keys: tuple[BatchKey, ...]
+    depth_keys: tuple[BatchKey, ...]
     node: NDArray[np.intp]
     key: NDArray[np.intp]
+    depth_key: NDArray[np.intp]
+    material: NDArray[np.intp]
+    blended: NDArray[np.bool_]
     commands: NDArray[np.void]
     centers: Array
     halves: Array
@@ -71,35 +85,38 @@ class DrawList:
     ambient: NDArray[np.float32]
     casts_shadow: NDArray[np.bool_]
     semantic_weight: NDArray[np.float32]
+    first_joint: NDArray[np.intp]
+    skin_boxes: SkinBoxes
 
     @classmethod
-    def of(cls, scene: Scene) -> DrawList:
+    def of(cls, scene: Scene, images: ImageArrays | None = None) -> DrawList:
         """Tabulate a scene; index and vertex offsets are those of `concatenated primitives`."""
-        world = scene.world_from_node(0.0)
-        keys: dict[BatchKey, int] = {}
-        items = [
-            _Item(index, primitive, keys.setdefault(key, len(keys)), from_m, until_m, base)
-            for index, node in enumerate(scene.nodes)
-            for mesh, from_m, until_m, base in _levels(node)
-            for primitive in mesh
-            for key in [_key(scene, primitive, world[index])]
-        ]
+        items = _items(scene, images or ImageArrays.of(scene))
+        nodes = [scene.nodes[item.node] for item in items]
+        surfaces = [scene.primitives[item.primitive] for item in items]
+        keys, key = _numbered([item.key for item in items])
+        depth_keys, depth_key = _numbered([item.key.of_depth for item in items])
         lower, upper = _bounds(scene, [item.primitive for item in items])
         return cls(
-            keys=tuple(keys),
+            keys=keys,
+            depth_keys=depth_keys,
             node=np.array([item.node for item in items], dtype=np.intp),
-            key=np.array([item.key for item in items], dtype=np.intp),
+            key=key,
+            depth_key=depth_key,
+            material=np.array([each.material for each in surfaces], np.intp)
+            % materials_per_block(),
+            blended=np.array([item.key.blended for item in items], dtype=bool),
             commands=_commands(scene, [item.primitive for item in items]),
             centers=(lower + upper) / 2,
             halves=(upper - lower) / 2,
             from_m=np.array([item.from_m for item in items]),
             until_m=np.array([item.until_m for item in items]),
             base_level=np.array([item.base_level for item in items], dtype=bool),
-            ambient=np.array([scene.nodes[item.node].ambient for item in items], dtype=np.float32),
-            casts_shadow=np.array([scene.nodes[item.node].casts_shadow for item in items], bool),
-            semantic_weight=np.array(
-                [scene.nodes[item.node].semantic_weight for item in items], dtype=np.float32
-            ),
+            ambient=np.array([node.ambient for node in nodes], dtype=np.float32),
+            casts_shadow=np.array([node.casts_shadow for node in nodes], dtype=bool),
+            semantic_weight=np.array([node.semantic_weight for node in nodes], dtype=np.float32),
+            first_joint=np.array([_first_joint(scene, node) for node in nodes], dtype=np.intp),
+            skin_boxes=SkinBoxes.of(scene, [(item.node, item.primitive) for item in items]),
         )
 
     def world_boxes(self, world_from_node: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
@@ -108,10 +125,15 @@ class DrawList:
             world_from_node[self.node[rows]], self.centers[rows], self.halves[rows]
         )
 
-    def level_in_use(self, node_distance_m: Array) -> NDArray[np.bool_]:
-        """Return (items,) True where a row's level of detail is the one for its node's distance."""
-        distance = node_distance_m[self.node]
-        return (distance >= self.from_m) & (distance < self.until_m)
+    def level_in_use(self, distance_m: Array) -> NDArray[np.bool_]:
+        """Return (items,) True where a row's level of detail is the one for its distance.
+
+        Parameters
+        ----------
+        distance_m
+            (items,) of what `node_centers` gives a row's node.
+        """
+        return (distance_m >= self.from_m) & (distance_m < self.until_m)
 
     def node_centers(self, centers: Array, halves: Array, nodes: int) -> Array:
         """Return (nodes, 3) centres of the world boxes around the finest level of each node."""
@@ -124,6 +146,11 @@ class DrawList:
             found[self.node[rows[first]]] = (lower + upper) / 2
         return found
 
+    @property
+    def has_levels(self) -> NDArray[np.bool_]:
+        """Return (items,) whether a row is not for every distance."""
+        return (self.from_m > 0) | (self.until_m < np.inf)
+
     @cached_property
     def _finest(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the rows of the finest levels, and where among them each node begins."""
@@ -131,26 +158,68 @@ class DrawList:
         return rows, np.flatnonzero(np.diff(self.node[rows], prepend=-1))
 
 
-def batches(keys: NDArray[np.intp], order: NDArray[np.intp]) -> list[Batch]:
-    """Cut ordered rows into runs of equal key."""
-    ordered = keys[order]
-    if not len(ordered):
+def batches(keys: NDArray[np.intp]) -> list[Batch]:
+    """Cut the keys of ordered rows into runs of equal ones."""
+    if not len(keys):
         return []
-    starts = [0, *(np.flatnonzero(ordered[1:] != ordered[:-1]) + 1).tolist()]
-    ends = [*starts[1:], len(ordered)]
-    return list(map(Batch, ordered[starts].tolist(), starts, map(operator.sub, ends, starts)))
+    changes = (keys[1:] != keys[:-1]).nonzero()[0] + 1  # hot: functions of NumPy's take longer
+    starts = [0, *changes.tolist()]
+    ends = [*starts[1:], len(keys)]
+    found = [int(keys[0]), *keys[changes].tolist()]
+    return list(map(Batch, found, starts, map(operator.sub, ends, starts)))
 
 
-def front_to_back(
-    rows: NDArray[np.intp], keys: NDArray[np.intp], distance_m: Array
-) -> NDArray[np.intp]:
-    """Order rows by key, keys by their nearest row, and the rows of a key by distance.
+def front_to_back(key: NDArray[np.intp], distance_m: Array) -> NDArray[np.intp]:
+    """Return the order of rows: keys by their nearest row, and the rows of a key by distance.
 
     Near things first: the depth test then spares most of the shading behind them.
     """
-    nearest = np.full(int(keys.max(initial=0)) + 1, np.inf)
-    np.minimum.at(nearest, keys[rows], distance_m[rows])
-    return rows[np.lexsort((distance_m[rows], keys[rows], nearest[keys[rows]]))]
+    nearest = np.full(int(key.max(initial=0)) + 1, np.inf)
+    np.minimum.at(nearest, key, distance_m)
+    return np.lexsort((distance_m, key, nearest[key]))
+
+
+def _first_joint(scene: Scene, node: Node) -> int:
+    return 0 if node.skin is None else int(scene.all_skins.first[node.skin])
+
+
+def _items(scene: Scene, images: ImageArrays) -> list[_Item]:
+    mirrored = _mirrored(scene)
+    surfaces = scene.primitives
+    return [
+        _Item(index, primitive, key, from_m, until_m, base)
+        for index, node in enumerate(scene.nodes)
+        for mesh, from_m, until_m, base in _levels(node)
+        for primitive in mesh
+        for key in [
+            batch_key(
+                scene,
+                images,
+                surfaces[primitive].material,
+                vertex_colors=surfaces[primitive].colors is not None,
+                skinned=node.skin is not None,
+                mirrored=bool(mirrored[index]),
+            )
+        ]
+    ]
+
+
+def _mirrored(scene: Scene) -> NDArray[np.bool_]:
+    """Return (nodes,) whether what a node draws is turned inside out."""
+    found = np.linalg.det(scene.world_from_node(0.0)[:, :3, :3]) < 0
+    skins = scene.all_skins
+    bends = np.linalg.det(skins.place_from_bind(scene.world_from_joint(0.0))[:, :3, :3])
+    for index, node in enumerate(scene.nodes):
+        if node.skin is not None:
+            found[index] = bends[skins.first[node.skin]] < 0
+    return np.asarray(found)
+
+
+def _numbered(keys: list[BatchKey]) -> tuple[tuple[BatchKey, ...], NDArray[np.intp]]:
+    """Return the different keys, and the number of each row's."""
+    numbers: dict[BatchKey, int] = {}
+    rows = [numbers.setdefault(key, len(numbers)) for key in keys]
+    return tuple(numbers), np.array(rows, dtype=np.intp)
 
 
 def _levels(node: Node) -> list[tuple[tuple[int, ...], float, float, bool]]:
@@ -160,12 +229,6 @@ def _levels(node: Node) -> list[tuple[tuple[int, ...], float, float, bool]]:
     return [
         (mesh, starts[level], starts[level + 1], level == 0) for level, mesh in enumerate(meshes)
     ]
-
-
-def _key(scene: Scene, primitive: int, world_from_node: Array) -> BatchKey:
-    surface = scene.primitives[primitive]
-    mirrored = bool(np.linalg.det(world_from_node[:3, :3]) < 0)
-    return BatchKey(surface.material, mirrored, surface.colors is not None)
 
 
 def _bounds(scene: Scene, primitives: list[int]) -> tuple[Array, Array]:

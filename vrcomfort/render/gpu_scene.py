@@ -1,15 +1,16 @@
-"""A scene on the GPU: one vertex buffer, one index buffer, one multi-draw per material.
+"""A scene on the GPU: one vertex buffer, one index buffer, one multi-draw per kind of surface.
 
-Per frame Python does not loop over things but over materials: which things are seen, at which
-level of detail and in which order is decided by array operations on `DrawList`, and the GPU gets
-one row (a 3 × 4 matrix and a few numbers) and one indirect command per thing.
+Per frame Python does not loop over things but over kinds of surfaces: which things are seen, at
+which level of detail and in which order is decided by array operations on `DrawList`, for both eyes
+at once, and the GPU gets one row (a 3 × 4 matrix and a few numbers) and one indirect command per
+thing. Textures and materials are bound once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, cast
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -17,21 +18,57 @@ import numpy as np
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import culling, lighting
+from vrcomfort.render.batch_drawer import BatchDrawer
+from vrcomfort.render.clip_blocks import ClipBlocks
 from vrcomfort.render.draw_list import Batch, DrawList, batches, front_to_back
-from vrcomfort.render.scene_rows import Movement, Rows, SceneRows
-from vrcomfort.render.surfaces import MaterialBuffer, Surface, SurfaceFactory
+from vrcomfort.render.joint_buffer import JointBuffer
+from vrcomfort.render.materials import ImageArrays
+from vrcomfort.render.scene_rows import (
+    PREVIOUS_FORMAT,
+    PREVIOUS_NAMES,
+    ROW_FORMAT,
+    ROW_NAMES,
+    Movement,
+    RowBuffers,
+    Rows,
+    SceneRows,
+)
+from vrcomfort.render.surfaces import Surface, SurfaceFactory
 from vrcomfort.render.vertex_data import (
+    BENDING_FORMAT,
+    BENDING_NAMES,
+    SECOND_UV_FORMAT,
+    SECOND_UV_NAMES,
     VERTEX_FORMAT,
     VERTEX_NAMES,
+    bending_bytes,
     index_bytes,
+    second_uv_bytes,
     vertex_bytes,
 )
 from vrcomfort.scene.data import Scene
 
-DepthArrays = list[moderngl.VertexArray | None]
 
-_ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing")
-_PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
+class Viewpoint(NamedTuple):
+    """A view to draw: what it sees and from where.
+
+    Parameters
+    ----------
+    clip_from_relative
+        (4, 4) for culling; relative = world axes with `position_m` as origin.
+    position_m
+        (3,) world.
+    """
+
+    clip_from_relative: Array
+    position_m: Array
+
+
+class _Layer(NamedTuple):
+    """What one view draws, in order: what is opaque, or what is blended over it."""
+
+    batches: list[Batch]
+    triangles: int
 
 
 class GpuScene:
@@ -42,7 +79,7 @@ class GpuScene:
     defines
         What the colour programs are compiled for besides the scene: VELOCITY, LENS, LAW_DIOPTRE.
 
-    Call `update` once per frame, then `draw` or `draw_depth` for each view.
+    Call `update` once per frame, then `see` once for all eyes and `draw` for each; or `draw_depth`.
     """
 
     def __init__(
@@ -50,32 +87,47 @@ class GpuScene:
     ) -> None:
         self.scene = scene
         self._ctx = ctx
-        self._list = DrawList.of(scene)
-        self._velocity = "VELOCITY" in (defines or {})
-        self._rows = SceneRows(ctx, scene, self._list, velocity=self._velocity)
-        self._vertices = gl.buffer(ctx, vertex_bytes(scene.primitives))
-        self._indices = gl.buffer(ctx, index_bytes(scene.primitives))
-        self._materials = MaterialBuffer(ctx, scene.materials)
-        features = {**lighting.features(scene.environment), **(defines or {})}
-        # Not a method of this object: buffers must go with it, not when cycles are collected.
-        arrays = partial(_vertex_array, ctx, self._vertex_content(), self._indices)
-        self._factory = SurfaceFactory(ctx, scene, arrays, scene_features=features)
-        self._surfaces = [self._factory.make(key) for key in self._list.keys]
-        self._depth_arrays = [surface.depth for surface in self._surfaces]
-        self._semantic_arrays: DepthArrays | None = None
-        blended = np.array([surface.blended for surface in self._surfaces], dtype=bool)
-        self._blended_row = blended[self._list.key]
-        self._triangles_of_row = self._list.commands["index_count"].astype(np.int64) // 3
+        images = ImageArrays.of(scene)
+        self._list = table = DrawList.of(scene, images)
+        velocity = "VELOCITY" in (defines or {})
+        self._rows = SceneRows(scene, table)
+        self._color_rows = RowBuffers(ctx, 2 * len(table.node), previous=velocity)
+        self._depth_rows = RowBuffers(ctx, len(table.node), previous=False)
+        self._drawer = BatchDrawer(ctx, scene, images)
+        self._clips = ClipBlocks(ctx)
+        joints = scene.all_skins.count
+        self._joints = JointBuffer(ctx, joints) if joints else None
+        factory = self._factory(defines or {})
+        self._surfaces = [factory.color(key) for key in table.keys]
+        self._depth_surfaces = [factory.depth(key) for key in table.depth_keys]
+        self._semantic_surfaces: list[Surface] | None = None
+        self._semantic = partial(_semantic_surfaces, factory, table)
+        self.has_blended = bool(table.blended.any())
+        self._triangles_of_row = table.commands["index_count"].astype(np.int64) // 3
+        self._layers: list[_Layer] = []
+        """Opaque and blended of the first view, of the second, …"""
         self.draws = 0
 
-    def _vertex_content(self) -> list[tuple[Any, ...]]:
-        content: list[tuple[Any, ...]] = [
-            (self._vertices, VERTEX_FORMAT, *VERTEX_NAMES),
-            (self._rows.buffer, "4f4 4f4 4f4 4f4/i", *_ROW_NAMES),
-        ]
-        if self._rows.previous_buffer is not None:
-            content.append((self._rows.previous_buffer, "4f4 4f4 4f4/i", *_PREVIOUS_NAMES))
-        return content
+    def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
+        vertices = gl.buffer(self._ctx, vertex_bytes(self.scene.primitives))
+        indices = gl.buffer(self._ctx, index_bytes(self.scene.primitives))
+        of_vertices: list[tuple[Any, ...]] = [(vertices, VERTEX_FORMAT, *VERTEX_NAMES)]
+        if (uvs := second_uv_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, uvs), SECOND_UV_FORMAT, *SECOND_UV_NAMES))
+        if (bending := bending_bytes(self.scene.primitives)) is not None:
+            of_vertices.append((gl.buffer(self._ctx, bending), BENDING_FORMAT, *BENDING_NAMES))
+
+        def arrays(buffers: RowBuffers) -> Callable[[moderngl.Program], moderngl.VertexArray]:
+            # Not a method of this object: buffers must go with it, not when cycles are collected.
+            content = [*of_vertices, (buffers.rows, ROW_FORMAT, *ROW_NAMES)]
+            if buffers.previous is not None:
+                content.append((buffers.previous, PREVIOUS_FORMAT, *PREVIOUS_NAMES))
+            return partial(_vertex_array, self._ctx, content, indices)
+
+        features = {**lighting.features(self.scene.environment), **defines}
+        return SurfaceFactory(
+            self._ctx, arrays(self._color_rows), arrays(self._depth_rows), scene_features=features
+        )
 
     def update(self, time_s: float, head: Pose, previous_time_s: float | None = None) -> None:
         """Move everything to where it is at a time; doing it again for the other eye is free.
@@ -88,41 +140,61 @@ class GpuScene:
             world-from-head: decides levels of detail and places head-locked nodes.
         """
         self._rows.update(time_s, head, time_s if previous_time_s is None else previous_time_s)
+        if self._joints is not None:
+            self._joints.write(self._rows.joints, self._rows.previous_joints)
 
     @property
     def moves(self) -> bool:
         """Return whether anything in the scene moves by itself (not with the head)."""
         return self._rows.moves
 
-    @property
-    def has_blended(self) -> bool:
-        """Return whether any surface is blended."""
-        return bool(self._blended_row.any())
+    def see(self, views: Sequence[Viewpoint]) -> None:
+        """Choose and order what several views draw, in one pass over all things.
 
-    def draw(self, clip_from_relative: Array, eye_m: Array, *, blended: bool) -> int:
-        """Draw what an eye sees, and return the number of triangles.
+        Opaque and masked surfaces are drawn front to back, blended ones back to front.
+        """
+        origins = np.array([view.position_m for view in views])
+        planes = culling.planes(np.array([view.clip_from_relative for view in views]))
+        seen = self._rows.seen(planes, origins)
+        order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
+        view, place = seen[:, order].nonzero()
+        row = self._rows.in_use[order[place]]
+        layer = view * 2 + self._list.blended[row]
+        run = layer * len(self._surfaces) + self._list.key[row]
+        self._rows.write(self._color_rows, row, origins[view])
+        triangles = np.bincount(layer, self._triangles_of_row[row], minlength=2 * len(views))
+        self._layers = [_Layer([], int(count)) for count in triangles]
+        for batch in batches(run):
+            number, key = divmod(batch.key, len(self._surfaces))
+            self._layers[number].batches.append(Batch(key, batch.first, batch.length))
+
+    def _order(self, seen: Rows) -> Rows:
+        """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
+
+        Blended things come last, and from back to front.
+        """
+        rows, distance = self._rows.in_use[seen], self._rows.distance_m[seen]
+        order = seen[front_to_back(self._list.key[rows], distance)]
+        if not self.has_blended:
+            return order
+        blended = self._list.blended[self._rows.in_use[order]]
+        over = order[blended]
+        back_to_front = np.argsort(-self._rows.distance_m[over], kind="stable")
+        return np.concatenate([order[~blended], over[back_to_front]])
+
+    def draw(self, view: int, *, blended: bool) -> int:
+        """Draw what a view of the last `see` sees, and return the number of triangles.
 
         Parameters
         ----------
-        clip_from_relative
-            (4, 4) for culling; the shaders read the bound `View` block.
-        eye_m
-            (3,) world position of the eye.
         blended
-            False: opaque and masked surfaces, front to back. True: blended ones, back to front.
+            False: opaque and masked surfaces. True: blended ones.
         """
-        seen = self._rows.seen(culling.planes(clip_from_relative), eye_m)
-        rows = np.flatnonzero(seen & self._rows.in_use & (self._blended_row == blended))
-        distance = culling.lengths(self._rows.centers - eye_m)
-        order = (
-            rows[np.argsort(-distance[rows], kind="stable")]
-            if blended
-            else front_to_back(rows, self._list.key, distance)
-        )
-        self._rows.upload(order, eye_m, previous=self._velocity)
-        for batch in batches(self._list.key, order):
-            self._draw_batch(self._surfaces[batch.key], batch)
-        return self._triangles(order)
+        layer = self._layers[2 * view + blended]
+        self._begin()
+        self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
+        self.draws += len(layer.batches)
+        return layer.triangles
 
     def draw_depth(
         self,
@@ -142,42 +214,57 @@ class GpuScene:
             (4, 4) any reverse-Z projection; relative = world axes with `origin_m` as origin.
         origin_m
             (3,) world metres: the viewpoint.
-        movement
-            Leave out what moves (or what does not).
         shadow
             Draw for a shadow map: what casts one only, back faces too, levels of detail by the
             distance from `origin_m`, no near plane (the target must clamp depth).
+        movement
+            Leave out of a shadow map what moves (or what does not).
         """
-        seen = self._rows.seen(culling.planes(clip_from_relative, near=not shadow), origin_m)
-        in_use = (
-            self._rows.level_in_use(origin_m) & self._rows.shadow if shadow else self._rows.in_use
+        planes = culling.planes(clip_from_relative, near=not shadow)
+        rows = (
+            self._rows.casting(planes, origin_m, movement)
+            if shadow
+            else self._seen_from(planes, origin_m)
         )
-        rows = np.flatnonzero(seen & in_use & self._rows.chosen(movement) & ~self._blended_row)
         return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._depth_arrays, cull=not shadow
+            rows, clip_from_relative, origin_m, self._depth_surfaces, cull=not shadow
         )
 
     def draw_semantic(self, clip_from_relative: Array, origin_m: Array) -> int:
         """Draw depth as `draw_depth` does and, as colour, the semantic weight of what is seen."""
-        if self._semantic_arrays is None:
-            self._semantic_arrays = [self._factory.semantic(key) for key in self._list.keys]
-        seen = self._rows.seen(culling.planes(clip_from_relative), origin_m)
-        rows = np.flatnonzero(seen & self._rows.in_use & ~self._blended_row)
+        if self._semantic_surfaces is None:
+            self._semantic_surfaces = self._semantic()
+        rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
         return self._draw_depth_rows(
-            rows, clip_from_relative, origin_m, self._semantic_arrays, cull=True
+            rows, clip_from_relative, origin_m, self._semantic_surfaces, cull=True
         )
 
+    def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
+        """Return what writes depth within planes around a point."""
+        rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
+        return rows[~self._list.blended[rows]] if self.has_blended else rows
+
     def _draw_depth_rows(
-        self, rows: Rows, clip: Array, origin_m: Array, arrays: DepthArrays, *, cull: bool
+        self,
+        rows: Rows,
+        clip_from_relative: Array,
+        origin_m: Array,
+        surfaces: list[Surface],
+        *,
+        cull: bool,
     ) -> int:
         if not len(rows):
             return 0
-        order = rows[np.argsort(self._list.key[rows], kind="stable")]
-        self._rows.upload(order, origin_m, previous=False)
-        self._look_through(clip)
-        for batch in batches(self._list.key, order):
-            self._draw_depth_batch(batch.key, batch, arrays, cull=cull)
-        return self._triangles(order)
+        key = self._list.depth_key[rows]
+        order = np.argsort(key, kind="stable")
+        self._rows.write(self._depth_rows, rows[order], origin_m)
+        self._clips.write(clip_from_relative[None])
+        self._clips.bind(0)
+        drawn = batches(key[order])
+        self._begin()
+        self._drawer.draw(drawn, surfaces, self._depth_rows.commands, cull=cull)
+        self.draws += len(drawn)
+        return self._triangles(rows)
 
     def draw_depth_views(
         self, clips_from_relative: Array, origin_m: Array, begin_view: Callable[[int], None]
@@ -191,62 +278,40 @@ class GpuScene:
         begin_view
             Called with the number of each view before it is drawn, to set its viewport.
         """
-        seen = self._rows.seen(culling.planes(clips_from_relative), origin_m)
-        view, row = np.nonzero(seen & self._rows.in_use & ~self._blended_row)
-        key = self._list.key[row] + view * len(self._surfaces)
+        planes = culling.planes(clips_from_relative)
+        seen = self._rows.seen(planes, origin_m[None])
+        if self.has_blended:
+            seen &= ~self._list.blended[self._rows.in_use]
+        view, place = seen.nonzero()
+        row = self._rows.in_use[place]
+        key = self._list.depth_key[row] + view * len(self._depth_surfaces)
         order = np.argsort(key, kind="stable")
-        self._rows.upload(row[order], origin_m, previous=False)
-        begun = -1
-        for batch in batches(key, order):
-            number, surface = divmod(batch.key, len(self._surfaces))
-            if number != begun:
-                begun = number
-                begin_view(number)
-                self._look_through(clips_from_relative[number])
-            self._draw_depth_batch(surface, batch, self._depth_arrays, cull=True)
+        self._rows.write(self._depth_rows, row[order], origin_m)
+        self._clips.write(clips_from_relative)
+        views: dict[int, list[Batch]] = {}
+        for batch in batches(key[order]):
+            number, surface = divmod(batch.key, len(self._depth_surfaces))
+            views.setdefault(number, []).append(Batch(surface, batch.first, batch.length))
+        self._begin()
+        for number, of_view in views.items():
+            begin_view(number)
+            self._clips.bind(number)
+            self._drawer.draw(of_view, self._depth_surfaces, self._depth_rows.commands)
+            self.draws += len(of_view)
         return self._triangles(row)
 
-    def _look_through(self, clip_from_relative: Array) -> None:
-        matrix = np.ascontiguousarray(clip_from_relative.T, dtype=np.float32)
-        for program in self._factory.depth_programs:
-            cast(moderngl.Uniform, program["clip_from_relative"]).write(matrix)
+    def _begin(self) -> None:
+        """Bind what all draws of this scene read."""
+        self._drawer.begin()
+        if self._joints is not None:
+            self._joints.bind()
 
     def _triangles(self, rows: Rows) -> int:
         return int(self._triangles_of_row[rows].sum())
 
-    def _draw_batch(self, surface: Surface, batch: Batch) -> None:
-        self._materials.bind(surface.material)
-        for unit, texture in surface.textures:
-            texture.use(unit)
-        self._cull(surface, cull=True)
-        if surface.masked:
-            self._ctx.enable_direct(_ALPHA_TO_COVERAGE)
-        surface.color.render_indirect(self._rows.commands, count=batch.length, first=batch.first)
-        if surface.masked:
-            self._ctx.disable_direct(_ALPHA_TO_COVERAGE)
-        self.draws += 1
 
-    def _draw_depth_batch(self, key: int, batch: Batch, arrays: DepthArrays, *, cull: bool) -> None:
-        surface, array = self._surfaces[key], arrays[key]
-        if array is None:
-            return
-        if surface.masked:
-            self._materials.bind(surface.material)
-            for unit, texture in surface.textures[:1]:
-                texture.use(unit)
-        self._cull(surface, cull=cull)
-        array.render_indirect(self._rows.commands, count=batch.length, first=batch.first)
-        self.draws += 1
-
-    def _cull(self, surface: Surface, *, cull: bool) -> None:
-        if surface.double_sided or not cull:
-            self._ctx.disable(moderngl.CULL_FACE)
-            return
-        self._ctx.front_face = "cw" if surface.mirrored else "ccw"
-        self._ctx.enable(moderngl.CULL_FACE)
-
-
-_ALPHA_TO_COVERAGE = 0x809E
+def _semantic_surfaces(factory: SurfaceFactory, table: DrawList) -> list[Surface]:
+    return [factory.semantic(key) for key in table.depth_keys]
 
 
 def _vertex_array(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 from vrcomfort.geometry import Pose
-from vrcomfort.optics.motion import speed_m_s, turn_deg_s
+from vrcomfort.optics.motion import ramp, speed_m_s, turn_deg_s
+from vrcomfort.protocol.conditions import SpeedRamps
 
 
 class HeadStep(NamedTuple):
@@ -36,3 +37,13 @@ class HeadStep(NamedTuple):
         head_before = self.head if of == "avatar" else self.head_before
         avatar_before = self.avatar if of == "head" else self.avatar_before
         return avatar_before @ head_before, self.avatar @ self.head
+
+
+def speed_share(settings: SpeedRamps, step: HeadStep | None) -> float:
+    """Return 0 (at rest, or after a cut) to 1 (at full speed), the same for both eyes."""
+    if step is None:
+        return 0.0
+    turning, moving, of = settings.turning, settings.moving, settings.speed_of
+    by_turning = turning and ramp(step.turn_deg_s(of), turning.from_deg_s, turning.to_deg_s)
+    by_moving = moving and ramp(step.speed_m_s(of), moving.from_m_s, moving.to_m_s)
+    return max(by_turning or 0.0, by_moving or 0.0)

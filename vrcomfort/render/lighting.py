@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import moderngl
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
-from vrcomfort.gpu import gl, shaders
-from vrcomfort.scene.data import Environment, Scene
-
-LIGHT_BINDING = 1
+from vrcomfort.gpu import shaders
+from vrcomfort.scene.data import MOST_LAMPS, Environment, PointLight, Rgb, Scene, SpotLight
 
 
 def has_sun(environment: Environment) -> bool:
@@ -23,7 +22,9 @@ def features(environment: Environment) -> shaders.Defines:
     """Return the defines of what a scene's light needs; absent things are not compiled in."""
     present = {
         "SUN": has_sun(environment),
-        "LAMPS": bool(environment.point_lights),
+        "LAMPS": bool(environment.point_lights or environment.directional_lights),
+        "CONES": any(isinstance(lamp, SpotLight) for lamp in environment.point_lights),
+        "FAR_LAMPS": bool(environment.directional_lights),
         "FOG": environment.fog_density_per_m > 0,
         "CLOUDS": environment.cloud_cover > 0,
     }
@@ -31,7 +32,12 @@ def features(environment: Environment) -> shaders.Defines:
 
 
 class Light:
-    """Light on the GPU. Positions follow the eye: call `update` for each view.
+    """Fills the uniform block of light. Positions follow the eye: `look_from` for each view.
+
+    Parameters
+    ----------
+    block
+        Of the layout that ``light.glsl`` declares; it is written into.
 
     Raises
     ------
@@ -39,37 +45,44 @@ class Light:
         If the scene has more lamps than the shader has room for.
     """
 
-    def __init__(self, ctx: moderngl.Context, scene: Scene) -> None:
+    def __init__(self, scene: Scene, block: NDArray[np.void]) -> None:
         lamps = scene.environment.point_lights
-        self._block = np.zeros((), shaders.block_dtype("light.glsl", "Light"))
-        most = len(self._block["lamp_position"])
-        if len(lamps) > most:
+        count = len(lamps) + len(scene.environment.directional_lights)
+        if count > MOST_LAMPS:
             raise InputError(
-                f"scene {scene.name!r} has {len(lamps)} point lights; at most {most} are drawn"
+                f"scene {scene.name!r} has {count} lamps besides the sun; {MOST_LAMPS} are the most"
             )
-        _write_environment(self._block, scene.environment)
-        self._positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
-        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
+        _write_environment(block, scene.environment)
+        self._world_m = np.array([lamp.position for lamp in lamps]).reshape(-1, 3)
+        self._lamps = block["lamp_position"][: len(lamps), :3]
+        self._shadow_from_relative = block["shadow_from_relative"]
+        self._bias = block["shadow_bias"]
 
-    def update(self, eye_m: Array, shadow_from_world: Array | None, bias: Array | None) -> None:
-        """Write and bind the block for an eye.
+    def look_from(self, eye_m: Array, shadow: Shadow | None) -> None:
+        """Write what depends on where an eye is.
 
         Parameters
         ----------
         eye_m
             (3,) world position.
-        shadow_from_world
-            (4, 4) to texture coordinates and depth of the shadow map, or None without a sun.
-        bias
-            (4,) see ``shadow_bias`` in light.glsl.
+        shadow
+            None without a sun.
         """
-        count = len(self._positions)
-        self._block["lamp_position"][:count, :3] = self._positions - eye_m
-        if shadow_from_world is not None and bias is not None:
-            self._block["shadow_from_relative"] = relative_to(shadow_from_world, eye_m).T
-            self._block["shadow_bias"] = bias
-        self._buffer.write(self._block.tobytes())
-        self._buffer.bind_to_uniform_block(LIGHT_BINDING)
+        np.subtract(self._world_m, eye_m, out=self._lamps, casting="same_kind")
+        if shadow is not None:
+            self._shadow_from_relative[...] = relative_to(shadow.shadow_from_world, eye_m).T
+            self._bias[...] = shadow.bias
+
+
+class Shadow(Protocol):
+    """What light needs of a shadow map.
+
+    `shadow_from_world` is (4, 4) to its texture coordinates and depth; `bias` (4,) is
+    ``shadow_bias`` of light.glsl.
+    """
+
+    shadow_from_world: Array
+    bias: Array
 
 
 def relative_to(target_from_world: Array, origin_m: Array) -> Array:
@@ -79,17 +92,27 @@ def relative_to(target_from_world: Array, origin_m: Array) -> Array:
     return matrix
 
 
-def lamp_bits(scene: Scene, centers: Array, halves: Array) -> NDArray[np.float32]:
-    """Return (n,) bit sets of the lamps whose range touches each of n world-space boxes.
+class LampReach:
+    """Which lamps reach which boxes."""
 
-    A float holds 16 bits exactly, and travels as an ordinary instance attribute.
-    """
-    lamps = scene.environment.point_lights
-    positions = np.array([lamp.position for lamp in lamps]).reshape(-1, 1, 3)
-    ranges = np.array([lamp.range_m for lamp in lamps])[:, None]
-    beyond = np.maximum(np.abs(positions - centers) - halves, 0.0)
-    near = np.einsum("lni,lni->ln", beyond, beyond) < ranges**2
-    return np.asarray(2.0 ** np.arange(len(lamps)) @ near, dtype=np.float32)
+    def __init__(self, environment: Environment) -> None:
+        lamps, far = environment.point_lights, environment.directional_lights
+        positions = [lamp.position for lamp in lamps] + [(0.0, 0.0, 0.0)] * len(far)
+        ranges_m = [lamp.range_m for lamp in lamps] + [np.inf] * len(far)
+        self._positions = np.array(positions).reshape(-1, 3).T[:, :, None]
+        self._squares = np.array(ranges_m)[:, None] ** 2
+        self._powers = 2.0 ** np.arange(len(ranges_m))
+
+    def bits(self, centers: Array, halves: Array) -> Array:
+        """Return (n,) bit sets of the lamps whose range touches each of n world-space boxes.
+
+        A float holds 16 bits exactly, and travels as an ordinary instance attribute.
+        """
+        if not len(self._powers):
+            return np.zeros(len(centers))
+        beyond = np.abs(self._positions - centers.T[:, None]) - halves.T[:, None]
+        x, y, z = np.maximum(beyond, 0.0)
+        return np.asarray(self._powers @ (x * x + y * y + z * z < self._squares))
 
 
 def _write_environment(block: NDArray[np.void], environment: Environment) -> None:
@@ -100,4 +123,18 @@ def _write_environment(block: NDArray[np.void], environment: Environment) -> Non
     block["clouds"][0] = environment.cloud_cover
     for index, lamp in enumerate(environment.point_lights):
         block["lamp_position"][index, 3] = lamp.range_m
-        block["lamp_intensity"][index, :3] = lamp.intensity
+        direction, scale, offset = _cone(lamp)
+        block["lamp_intensity"][index] = (*lamp.intensity, offset)
+        block["lamp_direction"][index] = (*direction, scale)
+    for index, far in enumerate(environment.directional_lights, len(environment.point_lights)):
+        block["lamp_position"][index, :3] = -np.array(far.direction)
+        block["lamp_intensity"][index] = (*far.irradiance, 1.0)
+
+
+def _cone(lamp: PointLight) -> tuple[Rgb, float, float]:
+    """Return direction, scale and offset of ``cone`` in light.glsl."""
+    if not isinstance(lamp, SpotLight):
+        return (0.0, 0.0, 0.0), 0.0, 1.0
+    inner, outer = np.cos(lamp.inner_cone_rad), np.cos(lamp.outer_cone_rad)
+    scale = 1.0 / max(1e-3, inner - outer)
+    return lamp.direction, scale, -outer * scale

@@ -4,8 +4,8 @@
 
     focus (head centre, once)
       |        per eye:
-      +--> scene --> depth of field --> motion blur --> speed blur --> tone map --> eyes
-           colour    (either order)
+      +--> scene ----> effects, in the condition's order ----> tone map --> eyes
+           colour      (depth of field, motion blur, …)
            depth, velocity
 """
 
@@ -19,14 +19,15 @@ from typing import Literal, NamedTuple
 import moderngl
 
 from vrcomfort.frame import FocusSample, Frame, GpuTime
-from vrcomfort.geometry import Pose, View
+from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import previous_eye_pose
-from vrcomfort.render.condition_passes import ConditionPasses, PlacedEye
+from vrcomfort.render.condition_passes import ConditionPasses
+from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.plan import PlannedPass, plan_passes
@@ -168,12 +169,12 @@ class StereoRenderer:
         before = None if frame.discontinuity else self._before
         world_from_head = frame.avatar_pose @ frame.head_pose
         before_s = scene_time_s if before is None else before.scene_time_s
-        passes.scene.update(scene_time_s, world_from_head, before_s)
+        eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
+        passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
         samples = passes.find_focus(frame, world_from_head)
         triangles = passes.focus.triangles if passes.focus else 0
-        for index in range(self._eyes):
-            eye = self._eye(frame, frame.views[index], before)
-            images = passes.render_eye(index, eye, scene_time_s, before_s)
+        for index, eye in enumerate(eyes):
+            images = passes.render_eye(eye, scene_time_s, before_s)
             triangles += passes.triangles
             if on_eye is not None:
                 on_eye(index, images)
@@ -215,18 +216,20 @@ class StereoRenderer:
             raise RuntimeError("StereoRenderer.begin was not called")
         return self._passes
 
-    def _eye(self, frame: Frame, view: View, before: _Before | None) -> PlacedEye:
+    def _eye(
+        self, index: int, frame: Frame, world_from_head: Pose, before: _Before | None
+    ) -> EyeFrame:
+        view, time_ns = frame.views[index], frame.predicted_display_time_ns
         head_from_eye = frame.head_pose.inverse() @ view.pose
-        world_from_head = frame.avatar_pose @ frame.head_pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
         camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
         if before is None:
-            return PlacedEye(head_from_eye, camera, None)
+            return EyeFrame(index, time_ns, head_from_eye, camera)
         step = _step(before, frame)
         blur = self._condition.motion_blur
         if blur is None:
-            return PlacedEye(head_from_eye, camera, None, step)
+            return EyeFrame(index, time_ns, head_from_eye, camera, step=step)
         pose = previous_eye_pose(
             blur.mode,
             world_from_stage=frame.avatar_pose,
@@ -235,7 +238,8 @@ class StereoRenderer:
             previous_world_from_stage=before.avatar_pose,
             previous_stage_from_head=before.head_pose,
         )
-        return PlacedEye(head_from_eye, camera, PreviousCamera(pose, before.scene_time_s), step)
+        previous = PreviousCamera(pose, before.scene_time_s)
+        return EyeFrame(index, time_ns, head_from_eye, camera, previous, step)
 
 
 def _step(before: _Before, frame: Frame) -> HeadStep:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, focal_length_px
 from vrcomfort.optics.sampling import lens_and_shutter
-from vrcomfort.protocol.conditions import Condition, DepthOfField
+from vrcomfort.protocol.conditions import EFFECTS, Condition, DepthOfField
 from vrcomfort.render import plan
 from vrcomfort.render.camera import EyeCamera, Lens, PreviousCamera
 from vrcomfort.render.camera_motion import extrapolated_eye_pose
@@ -75,7 +75,8 @@ class Reference:
     dioptres (``dioptre``, ``eye``, ``thin_lens``) each sample is the exact shear of a thin lens
     without r_max; with ``linear`` it is exact at vertices only. The shutter is centred on the frame
     and poses are extrapolated at constant velocity, less the motion that the previous pose has
-    cancelled. Peripheral blur, speed blur and streaks that fade with turning are left out.
+    cancelled. Peripheral blur, speed blur, distances along rays and streaks that fade with turning
+    are left out.
 
     Parameters
     ----------
@@ -96,10 +97,9 @@ class Reference:
     ) -> None:
         self._condition = condition
         self._size_px = size_px
-        self._lens_effect = (
-            condition.depth_of_field if plan.depth_of_field(condition).needed else None
-        )
-        moving = plan.motion_blur(scene, condition).needed
+        blurred = plan.effect("depth_of_field", scene, condition).needed
+        self._lens_effect = condition.depth_of_field if blurred else None
+        moving = plan.effect("motion_blur", scene, condition).needed
         self._shutter_effect = condition.motion_blur if moving else None
         self._seed = seed
         self._ctx, self._scene = ctx, scene
@@ -178,8 +178,13 @@ class Reference:
         lens, shutter = self._lens_effect, self._shutter_effect
         left_out = {
             "peripheral blur": lens and lens.peripheral,
+            "the distance along each ray": lens and lens.distance_along == "ray",
             "fading with turning": shutter and shutter.fade_with_turning,
-            "speed blur": plan.speed_blur(self._condition).needed,
+            **{
+                name.replace("_", " "): plan.effect(name, self._scene, self._condition).needed
+                for name in EFFECTS
+                if name not in ("depth_of_field", "motion_blur")
+            },
         }
         parts = ["no lens" if lens is None else _lens_note(lens)]
         parts += [f"{name} is left out" for name, there in left_out.items() if there]

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import moderngl
-import numpy as np
+from collections.abc import Sequence
 
-from vrcomfort.geometry import Pose
+import moderngl
+
+from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.render import lighting
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
-from vrcomfort.render.camera_motion import camera_motion
-from vrcomfort.render.gpu_scene import GpuScene
+from vrcomfort.render.eye_blocks import EyeBlocks
+from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
 
 __all__ = ["EyeCamera", "Lens", "LensLaw", "PreviousCamera", "ScenePass"]
-
-VIEW_BINDING = 0
-PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radius_limit_px=0.0)
 
 
 class ScenePass:
@@ -52,7 +50,6 @@ class ScenePass:
         self._ctx = ctx
         defines = _defines(velocity=velocity, lens_law=lens_law)
         self.gpu = GpuScene(ctx, scene, defines=defines)
-        self._light = lighting.Light(ctx, scene)
         self._shadow = (
             ShadowMap(ctx, self.gpu, radius_m=scene.environment.shadow_distance_m)
             if lighting.has_sun(scene.environment)
@@ -62,7 +59,10 @@ class ScenePass:
         self._targets = _Targets(
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
-        self._view = _ViewBlock(ctx, size_px)
+        self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None)
+        self._eyes: tuple[EyeCamera, ...] = ()
+        self._placed: tuple[float, float, Pose] | None = None
+        self._shadow_triangles = 0
         self.lens_focus: moderngl.Texture | None = None
         """1×1 RGBA32F, x = where lenses focus (m); without it each `Lens` says so itself."""
         self.triangles = 0
@@ -89,9 +89,26 @@ class ScenePass:
         """Return the number of image-sized textures this pass owns."""
         return self._targets.count
 
-    def update(self, time_s: float, head: Pose, previous_time_s: float | None = None) -> None:
-        """Move the scene to a time; `render` does it where it was not done."""
-        self.gpu.update(time_s, head, previous_time_s)
+    def update(
+        self,
+        time_s: float,
+        head: Pose,
+        previous_time_s: float | None = None,
+        eyes: Sequence[EyeCamera] = (),
+    ) -> None:
+        """Move the scene to a time, and choose what `eyes` are going to see of it, all at once.
+
+        `render` does it for its eye alone where it was not done.
+        """
+        before_s = time_s if previous_time_s is None else previous_time_s
+        self._placed = (time_s, before_s, head)
+        self._eyes = tuple(eyes)
+        self.gpu.update(time_s, head, before_s)
+        if self._shadow is not None:
+            self._shadow.render(time_s, head)
+            self._shadow_triangles = self._shadow.triangles
+        if eyes:
+            self.gpu.see([_viewpoint(eye) for eye in eyes])
 
     def render(
         self, camera: EyeCamera, time_s: float, previous: PreviousCamera | None = None
@@ -107,25 +124,28 @@ class ScenePass:
         self.still = before.world_from_eye == camera.world_from_eye and (
             before.time_s == time_s or not self.gpu.moves
         )
-        self.gpu.update(time_s, camera.head, before.time_s)
-        eye_m = camera.world_from_eye.position
-        if self._shadow is not None:
-            self._shadow.render(time_s, camera.head)
-            self._light.update(eye_m, self._shadow.shadow_from_world, self._shadow.bias)
-        else:
-            self._light.update(eye_m, None, None)
-        self._view.update(camera, before, self.lens_focus)
-        self._draw(camera)
-        self.triangles += 0 if self._shadow is None else self._shadow.triangles
+        view = self._view(camera)
+        if view is None or self._placed != (time_s, before.time_s, camera.head):
+            self.update(time_s, camera.head, before.time_s, [camera])
+            view = 0
+        self._blocks.update(camera, before, self._shadow, self.lens_focus)
+        self._draw(view)
+        self.triangles += self._shadow_triangles
+        self._shadow_triangles = 0  # the next eye reads the same map
 
-    def _draw(self, camera: EyeCamera) -> None:
+    def _view(self, camera: EyeCamera) -> int | None:
+        """Return which of the eyes of `update` a camera is, whatever its lens."""
+        place = _place(camera)
+        return next((view for view, eye in enumerate(self._eyes) if _place(eye) == place), None)
+
+    def _draw(self, view: int) -> None:
         ctx = self._ctx
+        if self._shadow is not None:
+            self._shadow.bind()
         self._targets.begin()
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = gl.DEPTH_FUNC
-        eye_m = camera.world_from_eye.position
-        clip_from_relative = camera.clip_from_relative()
-        self.triangles = self.gpu.draw(clip_from_relative, eye_m, blended=False)
+        self.triangles = self.gpu.draw(view, blended=False)
         ctx.enable_only(moderngl.DEPTH_TEST)
         ctx.depth_func = ">="
         self._sky.draw()
@@ -133,8 +153,16 @@ class ScenePass:
             self._targets.blend()
             ctx.depth_func = gl.DEPTH_FUNC
             ctx.enable(moderngl.BLEND)
-            self.triangles += self.gpu.draw(clip_from_relative, eye_m, blended=True)
+            self.triangles += self.gpu.draw(view, blended=True)
         self._targets.resolve()
+
+
+def _viewpoint(camera: EyeCamera) -> Viewpoint:
+    return Viewpoint(camera.clip_from_relative(), camera.world_from_eye.position)
+
+
+def _place(camera: EyeCamera) -> tuple[Pose, Fov, float]:
+    return camera.world_from_eye, camera.fov, camera.near_m
 
 
 def _defines(*, velocity: bool, lens_law: LensLaw | None) -> dict[str, int]:
@@ -179,6 +207,7 @@ class _Targets:
         self._many = ctx.framebuffer(many, many_depth)
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
+        self._bind = gl.binder(ctx, self._sources)
         defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
         self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
         self.count = 2 * len(self._sources)
@@ -199,8 +228,7 @@ class _Targets:
         self._resolved.use()
         self._ctx.enable_only(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "1"
-        for unit, texture in enumerate(self._sources):
-            texture.use(unit)
+        self._bind()
         self._resolve.render(vertices=3)
         self._ctx.enable_only(moderngl.NOTHING)
 
@@ -213,43 +241,3 @@ def _colours(
         return colour, None
     velocity = gl.color_texture(ctx, size_px, components=2, dtype=velocity_dtype, samples=samples)
     return colour, velocity
-
-
-class _ViewBlock:
-    """The uniform block of ``shaders/include/view.glsl``."""
-
-    def __init__(self, ctx: moderngl.Context, size_px: tuple[int, int]) -> None:
-        self._block = np.zeros((), shaders.block_dtype("view.glsl", "View"))
-        self._block["image_size_px"][:2] = size_px
-        self._ndc_per_px = 2 / np.array(size_px)
-        self._buffer = gl.dynamic_buffer(ctx, self._block.nbytes)
-        self._focus_offset = self._block.dtype.fields["lens_focus"][1]
-
-    def update(
-        self, camera: EyeCamera, previous: PreviousCamera, lens_focus: moderngl.Texture | None
-    ) -> None:
-        """Write and bind the block."""
-        block = self._block
-        motion = camera_motion(camera.world_from_eye, previous.world_from_eye)
-        block["clip_from_view"] = camera.clip_from_view().T
-        # The transpose of view-from-relative: GLSL stores columns.
-        block["view_from_relative"][:3, :3] = motion.view_from_world.T
-        block["previous_view_from_relative"][:3, :3] = motion.previous_view_from_world.T
-        block["eye_delta_m"][:3] = motion.eye_delta_m
-        self._write_lens(camera)
-        self._buffer.write(block.tobytes())
-        if lens_focus is not None and camera.lens is not None:
-            # From texture to block on the GPU: the focus of this frame is not known here.
-            lens_focus.read_into(self._buffer, write_offset=self._focus_offset)
-        self._buffer.bind_to_uniform_block(VIEW_BINDING)
-
-    def _write_lens(self, camera: EyeCamera) -> None:
-        lens = camera.lens or PINHOLE
-        head = camera.head
-        forward = head.forward
-        ahead_m = forward @ (camera.world_from_eye.position - head.position)
-        offset = np.array(lens.position) * self._ndc_per_px
-        self._block["lens"] = (*offset, 0.0, lens.infinity_m)
-        self._block["lens_focus"][0] = lens.focus_m
-        self._block["lens_limit"][:2] = lens.px_per_defocus, lens.radius_limit_px
-        self._block["head_forward"] = (*forward, ahead_m + lens.distance_offset_m)

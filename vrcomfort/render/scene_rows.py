@@ -10,13 +10,62 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl
-from vrcomfort.render import culling, lighting
+from vrcomfort.render import culling
 from vrcomfort.render.draw_list import COMMAND, DrawList
+from vrcomfort.render.lighting import LampReach
+from vrcomfort.render.moving_rows import MovingRows
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.node_poses import NodePoses, relative_rows
 
 Rows = NDArray[np.intp]
 Movement = Literal["all", "static", "moving"]
+
+ROW_FORMAT = "4f4 4f4 4f4 4f4 1f4 1f4/i"
+ROW_NAMES = ("in_relative_x", "in_relative_y", "in_relative_z", "in_thing", "in_material",
+             "in_first_joint")  # fmt: skip
+PREVIOUS_FORMAT = "4f4 4f4 4f4/i"
+PREVIOUS_NAMES = ("in_previous_x", "in_previous_y", "in_previous_z")
+_BASE_INSTANCE = 4
+"""Place in a command."""
+
+_ROW, _MATRIX = 18, 12
+"""Numbers in a row, and those among them that are the rows of a 3 × 4 matrix."""
+
+
+class RowBuffers:
+    """What the GPU reads of drawn things: a row and an indirect command for each.
+
+    Parameters
+    ----------
+    rows
+        As many as are likely to be drawn at once.
+    previous
+        Whether rows of the frame before are needed.
+    """
+
+    def __init__(self, ctx: moderngl.Context, rows: int, *, previous: bool) -> None:
+        most = max(rows, 1)
+        self.rows = gl.dynamic_buffer(ctx, most * _ROW * 4)
+        self.previous = gl.dynamic_buffer(ctx, most * _MATRIX * 4) if previous else None
+        self.commands = gl.dynamic_buffer(ctx, most * COMMAND.itemsize)
+
+    def write(
+        self,
+        rows: NDArray[np.float32],
+        commands: NDArray[np.uint32],
+        previous: NDArray[np.float32] | None = None,
+    ) -> None:
+        """Put things in drawing order; row i belongs to command i."""
+        commands[:, _BASE_INSTANCE] = np.arange(len(commands))
+        _replace(self.rows, rows)
+        _replace(self.commands, commands)
+        if self.previous is not None and previous is not None:
+            _replace(self.previous, previous)
+
+
+def _replace(buffer: moderngl.Buffer, data: NDArray[np.generic]) -> None:
+    buffer.orphan(data.nbytes)  # what is being drawn from it stays as it is
+    buffer.write(data)
 
 
 class SceneRows:
@@ -29,22 +78,19 @@ class SceneRows:
 
     Attributes
     ----------
-    buffer, previous_buffer, commands
-        What vertex arrays and indirect draws read.
     in_use
-        (rows,) bool, the level of detail for where the head is.
+        Rows at the level of detail for where the head is.
+    distance_m
+        Of each of them from the head.
+    joints, previous_joints
+        (joints, 4, 4) place-from-bind of all skins.
     """
 
-    def __init__(
-        self, ctx: moderngl.Context, scene: Scene, table: DrawList, *, velocity: bool
-    ) -> None:
+    def __init__(self, scene: Scene, table: DrawList) -> None:
         self._scene = scene
         self._list = table
         self._poses = NodePoses(scene)
-        rows = max(len(table.node), 1)
-        self.buffer = gl.dynamic_buffer(ctx, rows * 64)
-        self.previous_buffer = gl.dynamic_buffer(ctx, rows * 48) if velocity else None
-        self.commands = gl.dynamic_buffer(ctx, rows * COMMAND.itemsize)
+        self._reach = LampReach(scene.environment)
         self._prepare()
 
     def _prepare(self) -> None:
@@ -52,23 +98,36 @@ class SceneRows:
         table = self._list
         self._locked = self._poses.locked[table.node]
         self._moving = self._poses.moving[table.node] | self._locked
-        self._moving_rows = np.flatnonzero(self._moving)
-        self.shadow = table.casts_shadow & ~self._locked
-        self._thing = np.zeros((len(table.node), 4), dtype=np.float32)
-        self._thing[:, 0] = table.ambient
-        self._thing[:, 1] = self._locked
-        self._thing[:, 3] = table.semantic_weight
+        self._moves = MovingRows(table, self._moving)
+        casts = table.casts_shadow & ~self._locked & ~table.blended
+        self._casting: dict[Movement, NDArray[np.bool_]] = {
+            "all": casts,
+            "static": casts & ~self._moving,
+            "moving": casts & self._moving,
+        }
+        self._commands = table.commands.view(np.uint32).reshape(-1, 5)
         world = self._poses.world_from_node(0.0, Pose())
-        self.centers, self._halves = table.world_boxes(world, np.arange(len(table.node)))
-        self._thing[:, 2] = lighting.lamp_bits(self._scene, self.centers, self._halves)
+        self.joints = self.previous_joints = self._poses.place_from_bind(0.0)
         self._world = self._previous_world = world
+        every = np.arange(len(table.node))
+        centers, halves = self._bent(every, *table.world_boxes(world, every))
+        self._boxes = culling.boxes(centers, halves)
+        self._rows = np.zeros((len(table.node), _ROW), dtype=np.float32)
+        self._rows[:, _MATRIX] = table.ambient
+        self._rows[:, _MATRIX + 1] = self._locked
+        self._rows[:, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._rows[:, _MATRIX + 3] = table.semantic_weight
+        self._rows[:, _MATRIX + 4] = table.material
+        self._rows[:, _MATRIX + 5] = table.first_joint
+        of_nodes = table.node_centers(centers, halves, len(self._scene.nodes))
+        self._level_centers = np.ascontiguousarray(of_nodes[table.node].T)
         self._updated: tuple[float, float, Pose] | None = None
         self.update(0.0, Pose(), 0.0)
 
     @property
     def moves(self) -> bool:
         """Return whether anything in the scene moves by itself (not with the head)."""
-        return bool(self._poses.moving.any())
+        return self._poses.any_moving
 
     def update(self, time_s: float, head: Pose, before_s: float) -> None:
         """Move everything to where it is at a time; doing it again for the other eye is free."""
@@ -79,48 +138,76 @@ class SceneRows:
         self._previous_world = (
             self._poses.world_from_node(before_s, head) if before_s != time_s else self._world
         )
+        if self._scene.skins:
+            self.joints = self._poses.place_from_bind(time_s)
+            self.previous_joints = self._poses.place_from_bind(before_s)
         self._update_moving()
-        nodes = len(self._scene.nodes)
-        self._node_centers = self._list.node_centers(self.centers, self._halves, nodes)
-        self.in_use = self.level_in_use(head.position)
+        self._head_m = head.position
+        self._from_head = self._boxes.copy()
+        self._from_head[:3] -= self._head_m[:, None]
+        self.in_use = self._level_in_use(self._head_m).nonzero()[0]
+        self._in_use_from_head = self._from_head[:, self.in_use]
+        self.distance_m = culling.lengths(self._in_use_from_head[:3])
 
     def _update_moving(self) -> None:
-        rows = self._moving_rows
-        if not len(rows):
+        moves = self._moves
+        if not len(moves.rows):
             return
-        self.centers[rows], self._halves[rows] = self._list.world_boxes(self._world, rows)
-        bits = lighting.lamp_bits(self._scene, self.centers[rows], self._halves[rows])
-        self._thing[rows, 2] = bits
+        centers, halves = self._bent(moves.rows, *moves.boxes(self._world))
+        self._boxes[:3, moves.rows], self._boxes[3:6, moves.rows] = centers.T, halves.T
+        self._rows[moves.rows, _MATRIX + 2] = self._reach.bits(centers, halves)
+        self._level_centers[:, moves.with_levels] = moves.level_centers(centers, halves).T
 
-    def level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
+    def _bent(self, rows: Rows, centers: Array, halves: Array) -> tuple[Array, Array]:
+        """Return the boxes of (ascending) rows, of skinned ones as their joints bend them."""
+        bent = self._list.skin_boxes
+        if len(bent.rows):
+            among = np.isin(bent.rows, rows)
+            at = np.searchsorted(rows, bent.rows[among])
+            found = bent.world_boxes(self._world, self.joints)
+            centers[at], halves[at] = found[0][among], found[1][among]
+        return centers, halves
+
+    def _level_in_use(self, viewpoint_m: Array) -> NDArray[np.bool_]:
         """Return (rows,) whether a thing is at the level of detail for this viewpoint."""
-        return self._list.level_in_use(culling.lengths(self._node_centers - viewpoint_m))
+        return self._list.level_in_use(culling.lengths(self._level_centers - viewpoint_m[:, None]))
 
-    def seen(self, planes: Array, origin_m: Array) -> NDArray[np.bool_]:
-        """Return (..., rows) whether a thing's box is within the planes around `origin_m`."""
-        return culling.visible(planes, self.centers - origin_m, self._halves)
+    def seen(self, planes: Array, origins_m: Array) -> NDArray[np.bool_]:
+        """Return (views, rows in use) whether a thing's box is within the planes of each view.
 
-    def chosen(self, movement: Movement) -> NDArray[np.bool_]:
-        """Return (rows,) what moves, what does not, or all."""
-        if movement == "all":
-            return np.ones_like(self._moving)
-        return self._moving if movement == "moving" else ~self._moving
+        Parameters
+        ----------
+        planes
+            (views, k, 4) around
+        origins_m
+            (views, 3) world.
+        """
+        around_head = culling.from_origins(planes, origins_m - self._head_m)
+        return culling.visible(around_head, self._in_use_from_head)
 
-    def upload(self, order: Rows, origin_m: Array, *, previous: bool) -> None:
-        """Write rows and commands in drawing order; row i belongs to command i."""
+    def casting(self, planes: Array, origin_m: Array, movement: Movement) -> Rows:
+        """Return what casts a shadow from within planes, levels by the distance from `origin_m`."""
+        rows = (self._casting[movement] & self._level_in_use(origin_m)).nonzero()[0]
+        around_head = culling.from_origins(planes[None], origin_m[None] - self._head_m)
+        seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
+        return seen
+
+    def write(self, buffers: RowBuffers, order: Rows, origin_m: Array) -> None:
+        """Write things in drawing order.
+
+        Parameters
+        ----------
+        order
+            Rows; a thing that is drawn in several views is there several times.
+        origin_m
+            (3,), or (len(order), 3): the viewpoint that each is drawn from.
+        """
         if not len(order):
             return
         nodes = self._list.node[order]
-        rows = np.empty((len(order), 4, 4), dtype=np.float32)
-        rows[:, :3] = relative_rows(self._world, nodes, origin_m)
-        rows[:, 3] = self._thing[order]
-        self.buffer.orphan(rows.nbytes)
-        self.buffer.write(rows)
-        if previous and self.previous_buffer is not None:
+        rows = self._rows[order]
+        rows[:, :_MATRIX] = relative_rows(self._world, nodes, origin_m).reshape(-1, _MATRIX)
+        before = None
+        if buffers.previous is not None:
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)
-            self.previous_buffer.orphan(before.nbytes)
-            self.previous_buffer.write(before)
-        commands = self._list.commands[order]
-        commands["base_instance"] = np.arange(len(order))
-        self.commands.orphan(commands.nbytes)
-        self.commands.write(commands)
+        buffers.write(rows, self._commands[order], before)

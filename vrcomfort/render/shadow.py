@@ -18,8 +18,8 @@ from vrcomfort.gpu import gl
 from vrcomfort.render.gpu_scene import GpuScene
 from vrcomfort.render.lighting import relative_to
 from vrcomfort.render.scene_rows import Movement
+from vrcomfort.render.textures import SHADOW_UNIT
 
-TEXTURE_UNIT = 4
 STEPS = 16
 """The map moves by this part of its width."""
 
@@ -62,7 +62,6 @@ class ShadowMap:
 
     def render(self, time_s: float, head: Pose) -> None:
         """Bring the map up to date for what `GpuScene.update` has moved, once for both eyes."""
-        self._live.depth.use(TEXTURE_UNIT)
         self.triangles = 0
         if self._drawn_for == (time_s, head):
             return
@@ -75,6 +74,10 @@ class ShadowMap:
         if self._live is not self._static:
             self._copy(self._static.depth, self._live.depth)
             self._draw(self._live, clear=False)
+
+    def bind(self) -> None:
+        """Put the map where surfaces look for it."""
+        self._live.depth.use(SHADOW_UNIT)
 
     def _snapped(self, position_m: Array) -> Array:
         """Return the map's centre in light space: `position_m` rounded to whole steps."""

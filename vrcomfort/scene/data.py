@@ -7,6 +7,7 @@ Indices into the scene's lists are plain integers; `None` or -1 means "there is 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -14,9 +15,11 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, rotation_matrix
 from vrcomfort.scene.animation import Animation, sample_all
+from vrcomfort.scene.skinning import Bending, Skin, Skins, bent
 
 Float32: TypeAlias = NDArray[np.float32]
 AlphaMode = Literal["OPAQUE", "MASK", "BLEND"]
+Wrap = Literal["repeat", "mirrored_repeat", "clamp_to_edge"]
 Rgb: TypeAlias = tuple[float, float, float]
 
 
@@ -29,34 +32,59 @@ class Image:
     pixels
         (height, width, 4) uint8; row 0 is at v = 0 (glTF: the upper edge of the picture).
         Base colour and emission are sRGB-encoded; normals and metal-roughness are linear.
-    repeat
-        Wraps in (u, v), else clamps to the edge.
+    wrap
+        How it goes on outside, in u and in v.
     """
 
     pixels: NDArray[np.uint8]
-    repeat: tuple[bool, bool] = (True, True)
+    wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+
+
+@dataclass(frozen=True)
+class UvMap:
+    """Where on an image a vertex is: which of its texture coordinates, scaled, turned and moved.
+
+    Source: Khronos KHR_texture_transform. The sense of the rotation is that of its example.
+    """
+
+    uv_set: Literal[0, 1] = 0
+    offset: tuple[float, float] = (0.0, 0.0)
+    rotation_rad: float = 0.0
+    scale: tuple[float, float] = (1.0, 1.0)
+
+    def matrix(self) -> Array:
+        """Return (2, 3): image coordinates = matrix @ (u, v, 1)."""
+        c, s = np.cos(self.rotation_rad), np.sin(self.rotation_rad)
+        turn = np.array([[c, s], [-s, c]])
+        return np.column_stack([turn * self.scale, self.offset])
 
 
 @dataclass(frozen=True)
 class Material:
     """A metallic-roughness surface of glTF 2.0; factors multiply their image.
 
-    `metallic_roughness_image` holds roughness in green and metallic in blue.
+    `metallic_roughness_image` holds roughness in green and metallic in blue. An `unlit` surface
+    shows its base colour as radiance, whatever the light (KHR_materials_unlit).
     """
 
     name: str = ""
     base_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
     base_color_image: int | None = None
+    base_color_uv: UvMap = UvMap()
     normal_image: int | None = None
+    normal_uv: UvMap = UvMap()
     normal_scale: float = 1.0
     metallic: float = 0.0
     roughness: float = 0.9
     metallic_roughness_image: int | None = None
+    metallic_roughness_uv: UvMap = UvMap()
     emissive: Rgb = (0.0, 0.0, 0.0)
     emissive_image: int | None = None
+    emissive_uv: UvMap = UvMap()
     alpha_mode: AlphaMode = "OPAQUE"
     alpha_cutoff: float = 0.5
     double_sided: bool = False
+    unlit: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +103,10 @@ class Primitive:
         (m, 3) uint32, counter-clockwise seen from the front.
     material
         Index into `Scene.materials`.
+    uvs_1
+        (n, 2) float32 second texture coordinates, or None.
+    bending
+        Which joints of the node's skin bend each vertex; None where they bend none.
     """
 
     positions: Float32
@@ -83,6 +115,8 @@ class Primitive:
     colors: Float32 | None
     indices: NDArray[np.uint32]
     material: int
+    uvs_1: Float32 | None = None
+    bending: Bending | None = None
 
     @property
     def bounds(self) -> tuple[Array, Array]:
@@ -131,6 +165,9 @@ class Node:
         Share of the sky's and ground's light that reaches the node (0 in a closed room).
     casts_shadow
         False for things finer than a texel of the shadow map: they would darken themselves.
+    skin
+        Index into `Scene.skins` of what bends the mesh, or None. Such a node stands where its
+        skin's first joint is, not turned, whatever it says itself (scene/skinning.py).
     """
 
     name: str
@@ -146,6 +183,7 @@ class Node:
     moving: bool = False
     ambient: float = 1.0
     casts_shadow: bool = True
+    skin: int | None = None
 
     def mesh_at(self, distance_m: float) -> tuple[int, ...]:
         """Return the primitives to draw when the node is `distance_m` from the head."""
@@ -163,6 +201,43 @@ class PointLight:
     position: Rgb
     intensity: Rgb
     range_m: float
+
+
+@dataclass(frozen=True)
+class SpotLight(PointLight):
+    """A lamp that shines into a cone, full within the inner angle, nothing beyond the outer one.
+
+    Parameters
+    ----------
+    direction
+        Unit vector along which it shines.
+    inner_cone_rad, outer_cone_rad
+        Between the direction and the rim of the cone; the outer one is the greater.
+    """
+
+    direction: Rgb
+    inner_cone_rad: float
+    outer_cone_rad: float
+
+
+@dataclass(frozen=True)
+class DirectionalLight:
+    """Light from infinitely far away, without shadows.
+
+    Parameters
+    ----------
+    direction
+        Unit vector along which it shines.
+    irradiance
+        On a surface that faces it.
+    """
+
+    direction: Rgb
+    irradiance: Rgb
+
+
+MOST_LAMPS = 16
+"""Point, spot and directional lights of a scene besides its sun, all together."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,6 +277,9 @@ class Environment:
     shadow_distance_m: float = 40.0
     ambient_in_vertex_alpha: bool = False
     point_lights: tuple[PointLight, ...] = ()
+    """Spot lights among them."""
+    directional_lights: tuple[DirectionalLight, ...] = ()
+    """Besides the sun."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,9 +316,31 @@ class Scene:
     """world-from-stage at the start: a floor point and a turn about +Y."""
     walkable: tuple[WalkableArea, ...] = ()
     warnings: tuple[str, ...] = ()
+    skins: tuple[Skin, ...] = ()
+
+    @cached_property
+    def all_skins(self) -> Skins:
+        """Return the joints of all skins in one list."""
+        return Skins(self.skins, [node.skin for node in self.nodes])
 
     def world_from_node(self, time_s: float) -> Array:
         """Return (n, 4, 4) world-from-node of all nodes (head-from-node where head-locked)."""
+        return self.all_skins.stand(self.world_from_joint(time_s))
+
+    def positions(self, node: int, primitive: int, time_s: float) -> Array:
+        """Return (n, 3) positions of a node's primitive, bent where it has a skin."""
+        surface, skin = self.primitives[primitive], self.nodes[node].skin
+        if skin is None or surface.bending is None:
+            return surface.positions.astype(np.float64)
+        matrices = self.all_skins.place_from_bind(self.world_from_joint(time_s))
+        mine = matrices[self.all_skins.first[skin] :]
+        return bent(mine, surface.positions, surface.bending)
+
+    def world_from_joint(self, time_s: float) -> Array:
+        """Return (n, 4, 4) as `world_from_node`, but nodes with a skin are where the file has them.
+
+        Joints, and nodes below those with a skin, go by that.
+        """
         world = parent_from_node(self.nodes, self.animations, time_s)
         for index, node in enumerate(self.nodes):
             if node.parent >= 0:

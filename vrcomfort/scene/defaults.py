@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.geometry import Array, Pose
-from vrcomfort.scene.data import Float32, Primitive, Scene, WalkableArea
+from vrcomfort.scene.data import Scene, WalkableArea
 
 Mask: TypeAlias = NDArray[np.bool_]
 Corners: TypeAlias = Array
@@ -81,7 +81,9 @@ def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
     world = scene.world_from_node(0.0)
     for draw, (node, index) in enumerate(_draws(scene)):
         if over[draw].all():
-            found, faces_up = _heights(scene.primitives[index], world[node], middle)
+            positions = scene.positions(node, index, 0.0)
+            triangles = scene.primitives[index].indices
+            found, faces_up = _heights(positions, triangles, world[node], middle)
             heights += found.tolist()
             both = scene.materials[scene.primitives[index].material].double_sided
             levels += found[faces_up | both].tolist()
@@ -93,7 +95,9 @@ def _floor(scene: Scene, corners: Corners, middle: Array) -> float:
     return float(corners[:, 1].min())
 
 
-def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
+def _heights(
+    positions: Array, indices: NDArray[np.uint32], world_from_node: Array, middle: Array
+) -> tuple[Array, Mask]:
     """Return the heights at which triangles meet the vertical line through a point.
 
     Returns
@@ -102,14 +106,14 @@ def _heights(primitive: Primitive, world_from_node: Array, middle: Array) -> tup
         (k,) metres, and (k,) bool.
     """
     found = [
-        _heights_of(primitive.positions[triangles], world_from_node, middle)
-        for triangles in np.array_split(primitive.indices, len(primitive.indices) // 2**16 + 1)
+        _heights_of(positions[triangles], world_from_node, middle)
+        for triangles in np.array_split(indices, len(indices) // 2**16 + 1)
     ]
     heights, faces_up = zip(*found, strict=True)
     return np.concatenate(heights), np.concatenate(faces_up)
 
 
-def _heights_of(triangles: Float32, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
+def _heights_of(triangles: Array, world_from_node: Array, middle: Array) -> tuple[Array, Mask]:
     """Return the same of (m, 3, 3) corners in the node's frame."""
     world = triangles @ world_from_node[:3, :3].T + world_from_node[:3, 3]
     a, b, c = np.moveaxis(world - middle * [1.0, 0.0, 1.0], 1, 0)
@@ -138,9 +142,17 @@ def _corners_of_draws(scene: Scene) -> Corners:
     world = scene.world_from_node(0.0)
     boxes = [_corners(*primitive.bounds) for primitive in scene.primitives]
     corners = [
-        world[node, :3, :3] @ boxes[index] + world[node, :3, 3:] for node, index in _draws(scene)
+        world[node, :3, :3]
+        @ (boxes[index] if scene.nodes[node].skin is None else _bent_box(scene, node, index))
+        + world[node, :3, 3:]
+        for node, index in _draws(scene)
     ]
     return np.array(corners) if corners else np.zeros((1, 3, 8))
+
+
+def _bent_box(scene: Scene, node: int, index: int) -> Array:
+    positions = scene.positions(node, index, 0.0)
+    return _corners(positions.min(axis=0), positions.max(axis=0))
 
 
 def _corners(lower: Array, upper: Array) -> Array:

@@ -9,7 +9,13 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.resources import data_folder
-from vrcomfort.scene.data import Scene
+from vrcomfort.scene.data import (
+    MOST_LAMPS,
+    DirectionalLight,
+    Environment,
+    PointLight,
+    Scene,
+)
 from vrcomfort.scene.defaults import with_defaults
 from vrcomfort.scene.gltf.budget import SceneBudget
 from vrcomfort.scene.gltf.file import STRUCTURE_ERRORS, read_gltf_file
@@ -46,7 +52,10 @@ def load_scene(name_or_path: str | Path, *, budget: SceneBudget | None = None) -
         ) from error
     scene = with_defaults(scene)
     side_car = path.with_suffix(".toml")
-    return apply_side_car(scene, stand_ins, side_car) if side_car.is_file() else scene
+    if side_car.is_file():
+        scene = apply_side_car(scene, stand_ins, side_car)
+        _check_skins(scene, path)
+    return _check_lamps(scene, path)
 
 
 def find_scene(name_or_path: str | Path) -> Path:
@@ -81,23 +90,70 @@ def _read(path: Path, budget: SceneBudget | None) -> tuple[Scene, dict[str, tupl
             + (f" (it needs {', '.join(sorted(unsupported))})" if unsupported else ""),
             file=path,
         )
-    nodes, animations, lights, stand_ins = read_graph(file, meshes, unsupported)
-    scene = Scene(path.stem, nodes, primitives, materials, images, animations)
+    nodes, animations, skins, lights, stand_ins = read_graph(file, meshes, unsupported)
+    scene = Scene(path.stem, nodes, primitives, materials, images, animations, skins=skins)
+    _check_skins(scene, path)
     _check_places(scene, path)
-    scene = replace(scene, environment=replace(scene.environment, point_lights=lights))
+    scene = replace(scene, environment=_lit(scene.environment, *lights))
     return replace(scene, warnings=_warning(path, unsupported)), stand_ins
+
+
+def _lit(
+    environment: Environment, lamps: tuple[PointLight, ...], far: tuple[DirectionalLight, ...]
+) -> Environment:
+    """Return the environment with a file's lights; the first directional one is the sun."""
+    environment = replace(environment, point_lights=lamps, directional_lights=far[1:])
+    if not far:
+        return environment
+    to_sun = -np.array(far[0].direction)
+    return replace(environment, sun_direction=to_sun, sun_irradiance=far[0].irradiance)
+
+
+def _check_lamps(scene: Scene, path: Path) -> Scene:
+    """Refuse more lamps than can be drawn."""
+    environment = scene.environment
+    lamps = len(environment.point_lights) + len(environment.directional_lights)
+    if lamps > MOST_LAMPS:
+        raise InputError(
+            f"has {lamps} lamps besides the sun, its own and those of its side-car; "
+            f"{MOST_LAMPS} are the most: remove some",
+            file=path,
+        )
+    return scene
+
+
+def _check_skins(scene: Scene, path: Path) -> None:
+    """Refuse a skin on a mesh, or a level of detail, that its joints cannot bend."""
+    for node in scene.nodes:
+        if node.skin is None:
+            continue
+        count = len(scene.skins[node.skin].joints)
+        for index in (*node.mesh, *(item for level in node.lod for item in level.mesh)):
+            bending = scene.primitives[index].bending
+            if bending is None:
+                wrong = "has no JOINTS_0 and WEIGHTS_0"
+            elif bending.joints.max() >= count:
+                wrong = f"has joint {bending.joints.max()} of {count}"
+            else:
+                continue
+            message = f"node {node.name!r} has a skin, but a mesh of it {wrong}"
+            raise InputError(f"{message}; export the file again", file=path)
 
 
 def _check_places(scene: Scene, path: Path) -> None:
     """Refuse what single precision cannot place: matrices multiply along a branch."""
     with np.errstate(over="ignore", invalid="ignore"):
-        world = scene.world_from_node(0.0)
+        world = scene.world_from_joint(0.0)
+        bends = np.abs(scene.all_skins.place_from_bind(world)).max(initial=0.0)
         placed = (np.abs(world) <= FARTHEST).all(axis=(1, 2))
     for node in np.array(scene.nodes)[~placed][:1]:
         message = (
             f"node {node.name!r} is scaled or moved by more than {FARTHEST:g} with those above"
         )
         raise InputError(f"{message} it; export the file again in metres", file=path)
+    if not bends <= FARTHEST:
+        message = f"a skin moves or scales its mesh by more than {FARTHEST:g}"
+        raise InputError(f"{message}; export the file again in metres", file=path)
 
 
 def _warning(path: Path, unsupported: set[str]) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -13,6 +15,16 @@ KEPT = 2
 """Times whose matrices are kept: this frame's and the one before."""
 
 
+_NO_JOINTS = np.zeros((0, 4, 4))
+
+
+class Placed(NamedTuple):
+    """Where things are at a time: (nodes, 4, 4), and (joints, 4, 4) of all skins."""
+
+    world_from_node: Array
+    place_from_bind: Array
+
+
 class NodePoses:
     """World-from-node matrices of a scene.
 
@@ -21,22 +33,33 @@ class NodePoses:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._static = scene.world_from_node(0.0)
+        self._static = scene.world_from_joint(0.0)
         self.locked = _locked(scene)
         self.moving = np.array([node.moving for node in scene.nodes], dtype=bool)
         self._walk = np.flatnonzero(self.moving).tolist()
+        self.any_moving = bool(self._walk)
         self._any_locked = bool(self.locked.any())
-        self._placed: dict[float, Array] = {}
+        self._placed: dict[float, Placed] = {}
+
+    def place_from_bind(self, time_s: float) -> Array:
+        """Return (joints, 4, 4) of all skins (`Skins.place_from_bind`). Do not write into it."""
+        return self._at(time_s).place_from_bind
+
+    def _at(self, time_s: float) -> Placed:
+        placed = self._placed.get(time_s)
+        if placed is None:
+            world, skins = self._place(time_s), self._scene.all_skins
+            joints = skins.place_from_bind(world) if skins.count else _NO_JOINTS
+            placed = Placed(skins.stand(world), joints)
+            self._placed = dict([*self._placed.items(), (time_s, placed)][-KEPT:])
+        return placed
 
     def world_from_node(self, time_s: float, head: Pose) -> Array:
         """Return (n, 4, 4) world-from-node at `time_s`; head-locked nodes hang on `head`.
 
         Do not write into it: it is kept, for the next frame asks again for this one's time.
         """
-        world = self._placed.get(time_s)
-        if world is None:
-            world = self._place(time_s)
-            self._placed = dict([*self._placed.items(), (time_s, world)][-KEPT:])
+        world = self._at(time_s).world_from_node
         if not self._any_locked:
             return world
         world = world.copy()
@@ -48,16 +71,14 @@ class NodePoses:
         moved = sample_all(self._scene.animations, time_s) if self._walk else {}
         for index in self._walk:
             node = self._scene.nodes[index]
-            parent = world[node.parent] if node.parent >= 0 else np.eye(4)
-            world[index] = parent @ (
-                node.matrix
-                if node.matrix is not None
-                else trs_matrix(
+            local = node.matrix
+            if local is None:
+                local = trs_matrix(
                     moved.get((index, "translation"), node.translation),
                     moved.get((index, "rotation"), node.rotation),
                     moved.get((index, "scale"), node.scale),
                 )
-            )
+            world[index] = local if node.parent < 0 else world[node.parent] @ local
         return world
 
 

@@ -167,7 +167,7 @@ def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Pa
     _check_patterns(side_car, scene, stand_ins, path)
     return replace(
         scene,
-        environment=_environment(side_car, scene.environment.point_lights),
+        environment=_environment(side_car, scene.environment),
         spawn=_spawn(side_car.spawn) if side_car.spawn else scene.spawn,
         walkable=tuple(area.floor() for area in side_car.walkable) or scene.walkable,
         nodes=_nodes(scene.nodes, side_car.nodes, stand_ins),
@@ -225,12 +225,13 @@ def _stand_in(level: Lod, name: str) -> str:
     return level.node.replace("*", name)
 
 
-def _environment(side_car: SideCar, lamps_of_file: tuple[PointLight, ...]) -> Environment:
+def _environment(side_car: SideCar, of_file: Environment) -> Environment:
+    """Return what the side-car says; the file's lamps stay, and its sun unless there is a [sun]."""
     azimuth, elevation = np.radians([side_car.sun.azimuth_deg, side_car.sun.elevation_deg])
     lamps = tuple(
         PointLight(lamp.position, lamp.intensity, lamp.range_m) for lamp in side_car.lamps
     )
-    return Environment(
+    changed = Environment(
         sun_direction=np.array(
             [
                 np.sin(azimuth) * np.cos(elevation),
@@ -248,7 +249,13 @@ def _environment(side_car: SideCar, lamps_of_file: tuple[PointLight, ...]) -> En
         cloud_cover=side_car.sky.cloud_cover,
         shadow_distance_m=side_car.sun.shadow_distance_m,
         ambient_in_vertex_alpha=side_car.sky.in_vertex_alpha,
-        point_lights=lamps_of_file + lamps,
+        point_lights=of_file.point_lights + lamps,
+        directional_lights=of_file.directional_lights,
+    )
+    if "sun" in side_car.model_fields_set:
+        return changed
+    return replace(
+        changed, sun_direction=of_file.sun_direction, sun_irradiance=of_file.sun_irradiance
     )
 
 

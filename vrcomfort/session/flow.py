@@ -22,6 +22,7 @@ from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.timing import timing_row, trial_flags
+from vrcomfort.stop_signals import uninterrupted
 
 REST_SLICE_S = 0.2
 """So often a rest looks up."""
@@ -194,8 +195,9 @@ class SessionFlow:
             ending.abort_code = ending.abort_code if ending.ended_the_study else "runtime_lost"
             raise
         finally:
-            self._open_trial = None
-            self._write_trial(place, ending)
+            with uninterrupted():
+                self._open_trial = None
+                self._write_trial(place, ending)
         self._manifest.end_exposure(place.trial or 0)
         if ending.abort_code == "headset_ended":
             raise headset_ended("in the middle of an exposure")

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Protocol
+from functools import partial
+from typing import NamedTuple, Protocol
 
 from vrcomfort.frame import FocusSample, Frame, GpuTime
 from vrcomfort.records import FrameRow, GazeRow, Row
@@ -14,6 +15,13 @@ from vrcomfort.session.timing import TrialTiming, missed_refreshes
 
 _LATEST_FRAMES = 16
 """What has not come after so many frames does not come: the row is written without."""
+
+
+class _Waiting(NamedTuple):
+    """A row but for what is late: it is made once, when all is there."""
+
+    row: partial[FrameRow]
+    gaze: GazeRow | None
 
 
 class RowWriter(Protocol):
@@ -43,7 +51,7 @@ class FrameLog:
 
     def __init__(self, recorder: RowWriter, *, last_ns: int | None = None) -> None:
         self._recorder = recorder
-        self._waiting: OrderedDict[int, FrameRow] = OrderedDict()
+        self._waiting: OrderedDict[int, _Waiting] = OrderedDict()
         self._focus: dict[int, FocusSample] = {}
         self._gpu_ms: dict[int, float] = {}
         self._offset_ns = 0
@@ -71,7 +79,8 @@ class FrameLog:
     ) -> None:
         """Take a frame, and whatever focus and GPU times arrived with it."""
         missed, time_ns = self._count(frame), self._continuous_ns(frame)
-        self._waiting[frame.index] = FrameRow(
+        row = partial(
+            FrameRow,
             session_s=session_s,
             xr_time_ns=time_ns,
             period_ns=frame.period_ns,
@@ -89,8 +98,9 @@ class FrameLog:
             dropped=int(missed > 0),
             missed_refreshes=missed,
             discontinuity=frame.discontinuity,
-            gaze=None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze),
         )
+        gaze = None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze)
+        self._waiting[frame.index] = _Waiting(row, gaze)
         if rendered is None:
             self.take(())
             return
@@ -153,18 +163,20 @@ class FrameLog:
         self._gpu_ms.clear()
 
     def _write(self, index: int) -> None:
-        row = replace(self._waiting.pop(index), gpu_ms=self._gpu_ms.pop(index, None))
+        (row, gaze), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
         sample = self._focus.pop(index, None)
-        if sample and row.gaze and self.focus_follows_gaze:
-            row = replace(row, gaze=replace(row.gaze, hit_m=float(sample.focus_raw_m)))
-        self._recorder.write(_with_focus(row, sample) if sample else row)
-
-
-def _with_focus(row: FrameRow, sample: FocusSample) -> FrameRow:
-    return replace(
-        row,
-        focus_m=float(sample.focus_m),
-        focus_raw_m=float(sample.focus_raw_m),
-        rays_m=tuple(float(ray) for ray in sample.rays_m),
-        rays_used="".join("1" if used else "0" for used in sample.used),
-    )
+        if sample is None:
+            self._recorder.write(row(gpu_ms=gpu_ms, gaze=gaze))
+            return
+        if gaze and self.focus_follows_gaze:
+            gaze = replace(gaze, hit_m=float(sample.focus_raw_m))
+        self._recorder.write(
+            row(
+                gpu_ms=gpu_ms,
+                gaze=gaze,
+                focus_m=float(sample.focus_m),
+                focus_raw_m=float(sample.focus_raw_m),
+                rays_m=tuple(map(float, sample.rays_m)),
+                rays_used="".join("1" if used else "0" for used in sample.used),
+            )
+        )

@@ -6,13 +6,15 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.geometry import Fov, focal_length_px
+from vrcomfort.geometry import focal_length_px
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.gaussian import sigma_px
-from vrcomfort.optics.motion import ramp
-from vrcomfort.protocol.conditions import SpeedBlur
-from vrcomfort.render.head_step import HeadStep
+from vrcomfort.protocol.conditions import Condition, SpeedBlur
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.head_step import speed_share
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
 
 LEAST_PX = 0.05
 """A narrower Gaussian gives a neighbour less than one part in 10^80: the image stays as it is."""
@@ -22,14 +24,24 @@ class _Sigma(NamedTuple):
     sigma_px: float
 
 
-def strength(settings: SpeedBlur, step: HeadStep | None) -> float:
-    """Return 0 (at rest, or after a cut) to 1 (at full speed), the same for both eyes."""
-    if step is None:
-        return 0.0
-    turning, moving, of = settings.turning, settings.moving, settings.speed_of
-    by_turning = turning and ramp(step.turn_deg_s(of), turning.from_deg_s, turning.to_deg_s)
-    by_moving = moving and ramp(step.speed_m_s(of), moving.from_m_s, moving.to_m_s)
-    return max(by_turning or 0.0, by_moving or 0.0)
+def plan(_: Scene, condition: Condition) -> PlannedPass:
+    """Plan the blur that grows with speed; without a ramp nothing makes it grow."""
+    settings = condition.speed_blur
+    if settings is None:
+        return PlannedPass("speed_blur", False, "the condition has none")
+    if settings.max_sigma_arcmin == 0:
+        return PlannedPass("speed_blur", False, "its largest sigma is zero")
+    if settings.turning is None and settings.moving is None:
+        return PlannedPass("speed_blur", False, "neither turning nor moving makes it grow")
+    reason = f"sigma up to {settings.max_sigma_arcmin:g} arcmin at full speed"
+    return PlannedPass("speed_blur", True, reason)
+
+
+def build(inputs: EffectInputs) -> SpeedBlurPass:
+    """Build the blur that grows with speed."""
+    return SpeedBlurPass(
+        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
+    )
 
 
 class SpeedBlurPass:
@@ -49,10 +61,14 @@ class SpeedBlurPass:
         self._copy = gl.copier(ctx)
         self.target = self._along.target
 
-    def render(self, *, fov: Fov, step: HeadStep | None) -> None:
-        """Blur the present image of an eye with this frustum; `step` is None after a cut."""
-        sigma_arcmin = self._settings.max_sigma_arcmin * strength(self._settings, step)
-        x_px, y_px = (sigma_px(sigma_arcmin, f) for f in focal_length_px(fov, self._size_px))
+    limit_px = 0.0
+    """A Gaussian has no radius."""
+
+    def render(self, eye: EyeFrame) -> None:
+        """Blur the present image as fast as the head goes; after a cut it does not."""
+        sigma_arcmin = self._settings.max_sigma_arcmin * speed_share(self._settings, eye.step)
+        focal_px = focal_length_px(eye.camera.fov, self._size_px)
+        x_px, y_px = (sigma_px(sigma_arcmin, each) for each in focal_px)
         if min(x_px, y_px) < LEAST_PX:
             self._copy(self._colour, self.target)
             return
@@ -61,6 +77,13 @@ class SpeedBlurPass:
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest leave out."""
         self._draw(1.0, 1.0)
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return nothing: no limit shortens it."""
+        return ()
+
+    def forget(self) -> None:
+        """Do nothing: each frame has its own speed."""
 
     def _draw(self, x_px: float, y_px: float) -> None:
         self._across.render(_Sigma(x_px))
@@ -74,3 +97,6 @@ def _axis(
     return FullscreenPass(
         ctx, "speed_blur/gaussian.frag", size_px=size_px, inputs=inputs, defines={"AXIS": axis}
     )
+
+
+KIND = EffectKind("speed_blur", plan, build)

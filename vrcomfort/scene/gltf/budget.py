@@ -15,6 +15,7 @@ Kind = Literal[
     "items",
     "numbers",
     "zeros",
+    "joints",
     "pixels",
     "file_bytes",
     "json_bytes",
@@ -42,6 +43,8 @@ class SceneBudget:
         made from them (flat normals, triangles of strips).
     zeros
         Numbers of accessors without data, which the file does not pay for.
+    joints
+        Of all skins: each is moved in every frame.
     pixels
         Of all images, once decoded; 4 bytes each.
     image_pixels
@@ -57,6 +60,7 @@ class SceneBudget:
     items: int = 2**20
     numbers: int = 2**27
     zeros: int = 2**22
+    joints: int = 1024
     pixels: int = 2**28
     image_pixels: int = 2**26
     file_bytes: int = 2**30
@@ -70,6 +74,7 @@ _WORDS = {
     "items": "parts",
     "numbers": "numbers of vertices, indices and key frames",
     "zeros": "numbers without data",
+    "joints": "joints",
     "pixels": "pixels of images",
     "file_bytes": "bytes",
     "json_bytes": "bytes of JSON",

@@ -11,29 +11,41 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, normalize
 from vrcomfort.scene.animation import Animation, Channel
-from vrcomfort.scene.data import Node, PointLight, parent_from_node
+from vrcomfort.scene.data import (
+    DirectionalLight,
+    Node,
+    PointLight,
+    Rgb,
+    SpotLight,
+    parent_from_node,
+)
 from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.gltf.mesh import Meshes
 from vrcomfort.scene.gltf.parts import FARTHEST, SHORTEST_QUATERNION
+from vrcomfort.scene.gltf.schema import places_of
+from vrcomfort.scene.skinning import Skin
 
+Lights = tuple[tuple[PointLight, ...], tuple[DirectionalLight, ...]]
 Graph = tuple[
-    tuple[Node, ...], tuple[Animation, ...], tuple[PointLight, ...], dict[str, tuple[int, ...]]
+    tuple[Node, ...], tuple[Animation, ...], tuple[Skin, ...], Lights, dict[str, tuple[int, ...]]
 ]
 _HANDLED = {
-    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_mesh_quantization",
+    "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit",
+    "KHR_mesh_quantization", "KHR_texture_transform",
 }  # fmt: skip
+_LIGHTS = "KHR_lights_punctual"
 _COMPRESSED = {"KHR_draco_mesh_compression", "EXT_meshopt_compression"}
 #: A lamp without a range ends where it gives this irradiance (W/m², our units).
 _FAINTEST = 0.01
 
 
 def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
-    """Return nodes (parents first), animations, lamps, and the meshes of nodes outside the scene.
+    """Return nodes (parents first), animations, skins, lights, and the meshes of other nodes.
 
     Nodes outside the default scene are not drawn; a side-car may name them as coarser
     levels of detail.
     """
-    unsupported.update(name for name in ("skins", "cameras") if file.items(name))
+    unsupported.update(name for name in ("cameras",) if file.items(name))
     file.account.spend("nodes", len(file.items("nodes")), "the file")
     order = list(_walk(file))
     place = {gltf_index: index for index, (gltf_index, _) in enumerate(order)}
@@ -45,14 +57,15 @@ def read_graph(file: GltfFile, meshes: Meshes, unsupported: set[str]) -> Graph:
     file.account.spend("draws", sum(len(node.mesh) for node in nodes), "the scene graph")
     animations = _animations(file, place, unsupported)
     moving = {channel.node for animation in animations for channel in animation.channels}
-    marked = _mark_moving(nodes, moving)
+    skins = _skins(file, place)
+    marked = _mark_moving(nodes, moving, skins)
     lights = _lights(file, place, marked, unsupported)
     stand_ins = {
         item.get("name", f"node {index}"): _mesh(meshes, item)
         for index, item in enumerate(items)
         if index not in place and "mesh" in item
     }
-    return marked, animations, lights, stand_ins
+    return marked, animations, skins, lights, stand_ins
 
 
 def refuse_unknown(file: GltfFile) -> None:
@@ -60,8 +73,10 @@ def refuse_unknown(file: GltfFile) -> None:
     needed = sorted(set(file.root.get("extensionsRequired", [])) - _HANDLED)
     if needed:
         without = "mesh compression" if needed[0] in _COMPRESSED else "it"
+        where = next(places_of(file.root, needed[0]), None)
+        there = f" (first in {where})" if where else ""
         raise InputError(
-            f"needs {needed[0]}, which cannot be read; export it without {without}",
+            f"needs {needed[0]}{there}, which cannot be read; export it without {without}",
             file=file.path,
         )
 
@@ -103,15 +118,45 @@ def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node
         # Column-major in the file.
         matrix=None if matrix is None else np.array(matrix, np.float64).reshape(4, 4).T,
         mesh=_mesh(meshes, item),
+        skin=item.get("skin") if "mesh" in item else None,
     )
 
 
-def _mark_moving(nodes: list[Node], moving: set[int]) -> tuple[Node, ...]:
+def _skins(file: GltfFile, place: dict[int, int]) -> tuple[Skin, ...]:
+    return tuple(
+        _skin(file, item, f"skin {item.get('name', index)!r}", place)
+        for index, item in enumerate(file.items("skins"))
+    )
+
+
+def _skin(file: GltfFile, item: dict[str, Any], what: str, place: dict[int, int]) -> Skin:
+    count = len(item["joints"])
+    file.account.spend("joints", count, what)
+    if any(joint not in place for joint in item["joints"]):
+        raise file.fault(what, "has a joint that is no node of the scene")
+    matrices = np.tile(np.eye(4), (count, 1, 1))
+    if "inverseBindMatrices" in item:
+        rows = file.accessor(item["inverseBindMatrices"], what, ["MAT4"]).astype(np.float64)
+        if len(rows) < count:
+            raise file.fault(what, f"has {len(rows)} inverse bind matrices for {count} joints")
+        if np.abs(rows).max() > FARTHEST:
+            raise file.fault(what, f"has a number of more than {FARTHEST:g} in a matrix")
+        matrices = rows[:count].reshape(-1, 4, 4).swapaxes(1, 2)  # column-major in the file
+        matrices[:, 3] = [0.0, 0.0, 0.0, 1.0]
+    return Skin(what, tuple(place[joint] for joint in item["joints"]), matrices)
+
+
+def _mark_moving(nodes: list[Node], moving: set[int], skins: tuple[Skin, ...]) -> tuple[Node, ...]:
+    """Mark what moves: below an animated node, or bent by a joint that moves."""
     marked: list[Node] = []
     for index, node in enumerate(nodes):
         inherited = node.parent >= 0 and marked[node.parent].moving
         marked.append(replace(node, moving=inherited or index in moving))
-    return tuple(marked)
+    bends = [any(marked[joint].moving for joint in skin.joints) for skin in skins]
+    return tuple(
+        replace(node, moving=True) if node.skin is not None and bends[node.skin] else node
+        for node in marked
+    )
 
 
 def _animations(
@@ -171,29 +216,61 @@ def _lengths(vectors: Array) -> Array:
 
 def _lights(
     file: GltfFile, place: dict[int, int], nodes: tuple[Node, ...], unsupported: set[str]
-) -> tuple[PointLight, ...]:
+) -> Lights:
     """Return the lamps of KHR_lights_punctual where their nodes are at time zero."""
-    extension = file.root.get("extensions", {}).get("KHR_lights_punctual", {})
+    extension = file.root.get("extensions", {}).get(_LIGHTS, {})
     world = _world(nodes)
-    lights = []
+    lamps: list[PointLight] = []
+    far: list[DirectionalLight] = []
     for gltf_index, index in place.items():
         reference = file.root["nodes"][gltf_index].get("extensions", {})
-        if "KHR_lights_punctual" not in reference:
+        if _LIGHTS not in reference:
             continue
-        light = extension["lights"][reference["KHR_lights_punctual"]["light"]]
-        if light["type"] == "point":
-            lights.append(_lamp(light, world[index][:3, 3]))
+        light = extension["lights"][reference[_LIGHTS]["light"]]
+        if nodes[index].moving:
+            unsupported.add("lamps that move (they stay where they are at first)")
+        if light["type"] == "directional":
+            shines = _shines(file, nodes[index], world[index])
+            far.append(DirectionalLight(shines, _strength(light)))
+        elif light["type"] == "spot":
+            lamps.append(_spot(light, world[index], _shines(file, nodes[index], world[index])))
+        elif light["type"] == "point":
+            lamps.append(_lamp(light, world[index]))
         else:
             unsupported.add(f"{light['type']} lights")
-    return tuple(lights)
+    return tuple(lamps), tuple(far)
 
 
-def _lamp(light: dict[str, Any], position: Any) -> PointLight:
-    strength = light.get("intensity", 1.0)
-    red, green, blue = (strength * channel for channel in light.get("color", (1.0, 1.0, 1.0)))
-    reach_m = light.get("range", float(np.sqrt(max(red, green, blue) / _FAINTEST)))
-    x, y, z = (float(value) for value in position)
-    return PointLight((x, y, z), (red, green, blue), reach_m)
+def _shines(file: GltfFile, node: Node, world_from_node: Array) -> Rgb:
+    """Return the unit vector along which a node's light shines: its -Z axis."""
+    axis = -world_from_node[:3, 2]
+    if not np.linalg.norm(axis) > 0:
+        raise file.fault(
+            f"node {node.name!r}", "has a light, but a scale of 0: it has no direction"
+        )
+    return _rgb(normalize(axis))
+
+
+def _strength(light: dict[str, Any]) -> Rgb:
+    return _rgb(light.get("intensity", 1.0) * np.array(light.get("color", (1.0, 1.0, 1.0))))
+
+
+def _rgb(vector: Array) -> Rgb:
+    x, y, z = (float(value) for value in vector)
+    return x, y, z
+
+
+def _lamp(light: dict[str, Any], world_from_node: Array) -> PointLight:
+    strength = _strength(light)
+    reach_m = light.get("range", float(np.sqrt(max(strength) / _FAINTEST)))
+    return PointLight(_rgb(world_from_node[:3, 3]), strength, reach_m)
+
+
+def _spot(light: dict[str, Any], world_from_node: Array, shines: Rgb) -> SpotLight:
+    cone = light.get("spot", {})
+    inner, outer = cone.get("innerConeAngle", 0.0), cone.get("outerConeAngle", np.pi / 4)
+    lamp = _lamp(light, world_from_node)
+    return SpotLight(lamp.position, lamp.intensity, lamp.range_m, shines, inner, outer)
 
 
 def _world(nodes: tuple[Node, ...]) -> Any:

@@ -7,22 +7,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.scene.data import Image, Material, Primitive
+from vrcomfort.scene.data import Image, Material, Primitive, UvMap, Wrap
 from vrcomfort.scene.gltf.file import GltfFile
 from vrcomfort.scene.gltf.parts import FARTHEST
+from vrcomfort.scene.skinning import Bending
 
 Meshes = list[tuple[int, ...]]
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _UNSIGNED = (5121, 5123, 5125)
 _MOST_HALF = 65_504.0
 """Greatest number of half precision, in which the GPU has normals and colours."""
-_OF_CORNER = 3 + 3 + 2 + 4
-"""Numbers of a corner that no other triangle shares: position, normal, uv, colour."""
+_OF_CORNER = 3 + 3 + 2 + 2 + 4 + 4 + 4
+"""Numbers of a corner that no other triangle shares: position, normal, uv twice, colour, joints and
+weights."""
 _NEXT, _LAST = [1, 2, 0], [2, 0, 1]
-_REPEATS = {10497: True, 33071: False, 33648: True}
-_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "COLOR_0"}
+_WRAPS: dict[int, Wrap] = {10497: "repeat", 33071: "clamp_to_edge", 33648: "mirrored_repeat"}
+_USED_ATTRIBUTES = {"POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0",
+                    "JOINTS_0", "WEIGHTS_0"}  # fmt: skip
 #: Material extensions that are honoured here; any other is named as unsupported.
-_MATERIAL_EXTENSIONS = {"KHR_materials_emissive_strength"}
+_MATERIAL_EXTENSIONS = {"KHR_materials_emissive_strength", "KHR_materials_unlit"}
+_TRANSFORM = "KHR_texture_transform"
 
 
 def read_materials(
@@ -41,35 +45,43 @@ class _Textures:
         self.file = file
         self.unsupported = unsupported
         self.images: list[Image] = []
-        self._known: dict[tuple[int, tuple[bool, bool]], int] = {}
+        self._known: dict[tuple[int, tuple[Wrap, Wrap]], int] = {}
 
-    def index(self, info: dict[str, Any] | None) -> int | None:
-        """Return the image index for a textureInfo object."""
+    def fields(self, name: str, info: dict[str, Any] | None) -> dict[str, Any]:
+        """Return the fields of a `Material` that a textureInfo object fills."""
         if info is None:
-            return None
-        self.unsupported.update(info.get("extensions", {}))
-        if info.get("texCoord", 0) != 0:
-            self.unsupported.add(f"TEXCOORD_{info['texCoord']}")
-            return None
+            return {}
+        return {f"{name}_image": self._index(info), f"{name}_uv": self._uv_map(info)}
+
+    def _uv_map(self, info: dict[str, Any]) -> UvMap:
+        extensions = info.get("extensions", {})
+        self.unsupported.update(extensions.keys() - {_TRANSFORM})
+        moved = extensions.get(_TRANSFORM, {})
+        uv_set = moved.get("texCoord", info.get("texCoord", 0))
+        return UvMap(
+            uv_set,
+            tuple(moved.get("offset", (0.0, 0.0))),
+            moved.get("rotation", 0.0),
+            tuple(moved.get("scale", (1.0, 1.0))),
+        )
+
+    def _index(self, info: dict[str, Any]) -> int | None:
         texture = self.file.item("textures", info["index"])
         if "source" not in texture:
             self.unsupported.update(texture.get("extensions", {"textures without an image": {}}))
             return None
-        repeat = self._repeat(texture)
-        key = (texture["source"], repeat)
+        wrap = self._wrap(texture)
+        key = (texture["source"], wrap)
         if key not in self._known:
             self._known[key] = len(self.images)
-            self.images.append(Image(self.file.image(texture["source"]), repeat))
+            self.images.append(Image(self.file.image(texture["source"]), wrap))
         return self._known[key]
 
-    def _repeat(self, texture: dict[str, Any]) -> tuple[bool, bool]:
+    def _wrap(self, texture: dict[str, Any]) -> tuple[Wrap, Wrap]:
         if "sampler" not in texture:
-            return True, True
+            return "repeat", "repeat"
         sampler = self.file.item("samplers", texture["sampler"])
-        wraps = sampler.get("wrapS", 10497), sampler.get("wrapT", 10497)
-        if 33648 in wraps:
-            self.unsupported.add("mirrored repeat (repeated instead)")
-        return _REPEATS[wraps[0]], _REPEATS[wraps[1]]
+        return _WRAPS[sampler.get("wrapS", 10497)], _WRAPS[sampler.get("wrapT", 10497)]
 
 
 def _material(item: dict[str, Any], textures: _Textures) -> Material:
@@ -84,17 +96,18 @@ def _material(item: dict[str, Any], textures: _Textures) -> Material:
     return Material(
         name=item.get("name", ""),
         base_color=tuple(surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0))),
-        base_color_image=textures.index(surface.get("baseColorTexture")),
-        normal_image=textures.index(normal),
         normal_scale=(normal or {}).get("scale", 1.0),
         metallic=surface.get("metallicFactor", 1.0),
         roughness=surface.get("roughnessFactor", 1.0),
-        metallic_roughness_image=textures.index(surface.get("metallicRoughnessTexture")),
         emissive=(red * strength, green * strength, blue * strength),
-        emissive_image=textures.index(item.get("emissiveTexture")),
         alpha_mode=item.get("alphaMode", "OPAQUE"),
         alpha_cutoff=item.get("alphaCutoff", 0.5),
         double_sided=item.get("doubleSided", False),
+        unlit="KHR_materials_unlit" in extensions,
+        **textures.fields("base_color", surface.get("baseColorTexture")),
+        **textures.fields("normal", normal),
+        **textures.fields("metallic_roughness", surface.get("metallicRoughnessTexture")),
+        **textures.fields("emissive", item.get("emissiveTexture")),
     )
 
 
@@ -140,9 +153,6 @@ def _primitive(
 
 
 def _name_unsupported(item: dict[str, Any], unsupported: set[str]) -> None:
-    extra = set(item["attributes"]) - _USED_ATTRIBUTES
-    if any(name.startswith(("JOINTS", "WEIGHTS")) for name in extra):
-        unsupported.add("skins")
     if "targets" in item:
         unsupported.add("morph targets")
     unsupported.update(item.get("extensions", {}))
@@ -199,7 +209,9 @@ def _assembled(
 
     normals = read("NORMAL", "VEC3", most=_MOST_HALF)
     uvs = read("TEXCOORD_0", "VEC2", most=FARTHEST)
+    uvs_1 = read("TEXCOORD_1", "VEC2", most=FARTHEST)
     colors = read("COLOR_0", "VEC3", "VEC4", most=_MOST_HALF)
+    bending = _bending(file, attributes, what, read("WEIGHTS_0", "VEC4", most=_MOST_HALF))
     if uvs is None:
         uvs = np.zeros((len(positions), 2), np.float32)
     if colors is not None and colors.shape[1] == 3:
@@ -209,10 +221,35 @@ def _assembled(
         corners = indices.ravel()
         file.account.spend("numbers", _OF_CORNER * len(corners), what)
         positions, uvs = positions[corners], uvs[corners]
+        uvs_1 = None if uvs_1 is None else uvs_1[corners]
         colors = None if colors is None else colors[corners]
+        if bending is not None:
+            bending = Bending(bending.joints[corners], bending.weights[corners])
         indices = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
         normals = _flat_normals(positions)
-    return Primitive(positions, normals, uvs, colors, indices, material)
+    return Primitive(positions, normals, uvs, colors, indices, material, uvs_1, bending)
+
+
+def _bending(
+    file: GltfFile,
+    attributes: dict[str, int],
+    what: str,
+    weights: NDArray[np.float32] | None,
+) -> Bending | None:
+    if "JOINTS_1" in attributes:
+        raise file.fault(what, "has JOINTS_1: 4 joints may bend a vertex, not more")
+    if "JOINTS_0" not in attributes or weights is None:
+        return None
+    accessor = file.item("accessors", attributes["JOINTS_0"])
+    if accessor["componentType"] not in _UNSIGNED[:2] or accessor.get("normalized"):
+        raise file.fault(what, "has joints that are not unsigned whole numbers of 8 or 16 bits")
+    joints = file.accessor(attributes["JOINTS_0"], what, ["VEC4"]).astype(np.uint16)
+    if len(joints) != len(weights):
+        raise file.fault(what, f"has {len(joints)} JOINTS_0 for {len(weights)} WEIGHTS_0")
+    total = weights.sum(axis=1, keepdims=True)
+    if (weights < 0).any() or not (total > 0).all():
+        raise file.fault(what, "has a vertex whose weights are negative, or all 0")
+    return Bending(np.where(weights > 0, joints, 0).astype(np.uint16), weights / total)
 
 
 def _flat_normals(corners: NDArray[np.float32]) -> NDArray[np.float32]:

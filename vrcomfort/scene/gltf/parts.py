@@ -64,6 +64,7 @@ NodeIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("nodes"))]
 SamplerIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("samplers"))]
 SceneIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("scenes"))]
 TextureIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("textures"))]
+SkinIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("skins"))]
 LampIndex: TypeAlias = Annotated[int, AfterValidator(_in_list("lights"))]
 Quaternion: TypeAlias = Annotated[
     list[Placing], Field(min_length=4, max_length=4), AfterValidator(_turns)
@@ -145,11 +146,26 @@ class _Texture(_Part):
     extensions: Extensions = ABSENT
 
 
+UvSet: TypeAlias = Literal[0, 1]
+Pair: TypeAlias = Annotated[list[Placing], Field(min_length=2, max_length=2)]
+
+
+class _TextureTransform(_Part):
+    offset: Pair = ABSENT
+    rotation: Placing = ABSENT
+    scale: Pair = ABSENT
+    tex_coord: UvSet = ABSENT
+
+
+class _TextureInfoExtensions(_Part):
+    KHR_texture_transform: _TextureTransform = ABSENT
+
+
 class _TextureInfo(_Part):
     index: TextureIndex
-    tex_coord: Size = ABSENT
+    tex_coord: UvSet = ABSENT
     scale: Number = ABSENT
-    extensions: Extensions = ABSENT
+    extensions: _TextureInfoExtensions = ABSENT
 
 
 class _Surface(_Part):
@@ -166,6 +182,7 @@ class _Glow(_Part):
 
 class _MaterialExtensions(_Part):
     KHR_materials_emissive_strength: _Glow = ABSENT
+    KHR_materials_unlit: dict[str, Any] = ABSENT
 
 
 class _Material(_Part):
@@ -205,11 +222,18 @@ class _Node(_Part):
     name: str = ABSENT
     children: list[NodeIndex] = ABSENT
     mesh: MeshIndex = ABSENT
+    skin: SkinIndex = ABSENT
     matrix: Annotated[list[Placing], Field(min_length=16, max_length=16)] = ABSENT
     translation: Triple = ABSENT
     rotation: Quaternion = ABSENT
     scale: Triple = ABSENT
     extensions: _NodeExtensions = ABSENT
+
+
+class _Skin(_Part):
+    name: str = ABSENT
+    inverse_bind_matrices: Accessor = ABSENT
+    joints: Annotated[list[NodeIndex], Field(min_length=1)]
 
 
 class _Scene(_Part):
@@ -247,8 +271,20 @@ class _Animation(_Part):
         return self
 
 
+class _Cone(_Part):
+    inner_cone_angle: Annotated[float, Field(ge=0, le=math.pi / 2)] = 0.0
+    outer_cone_angle: Annotated[float, Field(gt=0, le=math.pi / 2 + 1e-6)] = math.pi / 4
+
+    @model_validator(mode="after")
+    def _opens(self) -> Self:
+        if self.inner_cone_angle >= self.outer_cone_angle:
+            raise PydanticCustomError("cone", "has an inner cone that is not within its outer one")
+        return self
+
+
 class _Lamp(_Part):
     type: str
+    spot: _Cone = ABSENT
     color: Color = ABSENT
     intensity: Light = ABSENT
     range: Annotated[float, Field(gt=0, le=1e18, allow_inf_nan=False)] = ABSENT
@@ -279,5 +315,5 @@ class Root(_Part):
     samplers: list[_Sampler] = ABSENT
     scene: SceneIndex = ABSENT
     scenes: list[_Scene] = ABSENT
-    skins: list[dict[str, Any]] = ABSENT
+    skins: list[_Skin] = ABSENT
     textures: list[_Texture] = ABSENT

@@ -16,9 +16,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.scene.gltf.parts import Root
 
 _LISTS = ("accessors", "buffers", "bufferViews", "images", "materials", "meshes", "nodes",
-          "samplers", "scenes", "textures")  # fmt: skip
+          "samplers", "scenes", "skins", "textures")  # fmt: skip
 _LAMPS = "KHR_lights_punctual"
-_INNER = {"primitives", "children", "nodes", "channels", "samplers"}
+_INNER = {"primitives", "children", "nodes", "channels", "samplers", "joints"}
 _AT_ONCE = 4096
 
 
@@ -100,6 +100,20 @@ def place(root: dict[str, Any], location: tuple[int | str, ...]) -> str:
         name = value.get("name") if isinstance(value, dict) else None
         words += f" ({name!r})" if isinstance(name, str) else ""
     return words
+
+
+def places_of(root: dict[str, Any], extension: str) -> Iterator[str]:
+    """Yield the places in the JSON that use an extension, in words."""
+    waiting: list[tuple[tuple[int | str, ...], Any]] = [((), root)]
+    while waiting:
+        location, value = waiting.pop()
+        if isinstance(value, dict):
+            if location and extension in (value.get("extensions") or {}):
+                yield place(root, location)
+            inner = list(value.items())
+        else:
+            inner = list(enumerate(value)) if isinstance(value, list) else []
+        waiting += [((*location, key), each) for key, each in reversed(inner)]
 
 
 def _in_words(detail: ErrorDetails) -> str:

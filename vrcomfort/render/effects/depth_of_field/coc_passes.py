@@ -32,6 +32,16 @@ class EyeUniforms(NamedTuple):
     head_forward_in_view: tuple[float, float, float]
     near_m: float
     offset_m: float
+    eye_in_view: tuple[float, float, float]
+
+
+class _WithoutPlace(NamedTuple):
+    """The fields of `EyeUniforms` without the last: distances along the head's forward axis."""
+
+    tangents: tuple[float, float, float, float]
+    head_forward_in_view: tuple[float, float, float]
+    near_m: float
+    offset_m: float
 
 
 class _Scale(NamedTuple):
@@ -62,10 +72,12 @@ class _PeripheralShape(NamedTuple):
 
 
 def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
-    """Return the uniforms that turn an eye's depth into depth along the head's forward axis."""
-    x, y, z = rotate(head_from_eye.inverse().orientation, np.array([0.0, 0.0, -1.0]))
+    """Return the uniforms that turn an eye's depth into distance from the head centre."""
+    to_view = head_from_eye.inverse().orientation
+    x, y, z = rotate(to_view, np.array([0.0, 0.0, -1.0])).tolist()
     offset_m = -float(head_from_eye.position[2])
-    return EyeUniforms(fov.tangents, (float(x), float(y), float(z)), near_m, offset_m)
+    right, up, back = rotate(to_view, head_from_eye.position).tolist()
+    return EyeUniforms(fov.tangents, (x, y, z), near_m, offset_m, (right, up, back))
 
 
 class DepthToCoc:
@@ -90,7 +102,12 @@ class DepthToCoc:
         self._constants = Together(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
         )
-        self._defines = {**_law_defines(settings), **_peripheral_defines(settings)}
+        self._along_ray = settings.distance_along == "ray"
+        self._defines = {
+            **_law_defines(settings),
+            **_peripheral_defines(settings),
+            **({"ALONG_RAY": 1} if self._along_ray else {}),
+        }
 
     def make_pass(
         self,
@@ -115,7 +132,8 @@ class DepthToCoc:
     def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
         """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
-        return Together(eye, scale, limit, *_peripheral_unit(self._settings, focal_px))
+        used = eye if self._along_ray else _WithoutPlace(*eye[:-1])
+        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px))
 
 
 class CocPasses:

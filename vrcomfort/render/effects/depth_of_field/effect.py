@@ -4,10 +4,51 @@ from __future__ import annotations
 
 import moderngl
 
-from vrcomfort.geometry import Fov, Pose, focal_length_px
-from vrcomfort.protocol.conditions import DepthOfField, Focus
+from vrcomfort.geometry import focal_length_px
+from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
+from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+
+def plan(_: Scene, condition: Condition) -> PlannedPass:
+    """Plan depth of field; r_max = 0 is the pinhole image, which needs no pass."""
+    settings = condition.depth_of_field
+    if settings is None:
+        return PlannedPass("depth_of_field", False, "the condition has none")
+    if settings.max_radius_percent == 0:
+        return PlannedPass("depth_of_field", False, "its largest radius is zero")
+    if settings.peripheral is None and settings.pinhole:
+        return PlannedPass("depth_of_field", False, "its lens has no opening")
+    reason = f"radius up to {settings.max_radius_percent:g} % of the image width"
+    if settings.max_diameter_arcmin is not None:
+        reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
+    if settings.peripheral is not None:
+        reason += ", with peripheral blur"
+    if settings.distance_along == "ray":
+        reason += ", by the distance along each ray"
+    if settings.views > 1:
+        reason = f"the scene is drawn in {settings.views} views through the lens of each eye"
+    return PlannedPass("depth_of_field", True, reason)
+
+
+def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
+    """Build what blurs one view; None where many views need no blur."""
+    of_one_view = blur_of_one_view(inputs.settings, inputs.size_px)
+    if of_one_view is None:
+        return None
+    return DepthOfFieldPass(
+        inputs.ctx,
+        colour=inputs.colour,
+        depth=inputs.depth,
+        focus=inputs.reads["focus"],
+        settings=of_one_view,
+        size_px=inputs.size_px,
+        infinity_m=inputs.condition.focus.infinity_m,
+    )
 
 
 class DepthOfFieldPass:
@@ -47,11 +88,15 @@ class DepthOfFieldPass:
         self._kernel = make_kernel(ctx, colour, self._coc, settings)
         self.target = self._kernel.target
 
-    def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
+    def render(self, eye: EyeFrame) -> None:
         """Blur the image that an eye with this frustum, near plane and place in the head drew."""
+        fov, near_m = eye.camera.fov, eye.camera.near_m
         focal_x, focal_y = focal_length_px(fov, self._size_px)
-        self._coc.render(fov=fov, near_m=near_m, head_from_eye=head_from_eye)
+        self._coc.render(fov=fov, near_m=near_m, head_from_eye=eye.head_from_eye)
         self._kernel.render(focal_y / focal_x)
+
+    def warm_up(self) -> None:
+        """Draw nothing: every frame draws everything."""
 
     @property
     def limit_px(self) -> float:
@@ -65,3 +110,6 @@ class DepthOfFieldPass:
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         self._coc.forget()
+
+
+KIND = EffectKind("depth_of_field", plan, build, reads=frozenset({"focus"}))

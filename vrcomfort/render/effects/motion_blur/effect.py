@@ -9,9 +9,12 @@ import moderngl
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.motion import MOST_SAMPLES, STREAK_OF_SAMPLES_PX, ramp
-from vrcomfort.protocol.conditions import MotionBlur
+from vrcomfort.protocol.conditions import Condition, MotionBlur
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.motion_blur.tile_max import Shutter, TileMaxPass
 from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
 
 WIDEST_STRIDE_PX = 4
 """Between samples that look for what is in front: it must not be stepped over."""
@@ -28,6 +31,35 @@ class _Taps(NamedTuple):
 
 class _Sampling(NamedTuple):
     px_per_sample: int
+
+
+def plan(scene: Scene, condition: Condition) -> PlannedPass:
+    """Plan motion blur; a shutter that never opens for long blurs nothing.
+
+    Locomotion and heads move at run time, so only a mode that ignores every camera can be known
+    to see nothing move; frames in which nothing moved are copied without any pass in every mode.
+    """
+    settings = condition.motion_blur
+    if settings is None:
+        return PlannedPass("motion_blur", False, "the condition has none")
+    if settings.shutter_fraction == 0:
+        return PlannedPass("motion_blur", False, "its shutter is open for no time")
+    if settings.mode == "objects_only" and not any(node.moving for node in scene.nodes):
+        return PlannedPass("motion_blur", False, "objects_only, and nothing in the scene moves")
+    reason = f"{settings.mode}, shutter open for {settings.shutter_fraction:g} of the frame"
+    return PlannedPass("motion_blur", True, reason)
+
+
+def build(inputs: EffectInputs) -> MotionBlurPass:
+    """Build motion blur."""
+    return MotionBlurPass(
+        inputs.ctx,
+        colour=inputs.colour,
+        depth=inputs.depth,
+        velocity=inputs.reads["velocity"],
+        settings=inputs.settings,
+        size_px=inputs.size_px,
+    )
 
 
 def streak_scale(settings: MotionBlur, step: HeadStep | None) -> float:
@@ -78,18 +110,10 @@ class MotionBlurPass:
         self._copy = gl.copier(ctx)
         self.target = self._gather.target
 
-    def render(self, *, still: bool = False, step: HeadStep | None = None) -> None:
-        """Blur the present image.
-
-        Parameters
-        ----------
-        still
-            Nothing has moved since the frame before: the image is copied, bit by bit.
-        step
-            How the head got here, None after a cut.
-        """
-        scale = streak_scale(self._settings, step)
-        if still or scale == 0:
+    def render(self, eye: EyeFrame) -> None:
+        """Blur the present image; where nothing has moved, it is copied, bit by bit."""
+        scale = streak_scale(self._settings, eye.step)
+        if eye.still or scale == 0:
             self._copy(self._colour, self.target)
             return
         self._draw(scale)
@@ -100,6 +124,9 @@ class MotionBlurPass:
 
     def _draw(self, scale: float) -> None:
         self._gather.render(self._tile_max.render(scale))
+
+    def forget(self) -> None:
+        """Do nothing: frames after a cut have no streaks."""
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
@@ -191,3 +218,6 @@ def _per_pixel(
         filtered={"colour"},
         defines={"SAMPLES": settings.samples},
     )
+
+
+KIND = EffectKind("motion_blur", plan, build, reads=frozenset({"velocity"}))

@@ -1,0 +1,32 @@
+#version 450 core
+// A field-of-view restrictor: covers the image outside a clear field round the head's forward axis.
+//
+// Input:  image (linear HDR); tangents of the frustum: left, right, up, down; head_from_eye
+//         (rotation); clear_rad, the RADIUS of the clear field, and feather_rad, the width of the
+//         border in which the cover begins, both as angles from the head's forward axis; mean, 1x1,
+//         with MEAN_COLOUR.
+// Output: image, or the cover: black, or the mean colour.
+// NumPy twin: tests/oracles/vignette.py. Source: Fernandes & Feiner 2016.
+uniform sampler2D image;
+uniform vec4 tangents;
+uniform mat3 head_from_eye;
+uniform float clear_rad;
+uniform float feather_rad;
+#ifdef MEAN_COLOUR
+uniform sampler2D mean;
+#endif
+
+out vec4 restricted;
+
+void main() {
+    vec2 uv = gl_FragCoord.xy / vec2(textureSize(image, 0));
+    vec3 ray = head_from_eye * vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
+    float angle_rad = atan(length(ray.xy), -ray.z);
+    float cover = smoothstep(0.0, 1.0, (angle_rad - clear_rad) / feather_rad);
+    vec4 colour = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
+    vec3 covered = vec3(0.0);
+#ifdef MEAN_COLOUR
+    covered = texelFetch(mean, ivec2(0), 0).rgb;
+#endif
+    restricted = vec4(cover > 0.0 ? mix(colour.rgb, covered, cover) : colour.rgb, colour.a);
+}

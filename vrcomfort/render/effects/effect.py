@@ -1,0 +1,106 @@
+"""What an effect is to the rest of the renderer: one step from an eye's image to the next.
+
+A new effect is a table of settings (`vrcomfort.protocol.conditions.Condition`), a pass that is an
+`Effect`, its shader and the shader's twin, and an `EffectKind` in `vrcomfort.render.effects.kinds`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, Protocol
+
+import moderngl
+
+from vrcomfort.geometry import Pose
+from vrcomfort.protocol.conditions import Condition, EffectName
+from vrcomfort.render.camera import EyeCamera, PreviousCamera
+from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+
+class EyeFrame(NamedTuple):
+    """An eye of this frame, and what motion blur counts as the eye of the frame before.
+
+    `eye_index` is 0 for the left eye, which is drawn first. `step` is how the head got here, None
+    where the frame before has nothing to do with this one. `still`: nothing moves in the image.
+    """
+
+    eye_index: int
+    display_time_ns: int
+    head_from_eye: Pose
+    camera: EyeCamera
+    previous: PreviousCamera | None = None
+    step: HeadStep | None = None
+    still: bool = False
+
+
+@dataclass(frozen=True)
+class EffectInputs:
+    """What an effect is built from.
+
+    Parameters
+    ----------
+    colour
+        Linear HDR RGBA16F of `size_px`: the result of the effect before.
+    depth
+        Reverse-Z D32F.
+    settings
+        The effect's own table of the condition.
+    reads
+        Those of the kind: `velocity` is RG16F (px per frame, +x right, +y up), `focus` a 1×1
+        texture whose x is the focus distance in metres, the same one for both eyes.
+    """
+
+    ctx: moderngl.Context
+    condition: Condition
+    settings: Any
+    size_px: tuple[int, int]
+    colour: moderngl.Texture
+    depth: moderngl.Texture
+    reads: Mapping[str, moderngl.Texture]
+
+
+class Effect(Protocol):
+    """Draws its inputs, changed, into `target`: linear HDR RGBA16F."""
+
+    target: moderngl.Texture
+
+    @property
+    def limit_px(self) -> float:
+        """Return the largest radius or half streak that it can have."""
+
+    def render(self, eye: EyeFrame) -> None:
+        """Draw the present inputs as this eye sees them; the left eye comes first."""
+
+    def warm_up(self) -> None:
+        """Draw once what frames in which nothing moves leave out, so that it is compiled."""
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return which limits have shortened a blur so far, in words; waits for the GPU."""
+
+    def forget(self) -> None:
+        """Be as if no frame had been drawn."""
+
+
+@dataclass(frozen=True)
+class EffectKind:
+    """How an effect is planned and built.
+
+    Parameters
+    ----------
+    name
+        Of its table of settings in a condition.
+    plan
+        Say whether it is there in a scene, and why; no OpenGL.
+    build
+        Make it, where it is there; None where what is left of it needs no pass.
+    reads
+        Textures besides colour and depth, which are made for nothing else.
+    """
+
+    name: EffectName
+    plan: Callable[[Scene, Condition], PlannedPass]
+    build: Callable[[EffectInputs], Effect | None]
+    reads: frozenset[Literal["focus", "velocity"]] = frozenset()

@@ -1,0 +1,164 @@
+"""Restricts one eye's field of view, the more the faster the participant turns or moves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.geometry import Fov, Pose
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
+from vrcomfort.protocol.conditions import Condition, Vignette
+from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.head_step import speed_share
+from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.data import Scene
+
+BLOCKS = (32, 32)
+"""Parts of the image whose means are averaged."""
+
+
+class _Field(NamedTuple):
+    tangents: tuple[float, float, float, float]
+    head_from_eye: bytes
+    clear_rad: float
+    feather_rad: float
+
+
+class _Target(NamedTuple):
+    target_px: tuple[int, int]
+
+
+def plan(_: Scene, condition: Condition) -> PlannedPass:
+    """Plan the restrictor; a field of 180 degrees that nothing narrows restricts nothing."""
+    settings = condition.vignette
+    if settings is None:
+        return PlannedPass("vignette", False, "the condition has none")
+    ramps = settings.turning is not None or settings.moving is not None
+    if not ramps and settings.open_deg == 180:
+        return PlannedPass("vignette", False, "neither turning nor moving narrows the field")
+    reason = f"clear field of {settings.open_deg:g} degrees"
+    if ramps:
+        reason += f", {settings.restricted_deg:g} at full speed"
+    return PlannedPass("vignette", True, reason)
+
+
+def build(inputs: EffectInputs) -> VignettePass:
+    """Build the restrictor."""
+    return VignettePass(
+        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
+    )
+
+
+class VignettePass:
+    """Covers `colour` (linear HDR RGBA16F) outside the clear field; the result is `target`.
+
+    The field is a cone round the head's forward axis, the same angle for both eyes, and as narrow
+    for both: its strength is a frame's, not an eye's. So is its colour: the mean of the eye that
+    is drawn first.
+    """
+
+    limit_px = 0.0
+    """It blurs nothing."""
+
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        *,
+        colour: moderngl.Texture,
+        settings: Vignette,
+        size_px: tuple[int, int],
+    ) -> None:
+        self._settings, self._colour = settings, colour
+        self._means: tuple[FullscreenPass, ...] = ()
+        inputs = {"image": colour}
+        if settings.colour == "scene":
+            blocks = _mean(ctx, colour, BLOCKS)
+            self._means = blocks, _mean(ctx, blocks.target, (1, 1))
+            inputs["mean"] = self._means[-1].target
+        defines: dict[str, int | float | str] = {"MEAN_COLOUR": 1} if self._means else {}
+        self._pass = FullscreenPass(
+            ctx, "vignette/vignette.frag", size_px=size_px, inputs=inputs, defines=defines
+        )
+        self._copy = gl.copier(ctx)
+        self.target = self._pass.target
+        self._strength, self._time_ns, self._mean_time_ns = 0.0, -1, -1
+
+    @property
+    def clear_deg(self) -> float:
+        """Return the diameter of the clear field in the frame that was drawn last."""
+        settings = self._settings
+        return clear_deg(settings.open_deg, settings.restricted_deg, self._strength)
+
+    def render(self, eye: EyeFrame) -> None:
+        """Restrict the present image; where all of it is in the clear field, the copy is exact."""
+        self._move(eye)
+        if widest_angle_deg(eye.camera.fov, eye.head_from_eye) <= self.clear_deg / 2:
+            self._copy(self._colour, self.target)
+            return
+        if self._mean_time_ns != eye.display_time_ns:
+            self._mean_time_ns = eye.display_time_ns
+            self._average()
+        self._draw(eye.camera.fov, eye.head_from_eye)
+
+    def warm_up(self) -> None:
+        """Draw everything once, which frames at rest may leave out."""
+        self._average()
+        self._draw(Fov.symmetric(vertical_rad=1.0, aspect=1.0), Pose())
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return nothing: it has no limit."""
+        return ()
+
+    def forget(self) -> None:
+        """Open the field."""
+        self._strength, self._time_ns, self._mean_time_ns = 0.0, -1, -1
+
+    def _move(self, eye: EyeFrame) -> None:
+        """Widen or narrow the field once in a frame; a cut opens it."""
+        if eye.step is None:
+            self._strength, self._time_ns = 0.0, eye.display_time_ns
+        if eye.step is None or eye.display_time_ns == self._time_ns:
+            return
+        self._time_ns = eye.display_time_ns
+        self._strength = moved_towards(
+            self._strength,
+            speed_share(self._settings, eye.step),
+            elapsed_s=eye.step.seconds,
+            attack_s=self._settings.attack_s,
+            release_s=self._settings.release_s,
+        )
+
+    def _average(self) -> None:
+        for mean in self._means:
+            mean.render()
+
+    def _draw(self, fov: Fov, head_from_eye: Pose) -> None:
+        rotation = head_from_eye.matrix()[:3, :3]
+        self._pass.render(
+            _Field(
+                fov.tangents,
+                rotation.T.astype("f4").tobytes(),
+                float(np.radians(self.clear_deg / 2)),
+                float(np.radians(self._settings.feather_deg)),
+            )
+        )
+
+
+def _mean(
+    ctx: moderngl.Context, image: moderngl.Texture, size_px: tuple[int, int]
+) -> FullscreenPass:
+    return FullscreenPass(
+        ctx,
+        "vignette/block_mean.frag",
+        size_px=size_px,
+        inputs={"image": image},
+        constants=_Target(size_px),
+        dtype="f4",
+    )
+
+
+KIND = EffectKind("vignette", plan, build)

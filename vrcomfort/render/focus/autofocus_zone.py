@@ -1,0 +1,203 @@
+"""`autofocus_zone`: what is in the middle of the image, weighted, on the GPU or on the CPU.
+
+::
+
+    depth, semantic weight ─► weight · value, weight ─► ½ ─► ½ ─► ... ─► 1×1 ─► focus
+    (the zone's own frustum,   focus_weights.frag        focus_downsample.frag
+     from the head centre)     or, for an extreme,       or
+                               focus_candidates.frag     focus_extreme.frag
+
+Source: Hillaire et al. 2008, Eq. 2 and 3.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from vrcomfort.geometry import Fov, View, clip_from_view
+from vrcomfort.gpu import gl
+from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.optics import autofocus_zone
+from vrcomfort.protocol.conditions import Focus
+from vrcomfort.render.camera import rotation_only
+from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
+from vrcomfort.render.focus.search import FocusSearch, Look
+from vrcomfort.render.planned_pass import PlannedPass
+
+
+def plan(settings: Focus) -> PlannedPass:
+    """Plan the zone."""
+    width, height = settings.zone_size_px
+    done = {
+        "mean": "averaged",
+        "minimum": "searched for what is nearest",
+        "maximum": "searched for what is farthest",
+    }[settings.zone_statistic]
+    passes = len(autofocus_zone.halvings(settings.zone_size_px))
+    how = {
+        "gpu": f"by the GPU in {passes} pass{'es' if passes > 1 else ''}",
+        "cpu": "by the CPU, which waits for the GPU in every frame",
+    }[settings.zone_mean_on]
+    reason = (
+        f"depth of field follows what is in the middle: {settings.zone_ratio:g} of the image's "
+        f"sides, drawn in {width}×{height} px and {done} {how}"
+    )
+    return PlannedPass("focus", True, reason)
+
+
+def screen_tangents(views: tuple[View, View]) -> tuple[float, float]:
+    """Return half width and half height of the image as tangents: the mean of both eyes."""
+    pairs = zip(*(view.fov.tangents for view in views), strict=True)
+    left, right, up, down = ((one + other) / 2 for one, other in pairs)
+    return (right - left) / 2, (up - down) / 2
+
+
+class _Candidates(NamedTuple):
+    near_m: float
+    infinity_m: float
+    semantic_limits: tuple[float, float]
+
+
+class _Weights(NamedTuple):
+    near_m: float
+    infinity_m: float
+    semantic_limits: tuple[float, float]
+    gauss_limits: tuple[float, float]
+
+
+class _HalfTangents(NamedTuple):
+    half_tangents: tuple[float, float]
+
+
+class AutofocusZone:
+    """Draws depth and semantic weights of the zone and reduces them to one texel.
+
+    The zone is a rectangle around the head's forward axis with `zone_ratio` times the sides of the
+    eyes' images; it covers the square of that of their area.
+    """
+
+    fragment = "focus/focus_zone.frag"
+
+    def __init__(self, inputs: FocusInputs) -> None:
+        self._ctx, self._gpu, self._settings, self._near_m, self._along_ray = inputs
+        settings, size_px = inputs.settings, inputs.settings.zone_size_px
+        self._depth = gl.depth_texture(inputs.ctx, size_px)
+        self._semantic = gl.color_texture(inputs.ctx, size_px, components=1, dtype="f4")
+        self._zone = inputs.ctx.framebuffer([self._semantic], self._depth)
+        self.triangles = 0
+        self.defines, distance = _how_it_is_read(settings, inputs.near_m)
+        self.constants: dict[str, Any] = {"reduced": 2, **distance}
+        self._passes = () if settings.zone_mean_on == "cpu" else self._reduction()
+        self._reduced = (
+            self._passes[-1].target
+            if self._passes
+            else gl.color_texture(inputs.ctx, (1, 1), components=2, dtype="f4")
+        )
+
+    def _reduction(self) -> tuple[FullscreenPass, ...]:
+        """Return the passes from the zone to one texel, each a half of the one before."""
+        settings = self._settings
+        limits = settings.semantic_min, settings.semantic_max
+        candidates = _Candidates(self._near_m, settings.infinity_m, limits)
+        along_ray = {"ALONG_RAY": 1} if self._along_ray else {}
+        if settings.zone_statistic == "mean":
+            weights = _Weights(*candidates, (settings.gauss_border, settings.gauss_centre))
+            first = self._pass("focus/focus_weights.frag", weights, {**self.defines, **along_ray})
+            return self._halved(first, "focus/focus_downsample.frag", {})
+        first = self._pass("focus/focus_candidates.frag", candidates, along_ray)
+        farthest = {"FARTHEST": 1} if settings.zone_statistic == "maximum" else {}
+        return self._halved(first, "focus/focus_extreme.frag", farthest)
+
+    def _pass(
+        self, fragment: str, constants: _Candidates | _Weights, defines: dict[str, int]
+    ) -> FullscreenPass:
+        return FullscreenPass(
+            self._ctx,
+            fragment,
+            size_px=self._settings.zone_size_px,
+            inputs={"depth": self._depth, "semantic": self._semantic},
+            constants=constants,
+            defines=defines,
+            components=2,
+            dtype="f4",
+        )
+
+    def _halved(
+        self, first: FullscreenPass, fragment: str, defines: dict[str, int]
+    ) -> tuple[FullscreenPass, ...]:
+        passes = [first]
+        _, *smaller = autofocus_zone.halvings(first.target.size)
+        for size_px in smaller:
+            passes.append(
+                FullscreenPass(
+                    self._ctx,
+                    fragment,
+                    size_px=size_px,
+                    inputs={"source": passes[-1].target},
+                    defines=defines,
+                    components=2,
+                    dtype="f4",
+                )
+            )
+        return tuple(passes)
+
+    def look(self, sight: Sight) -> Look:
+        """Draw the zone, reduce it, and bind the texel."""
+        width, height = sight.screen_tangents
+        tangents = width * self._settings.zone_ratio, height * self._settings.zone_ratio
+        self._draw(sight, tangents)
+        along_ray = _HalfTangents(tangents) if self._along_ray else None
+        for index, each in enumerate(self._passes):
+            each.render(along_ray if index == 0 else None)
+        if not self._passes:
+            self._reduce_on_cpu(tangents if self._along_ray else None)
+        self._reduced.use(2)
+        return Look({})
+
+    def _draw(self, sight: Sight, half_tangents: tuple[float, float]) -> None:
+        ctx = self._ctx
+        x, y = np.arctan(half_tangents).tolist()
+        head = sight.world_from_head
+        clip_from_relative = clip_from_view(Fov(-x, x, y, -y), self._near_m) @ rotation_only(
+            head.rotation.T
+        )
+        self._zone.use()
+        self._zone.clear(self._settings.semantic_min, depth=0.0)  # the sky
+        ctx.enable_only(moderngl.DEPTH_TEST)
+        ctx.depth_func = gl.DEPTH_FUNC
+        self.triangles = self._gpu.draw_semantic(clip_from_relative, head.position)
+        ctx.enable_only(moderngl.NOTHING)
+
+    def _reduce_on_cpu(self, half_tangents: tuple[float, float] | None) -> None:
+        """Wait for the GPU, and reduce in NumPy."""
+        width, height = self._settings.zone_size_px
+        depth, semantic = (
+            np.frombuffer(
+                self._zone.read(components=1, attachment=attachment, dtype="f4", alignment=1), "f4"
+            ).reshape(height, width)
+            for attachment in (-1, 0)
+        )
+        reduced = autofocus_zone.reduced(
+            depth, semantic, self._near_m, self._settings, half_tangents
+        )
+        self._reduced.write(reduced.astype(np.float32))
+
+
+def _how_it_is_read(settings: Focus, near_m: float) -> tuple[dict[str, int], dict[str, float]]:
+    """Return the variant and the uniform with which one texel is a distance."""
+    if settings.zone_statistic != "mean":
+        return {"EXTREME": 1}, {"near_m": near_m}
+    if settings.mean == "dioptres":
+        return {"MEAN_DIOPTRES": 1}, {}
+    return {}, {"infinity_m": settings.infinity_m}
+
+
+def build(inputs: FocusInputs) -> FocusSearch:
+    """Build the search in the zone."""
+    return FocusSearch(inputs, AutofocusZone(inputs))
+
+
+RULE = FocusRule("autofocus_zone", plan, build)
