@@ -40,7 +40,9 @@ void main() {
         for (int x = 0; x < BLOCKS; ++x) {
             vec2 uv = vec2(first + 2 * ivec2(x, y) + 1) / size;
             vec4 z = textureGather(depth, uv);  // upper left, upper right, lower right, lower left
-            vec4 r = vec4(radius_at(z.x, uv), radius_at(z.y, uv), radius_at(z.z, uv), radius_at(z.w, uv));
+            vec2 l = uv - 0.5 / size, u = uv + 0.5 / size;
+            vec4 r = vec4(radius_at(z.x, vec2(l.x, u.y)), radius_at(z.y, u),
+                          radius_at(z.z, vec2(u.x, l.y)), radius_at(z.w, l));
             compare(r.xw, r.yz);
             compare(r.xy, r.wz);
             if (x > 0)
