@@ -158,8 +158,9 @@ def test_the_nearest_point_inside_a_tile_counts(ctx):
     effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
     least, greatest = np.frombuffer(effect.tile_min_max.read(), "f4")[:2]
     px_per_dioptre, corner_m = 0.8 / 2.0, np.sqrt(1 + 2 * (7 / 8) ** 2)
-    assert least == pytest.approx(0.0, abs=1e-6)
-    assert greatest >= px_per_dioptre * (1 - 1 / corner_m)
+    middle_m = np.sqrt(1 + 2 / 64)
+    assert least == pytest.approx(px_per_dioptre * (1 - 1 / middle_m), rel=1e-4)
+    assert greatest == pytest.approx(px_per_dioptre * (1 - 1 / corner_m), rel=1e-4)
 
 
 def test_a_point_is_as_blurred_in_one_eye_as_in_the_other(ctx):
