@@ -251,7 +251,6 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
         "display/picture.vert",
         "display/picture.frag",
         "common/copy.frag",
-        "depth_of_field/small_discs.frag",
     }  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
