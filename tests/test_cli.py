@@ -104,7 +104,7 @@ def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
     lens = "[conditions.depth_of_field]"
-    file.write_text(text.replace(lens, f"{lens}\nrings = 7", 1), encoding="utf-8")
+    file.write_text(text.replace(lens, f"{lens}\nsamples = 70", 1), encoding="utf-8")
     code, out, _ = run("plan", file, "--size", "64x48", "--json")
     answer = json.loads(out)
     costs = {row["condition"]: row for row in answer["costs"]}

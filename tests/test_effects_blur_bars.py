@@ -6,7 +6,7 @@ import pytest
 from tests.oracles import gather, layers
 from tests.support.effects import depth_of_field, textures
 from tests.support.kernels import blur
-from vrcomfort.optics.gather_resolution import small_px
+from vrcomfort.optics.levels import exact_px
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.image_error import hdr_flip
@@ -122,7 +122,7 @@ def test_bright_points_keep_their_energy(ctx, radius_px):
     rgb = np.zeros((HEIGHT, WIDTH, 3))
     for y, x in ((30, 41), (47, 64), (61, 90)):
         rgb[y : y + 2, x : x + 2] = 1000.0
-    blurred = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=5, **WIDE)
+    blurred = depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, samples=128, **WIDE)
     assert blurred.astype(float).sum() == pytest.approx(rgb.sum(), rel=0.005)
 
 
@@ -148,16 +148,20 @@ def test_both_eyes_see_the_same_blur(ctx, radius_px):
 
 
 @pytest.mark.parametrize("pixel_aspect", [1.0, 1.25])
-@pytest.mark.parametrize("spread", [0.0, 0.03, 1.0])
+@pytest.mark.parametrize("spread", [0.0, 1.0])
 def test_discs_of_a_few_pixels_are_summed_as_the_twin_sums_them(ctx, pixel_aspect, spread):
-    """Surfaces that mix, that are about alike (a way of its own), and a single one."""
+    """Surfaces that mix, and a single one (a way of its own)."""
     rng = np.random.default_rng(2)
     rgb = rng.uniform(0, 1, (23, 21, 3)).astype("f2")
     rgb[4:6, 9] = 900.0
     radius = 3.9 - spread * rng.uniform(0, 7.8, (23, 21)) * rng.integers(0, 2, (23, 21))
-    found = blur(ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect)
+    found = blur(
+        ctx, "vrcomfort", rgb, radius, limit_px=4.0, pixel_aspect=pixel_aspect, samples=128
+    )
     expected = layers.layered(found.points, pixel_aspect=pixel_aspect)
-    np.testing.assert_allclose(found.rgb, expected, rtol=2e-3, atol=1e-4)
+    off = np.abs(found.rgb - expected) > 1e-4 + 2e-3 * np.abs(expected)
+    assert off.mean() < 0.03
+    np.testing.assert_allclose(found.rgb, expected, rtol=0.1, atol=0.01)
     assert np.abs(found.rgb - rgb).max() > 0.1
 
 
@@ -169,13 +173,13 @@ def test_a_lamp_of_one_pixel_becomes_a_disc_not_spots(ctx, radius_px):
     y, x = np.mgrid[-48:48, -64:64]
     away = np.hypot(x, y)
     for distance in (at_radius(radius_px), np.where(x < 20, at_radius(radius_px), 1.0)):
-        lit = depth_of_field(ctx, rgb, distance, 1.0, **WIDE).astype(float)[..., 0]
+        lit = depth_of_field(ctx, rgb, distance, 1.0, samples=128, **WIDE).astype(float)[..., 0]
         inside = lit[away < radius_px - 0.55] - 0.1
         np.testing.assert_allclose(inside, 200 / (np.pi * radius_px**2), rtol=0.05)
         np.testing.assert_allclose(lit[away > radius_px + 0.6][:1000], 0.1, rtol=2e-3)
 
 
-def test_more_rings_are_closer_to_the_ideal(ctx):
+def test_more_samples_are_closer_to_the_ideal(ctx):
     """Until every pixel of a disc counts; then they change nothing."""
     rgb = textured()
     rgb[30:60:10, 20:110:10] = 20.0
@@ -183,31 +187,27 @@ def test_more_rings_are_closer_to_the_ideal(ctx):
     for radius_px in (3.2, 4.5, 6.4):
         ideal = scatter(rgb, radius_px)
         found = [
-            depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, rings=rings, **WIDE)
-            for rings in (1, 3, 8)
+            depth_of_field(ctx, rgb, at_radius(radius_px), 1.0, samples=samples, **WIDE)
+            for samples in (16, 36, 128)
         ]
         few, some, many = (
             np.sqrt(np.mean((each.astype(float) - ideal)[inside, inside] ** 2)) for each in found
         )
         assert few >= some >= many, radius_px
-        assert many <= 0.01
-        for rings, each in zip((1, 3, 8), found, strict=True):
-            if radius_px <= small_px(rings):
+        assert many <= 0.04
+        for samples, each in zip((16, 36, 128), found, strict=True):
+            if radius_px <= 0.85 * exact_px(samples):
                 np.testing.assert_array_equal(each, found[-1])
-            else:
-                assert np.abs(each - found[-1]).max() > 0.05
 
 
 @pytest.mark.parametrize(
-    ("width_px", "limit_percent", "textures_"),
-    [(100, 4.0, 7), (100, 5.0, 10), (130, 9.0, 10), (130, 9.5, 15)],
+    ("width_px", "limit_percent", "textures_"), [(100, 1.0, 6), (100, 5.0, 9), (130, 9.0, 10)]
 )
 def test_depth_of_field_owns_no_more_textures_than_it_needs(
     ctx, count_objects, width_px, limit_percent, textures_
 ):
-    """Points, four of tiles, the result, the record; where discs can be wide, three of these.
-
-    From 12 px on, wider texels: tiles, colours, fronts, two layers.
+    """Points, two of tiles, two of the widest disc, the result; where discs can be wide half of the
+    image, what is gathered there, and a texture for each level.
     """
     rgb = np.zeros((3, width_px, 3))
     colour, depth = textures(ctx, rgb, 1.0)

@@ -26,6 +26,9 @@ NEAR_M = 0.02
 LEFT_EYE = Fov(*np.arctan([-1.2, 0.9, 1.0, -1.1]).tolist())
 distances = st.floats(0.05, 2e4)
 
+LEVELS = {"EXACT_PX": 3.0, "LEVELS": 1, "FADED": 0.85}
+"""What tiles are told of levels that nothing here reads."""
+
 
 def radius_px(distance_m, **settings):
     depth = NEAR_M / np.asarray(distance_m, float)
@@ -108,7 +111,7 @@ def test_shader_radii_are_the_twins(ctx, name, near_m):
         )  # fmt: skip
         # The record's shader on tiles of four equal pixels: float32, before any limit.
         radii = DepthToCoc(depth=fours, focus=focus, settings=settings, infinity_m=3e4)
-        largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2)
+        largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
         largest.render(radii.of_eye(head, 2 * focal_px))
         found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2] / 2
         px = lens_radius.px_per_dioptre(

@@ -11,10 +11,6 @@ from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.optics.view_points import FEW_RADIUS, view_radius
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.effects.depth_of_field.blur_limit import radius_per_dioptre_px, unlimited
-from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
-from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
-from vrcomfort.render.effects.depth_of_field.kernels.ring_gather import RingGatherKernel
-from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
 from vrcomfort.render.effects.depth_of_field.lens_radius import radius_limit_px
 from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view, part_of_one_view
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
@@ -185,43 +181,22 @@ def test_it_is_the_law_that_says_how_little_is_not_blurred():
 
 
 @pytest.mark.parametrize(
-    ("settings", "size_px", "small"),
+    ("settings", "size_px"),
     [
-        ({"law": "dioptre", "views": 16, "max_radius_percent": 3.5}, (320, 400), True),  # 2.8 px
-        ({"law": "dioptre", "views": 16}, (1832, 1920), False),  # 8 px
-        ({"law": "dioptre", "views": 64}, (1832, 1920), True),  # 4 px, 8 px at the limit
-        ({"law": "eye", "views": 16, "max_radius_percent": 5.0}, (1832, 1920), True),  # 0.9 px
-        ({"law": "eye", "views": 11}, (1832, 1920), False),  # few: 1.8 px
-        ({"law": "dioptre", "views": 64, "kernel": "scatter"}, (1832, 1920), False),
+        ({"law": "dioptre", "views": 16, "max_radius_percent": 3.5}, (320, 400)),
+        ({"law": "dioptre", "views": 64}, (1832, 1920)),
+        ({"law": "eye", "views": 16, "max_radius_percent": 5.0}, (1832, 1920)),
     ],
 )
-def test_views_whose_discs_are_small_within_a_dioptre_have_small_ones(settings, size_px, small):
-    """What decides is the law, not how far the limit lets discs grow; a dioptre stays a dioptre."""
+def test_a_view_is_blurred_by_its_part_of_the_lens_up_to_the_same_limit(settings, size_px):
     lens = DepthOfField(**settings)
     one = blur_of_one_view(lens, size_px)
-    limit_px = radius_limit_px(one, size_px)
-    assert limit_px == pytest.approx(WIDEST_PX if small else radius_limit_px(lens, size_px))
-    assert radius_per_dioptre_px(one, size_px) == pytest.approx(
-        part_of_one_view(lens, size_px) * radius_per_dioptre_px(lens, size_px)
-    )
-
-
-def test_the_kernel_that_draws_views_is_the_one_that_was_meant(ctx):
-    colour, depth, focus = (ctx.texture((64, 60), 4, dtype="f4") for _ in range(3))
-    for percent, kernel in ((10.0, SmallDiscsKernel), (40.0, RingGatherKernel)):
-        lens = DepthOfField(law="dioptre", views=16, full_blur_dioptre=1.0)
-        wide = lens.model_copy(update={"max_radius_percent": percent})
-        one = blur_of_one_view(wide, colour.size)  # 3.2 px and 12.8 px at a dioptre
-        coc = CocPasses(
-            ctx,
-            colour=colour,
-            depth=depth,
-            focus=focus,
-            settings=one,
-            size_px=colour.size,
-            infinity_m=3e4,
+    assert radius_limit_px(one, size_px) == radius_limit_px(lens, size_px)
+    assert one.samples == lens.samples
+    if lens.law == "eye":
+        assert radius_per_dioptre_px(one, size_px) == pytest.approx(
+            part_of_one_view(lens, size_px) * radius_per_dioptre_px(lens, size_px)
         )
-        assert isinstance(make_kernel(ctx, colour, coc, one), kernel)
 
 
 @pytest.mark.slow

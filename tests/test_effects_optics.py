@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles import gather, motion
-from tests.oracles.circle_of_confusion import disc_area_px, ring_radius_px, tap_area_px
+from tests.oracles.circle_of_confusion import disc_area_px
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import shaders
 from vrcomfort.optics import circle_of_confusion as coc
@@ -17,8 +17,9 @@ LAWS = ("linear", "dioptre")
 distances = st.floats(0.01, 1e5)
 EVALUATE = """#version 450 core
 #define LAW_{law}
-#define RINGS 3
-#define LEVEL 4
+#define EXACT_PX 3.0
+#define LEVELS 4
+#define FADED 0.85
 {includes}
 uniform sampler2D arguments;
 uniform vec4 constants[2];
@@ -112,16 +113,6 @@ def test_a_disc_of_half_a_pixel_covers_its_own_pixel_only():
     np.testing.assert_array_equal(coc.disc_weight(distance, 0.5), expected)
 
 
-@pytest.mark.parametrize("rings", [1, 2, 3, 5])
-def test_ring_taps_share_the_disc_equally(rings):
-    taps = len(coc.ring_directions(rings)) + 1
-    assert taps == (2 * rings + 1) ** 2
-    np.testing.assert_allclose(taps * tap_area_px(2.0), np.pi * (2 * (rings + 0.5)) ** 2)
-    np.testing.assert_allclose(coc.ring_directions(rings).sum(axis=0), 0, atol=1e-12)
-    moment = sum(8 * k * ring_radius_px(k, 2.0) ** 2 for k in range(1, rings + 1)) / taps
-    np.testing.assert_allclose(moment, (2 * (rings + 0.5)) ** 2 / 2, rtol=0.02)
-
-
 clip = st.tuples(*[st.floats(-1e6, 1e6, width=32)] * 4).map(np.array)
 
 
@@ -201,39 +192,23 @@ def test_shader_disc_and_slope_are_the_twins(ctx, rng):
     )
 
 
-def test_shader_fronts_and_rings_are_the_twins(ctx, rng):
+def test_shader_fronts_and_discs_are_the_twins(ctx, rng):
     x = rng.uniform(-12, 12, (300, 4)).astype("f4")
     x[:100, 1] = x[:100, 0] * rng.uniform(0.85, 1.0, 100)  # about the same surface
-    x[:100, 2] = x[:100, 0] * rng.uniform(1.0, 1.15, 100)
-    p, q, r, _ = x.T.astype("f8")
-    include = "coc.glsl gather.glsl"
-    call = (
-        "vec4(nearer(x.x, x.y), is_alike(x.x, vec4(x.yz, 0, 0), 2.0), margin_px(x.x),"
-        " slack_of(abs(x.x)))"
-    )
-    is_front, alike, margin, slack = evaluate(ctx, include, call, x).T
+    p, q, _, _ = x.T.astype("f8")
+    include = "coc.glsl discs.glsl"
+    call = "vec4(nearer(x.x, x.y), margin_px(x.x), slack_of(abs(x.x)), grid_radius_px(abs(x.x)))"
+    is_front, margin, slack, grid = evaluate(ctx, include, call, x).T
     np.testing.assert_allclose(slack, gather.slack_px(p), rtol=1e-5, atol=1e-6)
     np.testing.assert_allclose(margin, gather.margin_px(p), rtol=1e-5)
     np.testing.assert_allclose(is_front, gather.nearer(p, q), atol=1e-4)
-    np.testing.assert_array_equal(alike, gather.is_alike(p, q, r, 2.0))
-    assert 0 < alike.mean() < 1
+    np.testing.assert_allclose(grid, gather.grid_radius_px(abs(p)), rtol=1e-5)
     assert ((is_front > 0) & (is_front < 1)).any()
-    call = (
-        "vec4(ring_count(abs(x.x), 1.25), ring_radius(2, abs(x.y)),"
-        " foreground_opacity(abs(x.x), abs(x.y), 1.0 + abs(x.z), abs(x.w)),"
-        " grid_radius_px(abs(x.x)))"
-    )
-    rings, away, opacity, grid = evaluate(ctx, include, call, abs(x)).T
-    p, q, r, s = abs(x).T.astype("f8")
-    np.testing.assert_array_equal(rings, gather.ring_count(p, 1.25, 3))
-    np.testing.assert_allclose(away, q * ring_radius_px(2, 1.0), rtol=1e-5)
-    np.testing.assert_allclose(
-        opacity, gather.foreground_opacity(p, q, 1 + r, s), rtol=1e-4, atol=1e-5
-    )
-    np.testing.assert_allclose(grid, gather.grid_radius_px(p), rtol=1e-5)
-    share = evaluate(ctx, include, "vec4(disc_share(abs(x.x), abs(x.y)))", x)[:, 0]
-    np.testing.assert_allclose(share, gather.disc_share(p, q), rtol=1e-4, atol=1e-5)
+    call = "vec4(disc_share(abs(x.x), abs(x.y)), disc_texels(abs(x.x), 2.0), 0.0, 0.0)"
+    share, texels, _, _ = evaluate(ctx, include, call, x).T
+    np.testing.assert_allclose(share, gather.disc_share(abs(p), abs(q)), rtol=1e-4, atol=1e-5)
     assert 0.1 < np.mean((share > 0) & (share < 1 / (q**2 + 1 / 12))) < 0.9
+    np.testing.assert_allclose(texels, gather.disc_texels(abs(p), 2), rtol=1e-5)
 
 
 def test_a_point_is_in_front_between_one_margin_and_two():
@@ -241,12 +216,6 @@ def test_a_point_is_in_front_between_one_margin_and_two():
     found = gather.nearer(4.0, [4.5, 3.8, 3.7, 3.6, 0.0])
     np.testing.assert_allclose(found, [0, 0, 0.5, 1, 1], atol=1e-12)
     np.testing.assert_allclose(gather.nearer(-1.0, [-1.125, -1.1875, -1.25]), [0, 0.5, 1])
-
-
-def test_all_of_a_points_light_lands_somewhere():
-    y, x = np.mgrid[-30:31, -30:31]
-    light = gather.foreground_opacity(np.hypot(x, y), 11.0, 1.0, 1.0)
-    assert light.sum() == pytest.approx(1, rel=5e-3)
 
 
 def test_shader_velocity_and_streak_are_the_twins(ctx, rng):

@@ -40,6 +40,9 @@ LAWS = {
     "thin_lens": {"law": "thin_lens", "aperture_m": 0.1, "distance_offset_m": 0.6},
 }
 
+LEVELS = {"EXACT_PX": 3.0, "LEVELS": 1, "FADED": 0.85}
+"""What tiles are told of levels that nothing here reads."""
+
 
 def lens(**settings):
     return DepthOfField(distance_along="ray", max_radius_percent=10, **settings)
@@ -112,7 +115,7 @@ def test_radii_are_those_of_float64_before_they_are_rounded(ctx, name, focus_m):
     _, depth = textures(ctx, np.zeros((80, 100, 3)), fours, NEAR_M)
     focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
     radii = DepthToCoc(depth=depth, focus=focus, settings=settings, infinity_m=3e4)
-    largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2)
+    largest = CocTileMinMax(ctx, radii, size_px=(100, 80), tile_px=2, defines=LEVELS)
     focal_px = focal_length_px(LEFT_EYE, (100, 80))[0]
     largest.render(radii.of_eye(eye_uniforms(LEFT_EYE, NEAR_M, EYES[0]), focal_px))
     found = np.frombuffer(largest.target.read(), "f4").reshape(40, 50, 4)[..., 2]
@@ -155,8 +158,9 @@ def test_the_nearest_point_inside_a_tile_counts(ctx):
     effect.render(fov=fov, near_m=NEAR_M, head_from_eye=Pose())
     least, greatest = np.frombuffer(effect.tile_min_max.read(), "f4")[:2]
     px_per_dioptre, corner_m = 0.8 / 2.0, np.sqrt(1 + 2 * (7 / 8) ** 2)
-    assert least == pytest.approx(0.0, abs=1e-6)
-    assert greatest >= px_per_dioptre * (1 - 1 / corner_m)
+    middle_m = np.sqrt(1 + 2 / 64)
+    assert least == pytest.approx(px_per_dioptre * (1 - 1 / middle_m), rel=1e-4)
+    assert greatest == pytest.approx(px_per_dioptre * (1 - 1 / corner_m), rel=1e-4)
 
 
 def test_a_point_is_as_blurred_in_one_eye_as_in_the_other(ctx):

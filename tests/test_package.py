@@ -53,9 +53,9 @@ StereoRenderer(context, (16, 16)).begin(scene, narrow)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))
-for taps in (2, 6):
-    few = DepthOfField(taps=taps, max_radius_percent=10)
-    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="taps", depth_of_field=few))
+for samples in (16, 36):
+    few = DepthOfField(samples=samples, max_radius_percent=10)
+    StereoRenderer(context, (64, 16)).begin(scene, Condition(name="samples", depth_of_field=few))
 rules = [Focus(method=method, without_gaze="nine_ray") for method in get_args(FocusRuleName)]
 for rule in (*rules, Focus(method="autofocus_zone", zone_statistic="minimum")):
     condition = Condition(name="rule", focus=rule, depth_of_field=DepthOfField())

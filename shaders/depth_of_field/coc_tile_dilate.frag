@@ -1,11 +1,13 @@
 #version 450 core
-// Lets every tile know what may reach it: the same summary over those of the tiles around whose discs
-// come as far, or that its own discs reach.
+// Lets every tile know what may reach it: over those of the tiles around whose discs come as far, or
+// that its own discs reach.
 //
-// Input:  tiles (coc_tile_small_wide.frag; where only r and g are read, also coc_tile_min_max.frag).
-// Output: the same four numbers over the neighbourhood; b over tiles from which small discs come.
-//         RADIUS in px of image width.
+// Input:  tiles (coc_tile_min_max.frag).
+// Output: r, g = least and greatest signed RADIUS (px of image width); b = levels whose discs come here,
+//         as bits; a = class of the tile: SHARP, ONE_SURFACE or LAYERED.
+#include "levels.glsl"
 #include "tile_dilate.glsl"
+#include "tile_classes.glsl"
 
 uniform sampler2D tiles;
 
@@ -15,7 +17,8 @@ void main() {
     ivec2 last = textureSize(tiles, 0) - 1;
     ivec2 middle = ivec2(gl_FragCoord.xy);
     vec4 own = texelFetch(tiles, middle, 0);
-    dilated = vec4(1e4, -1e4, 0.0, 1e4);
+    vec2 radii = vec2(1e4, -1e4);
+    int levels = 0, all = 0;
     int around = tiles_around();
     for (int y = -around; y <= around; ++y)
         for (int x = -around; x <= around; ++x) {
@@ -23,8 +26,11 @@ void main() {
             int away = max(abs(x), abs(y));
             if (!matters(away, own, t))
                 continue;
-            if (!reaches(away, vec4(t.b)))
-                t.b = 0.0;
-            dilated = vec4(min(dilated.r, t.r), max(dilated.gb, t.gb), min(dilated.a, t.a));
+            radii = vec2(min(radii.x, t.r), max(radii.y, t.g));
+            levels |= reaches(away, t) ? int(t.a) : 0;
+            all |= int(t.a);
         }
+    bool sharp = max(-radii.x, radii.y) <= 0.5;
+    int tile_class = sharp ? SHARP : (all & EDGE) != 0 ? LAYERED : ONE_SURFACE;
+    dilated = vec4(radii, float(levels & (EDGE - 1)), float(tile_class));
 }

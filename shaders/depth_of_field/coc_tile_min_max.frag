@@ -1,49 +1,68 @@
 #version 450 core
-// Between what bounds the circles of confusion of each tile lie.
+// Between what bounds the circles of confusion of each tile lie, and whether surfaces end in it.
 //
-// Input:  depth, focus (include/coc_of_depth.glsl). TILE: side of a tile in pixels, even.
+// Input:  depth, focus (include/coc_of_depth.glsl). TILE: side of a tile in pixels, even. EXACT_PX,
+//         LEVELS: include/levels.glsl.
 // Output: one texel per tile; signed RADIUS in pixels of image width, negative in front of the focus:
 //         r, g = least and greatest within the limit, with peripheral blur;
-//         b = largest |RADIUS| before the limit, for the record.
-//         It grows away from the focus, so that the nearest or the farthest point has the largest;
-//         for b, a tile counts as being where its middle is.
+//         b = largest |RADIUS| before the limit, for the record;
+//         a = bits: the levels that discs are drawn on, and EDGE.
+//         b grows away from the focus, so that the nearest or the farthest point has the largest;
+//         a tile counts as being where its middle is.
 // Source: colour_and_coc.frag.
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
+#include "levels.glsl"
 
 out vec4 tile_min_max;
 
 const float NO_LIMIT_PX = 1e9;
 
-// Least and greatest reverse-Z depth of the pixels from `first` to `last`.
-vec2 depth_range(ivec2 first, ivec2 last, vec2 size) {
-    float nearest = 0.0, farthest = 1.0;
-    for (int y = first.y; y <= last.y; y += 2)
-        for (int x = first.x; x <= last.x; x += 2) {
-            vec4 z = textureGather(depth, vec2(x + 1, y + 1) / size);  // 2 x 2 texels
-            nearest = max(nearest, max(max(z.x, z.y), max(z.z, z.w)));
-            farthest = min(farthest, min(min(z.x, z.y), min(z.z, z.w)));
-        }
-    return vec2(farthest, nearest);
+vec2 size = vec2(textureSize(depth, 0));
+vec2 depths = vec2(1.0, 0.0);  // farthest, nearest
+vec2 radii = vec2(1e4, -1e4);  // least, greatest
+int bits = 0;
+
+// Takes down whether a surface ends between pixels beside each other.
+void compare(vec2 these, vec2 those) {
+    vec2 far = max(these, those), step_px = abs(these - those);
+    vec2 widest = max(abs(these), abs(those));
+    bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.15 * abs(far)));
+    bits |= (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5) ? EDGE : 0;
 }
 
 void main() {
-    vec2 size = vec2(textureSize(depth, 0));
+    const int BLOCKS = TILE / 2 + 1;  // one beyond the tile, so that no surface ends between tiles
     ivec2 first = ivec2(gl_FragCoord.xy) * TILE;
-    ivec2 last = min(first + TILE, ivec2(size)) - 1;
-    vec2 z = depth_range(first, last, size);
-    tile_min_max = vec4(radius_limit_px, -radius_limit_px, 0.0, 0.0);
-    for (int i = 0; i < 4; ++i) {
-        vec2 corner = vec2(i & 1, i >> 1) * vec2(last + 1 - first) + vec2(first);
-        tile_min_max.r = min(tile_min_max.r, radius_at(z.y, corner / size));
-        tile_min_max.g = max(tile_min_max.g, radius_at(z.x, corner / size));
+    vec2 below[BLOCKS];
+    for (int y = 0; y < BLOCKS; ++y) {
+        vec2 left;
+        for (int x = 0; x < BLOCKS; ++x) {
+            vec2 uv = vec2(first + 2 * ivec2(x, y) + 1) / size;
+            vec4 z = textureGather(depth, uv);  // upper left, upper right, lower right, lower left
+            vec2 l = uv - 0.5 / size, u = uv + 0.5 / size;
+            vec4 r = vec4(radius_at(z.x, vec2(l.x, u.y)), radius_at(z.y, u),
+                          radius_at(z.z, vec2(u.x, l.y)), radius_at(z.w, l));
+            compare(r.xw, r.yz);
+            compare(r.xy, r.wz);
+            if (x > 0)
+                compare(r.wx, left);
+            if (y > 0)
+                compare(r.wz, below[x]);
+            left = r.zy;
+            below[x] = r.xy;
+            if (x < BLOCKS - 1 && y < BLOCKS - 1) {
+                depths = vec2(min(min(depths.x, min(z.x, z.y)), min(z.z, z.w)),
+                              max(max(depths.y, max(z.x, z.y)), max(z.z, z.w)));
+                vec2 range = vec2(min(min(r.x, r.y), min(r.z, r.w)), max(max(r.x, r.y), max(r.z, r.w)));
+                radii = vec2(min(radii.x, range.x), max(radii.y, range.y));
+                bits |= levels_of(abs(range.x)) | levels_of(abs(range.y));
+            }
+        }
     }
-#ifdef ALONG_RAY
-    // The nearest point of a plane may be inside the tile.
-    vec2 nearest = clamp(nearest_uv(z.y), vec2(first) / size, vec2(last + 1) / size);
-    tile_min_max.r = min(tile_min_max.r, radius_at(z.y, nearest));
-#endif
-    vec2 middle = 0.5 * vec2(first + last + 1) / size;
-    tile_min_max.b = max(abs(radius_within(NO_LIMIT_PX, z.x, middle)),
-                  abs(radius_within(NO_LIMIT_PX, z.y, middle)));
+    vec2 middle = min(vec2(first) + 0.5 * float(TILE), size - 0.5) / size;
+    tile_min_max = vec4(radii,
+                        max(abs(radius_within(NO_LIMIT_PX, depths.x, middle)),
+                            abs(radius_within(NO_LIMIT_PX, depths.y, middle))),
+                        float(bits));
 }

@@ -1,22 +1,16 @@
 #version 450 core
-// Half of an image: each texel is the mean of the 2 x 2 that it covers.
+// Half of the image: the mean of 2 x 2 pixels, radius too. For discs of one surface.
 //
-// Input:  level, read bilinearly. RADII: depth, read bilinearly, and focus (include/coc_of_depth.glsl).
-// Output: rgb at half size (rounded up), texel t covers 2t and 2t + 1; RADII: a = RADIUS (px of image
-//         width) in the middle of it. Radii are affine in depth: between its texels they are right.
-#ifdef RADII
-#include "coc.glsl"
-#include "coc_of_depth.glsl"
-#endif
+// Input:  colour_and_coc (colour_and_coc.frag).
+// Output: rgb, RADIUS (px of image width, negative in front of the focus).
+uniform sampler2D colour_and_coc;
 
-uniform sampler2D level;
-
-out vec4 half_level;
+out vec4 half_resolution;
 
 void main() {
-    vec2 uv = 2.0 * gl_FragCoord.xy / vec2(textureSize(level, 0));
-    half_level = textureLod(level, uv, 0.0);
-#ifdef RADII
-    half_level.a = abs(radius_at(textureLod(depth, uv, 0.0).r, uv));
-#endif
+    ivec2 last = textureSize(colour_and_coc, 0) - 1;
+    ivec2 first = 2 * ivec2(gl_FragCoord.xy), second = min(first + 1, last);
+    half_resolution = 0.25 * (texelFetch(colour_and_coc, first, 0) + texelFetch(colour_and_coc, second, 0)
+                    + texelFetch(colour_and_coc, ivec2(second.x, first.y), 0)
+                    + texelFetch(colour_and_coc, ivec2(first.x, second.y), 0));
 }

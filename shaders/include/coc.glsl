@@ -2,7 +2,7 @@
 //
 // Every amount is a RADIUS in pixels of image width; negative in front of the focus distance,
 // positive behind it. NumPy twins: vrcomfort/optics/circle_of_confusion.py, where the formulas are
-// derived; of margin_px, nearer and is_alike, tests/oracles/gather.py. Sources: Carnegie & Rhee
+// derived; of margin_px and nearer, tests/oracles/gather.py. Sources: Carnegie & Rhee
 // 2015, Algorithm 1; Potmesil & Chakravarty 1982; Hillaire et al. 2008.
 
 const float PI = 3.14159265358979;
@@ -85,11 +85,4 @@ float margin_px(float radius) {
 // 0 where q is the surface of p or behind it, 1 where it is nearer.
 float nearer(float p, float q) {
     return clamp((p - q) / margin_px(p) - 1.0, 0.0, 1.0);
-}
-
-// Whether all that may reach a point (r, g: least and greatest radius) is about as blurred as it: at
-// most so many margins apart. Within one there is no foreground; within 1.5 the rims do not show where
-// discs are wide.
-bool is_alike(float radius, vec4 tile, float margins) {
-    return tile.g - tile.r <= margins * margin_px(radius);
 }

@@ -34,10 +34,6 @@ float distance_times_depth(float z, vec2 uv) {
     return length(vec4(along, cross(head_forward_in_view, eye_in_view * z + near_m * ray)));
 }
 
-// Where in the image plane the head centre is nearest, of all points that have this depth.
-vec2 nearest_uv(float z) {
-    return (-eye_in_view.xy * z / near_m - tangents.xw) / (tangents.yz - tangents.xw);
-}
 #endif
 
 // Radius of a depth at an image position, without a limit and without peripheral blur.

@@ -1,11 +1,10 @@
-// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger;
-// MARGIN_PX: how much farther others may need something. r, g of a tile are its least and greatest
-// signed RADIUS, px of image width. Twin: tests/oracles/tile_classes.py.
+// How far the discs of a tile reach. TILE: side of a tile (px); LIMIT_PX: no RADIUS is larger.
+// r, g of a tile are its least and greatest signed RADIUS, px of image width.
 
 uniform float pixel_aspect;  // image pixels per unit, vertical / horizontal
 
 float widest_px(vec4 tile) {
-    return max(pixel_aspect, 1.0) * max(abs(tile.r), abs(tile.g)) + 1.0 + float(MARGIN_PX);
+    return max(pixel_aspect, 1.0) * max(abs(tile.r), abs(tile.g)) + 1.0;
 }
 
 // Whether the discs of a tile come so many tiles far.
@@ -19,14 +18,14 @@ bool matters(int away, vec4 here, vec4 there) {
 }
 
 // How many tiles away anything may matter.
-#ifdef WIDEST_SO_FAR
-uniform sampler2D widest_so_far;  // radius (px) before its limit: no disc has been wider
+#ifdef WIDEST
+uniform sampler2D widest;  // the largest radius (px) in the image, before its limit
 #endif
 
 int tiles_around() {
-    float widest = LIMIT_PX;
-#ifdef WIDEST_SO_FAR
-    widest = min(widest, texelFetch(widest_so_far, ivec2(0), 0).r);
+    float most = LIMIT_PX;
+#ifdef WIDEST
+    most = min(most, texelFetch(widest, ivec2(0), 0).r);
 #endif
-    return int(widest_px(vec4(widest)) / float(TILE)) + 1;
+    return int(widest_px(vec4(most)) / float(TILE)) + 1;
 }

@@ -6,7 +6,7 @@
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
-// The one-dimensional sister of gather_composite.frag. A pixel p has
+// The one-dimensional sister of composite.frag. A pixel p has
 //
 //   a background  the average of p's own surface and what is behind it, along p's OWN streak;
 //   a foreground  nearer points q whose streak is long enough to sweep over p. Each adds its share

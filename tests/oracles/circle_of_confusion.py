@@ -7,8 +7,6 @@ width, negative in front of the focus distance, positive behind it.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -124,13 +122,3 @@ def disc_area_px(radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /) -> Array
         np.pi * (radius**2 + softness**2 / 12),
         np.pi * (radius + half) ** 3 / (3 * softness),
     )
-
-
-def ring_radius_px(ring: int, spacing_px: float) -> float:
-    """Return how far the taps of a ring (1, 2, …) are from the middle."""
-    return spacing_px * math.sqrt(ring**2 + 0.25)
-
-
-def tap_area_px(spacing_px: float) -> float:
-    """Return the area that one tap of a ring pattern stands for."""
-    return np.pi / 4 * spacing_px**2

@@ -1,8 +1,8 @@
 """Who is in front of whom where discs are gathered: told by signed radii, which order depth.
 
-NumPy twins, in float64, of ``shaders/include/gather.glsl``; of `margin_px`, `nearer` and `is_alike`
-in ``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds
-are ours.
+NumPy twins, in float64, of ``shaders/include/discs.glsl``; of `margin_px` and `nearer` in
+``coc.glsl``. Radii are in pixels of image width, negative in front of the focus. All thresholds are
+ours.
 """
 
 from __future__ import annotations
@@ -10,11 +10,9 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from tests.oracles.circle_of_confusion import disc_area_px
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_weight
 
 RIM_PX = math.sqrt(20 / 12)
 """A rim that falls as smoothstep over so many pixels has the variance of a pixel, 1/12."""
@@ -37,23 +35,6 @@ def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
 
 
-def is_alike(
-    radius_px: ArrayLike, least_px: ArrayLike, greatest_px: ArrayLike, margins: float, /
-) -> NDArray[np.bool_]:
-    """Return whether all that may reach a point is about as blurred as it.
-
-    Parameters
-    ----------
-    least_px, greatest_px
-        Signed radii within reach.
-    margins
-        How far apart these may be. Within one there is no front; within 1.5 the rims do not show
-        where discs are wide.
-    """
-    apart = np.asarray(greatest_px, dtype=np.float64) - np.asarray(least_px)
-    return np.asarray(apart <= margins * margin_px(radius_px))
-
-
 def slack_px(radius_px: ArrayLike, /) -> Array:
     """Return how much another radius may differ to count in full as one of this point's surface.
 
@@ -61,12 +42,6 @@ def slack_px(radius_px: ArrayLike, /) -> Array:
     """
     radius = np.abs(np.asarray(radius_px, dtype=np.float64))
     return np.minimum(margin_px(radius), np.maximum(radius - 0.5, 0.0))
-
-
-def ring_count(disc_px: ArrayLike, spacing_px: float, most: int, /) -> Array:
-    """Return how many rings, `spacing_px` apart, a disc takes: from 1 to `most`."""
-    rings = np.ceil(np.asarray(disc_px, dtype=np.float64) / spacing_px - 0.5)
-    return np.asarray(np.clip(rings, 1, most))
 
 
 def grid_radius_px(radius_px: ArrayLike, /) -> Array:
@@ -98,19 +73,7 @@ def disc_share(away_px: ArrayLike, grid_radius: ArrayLike, /) -> Array:
     return share
 
 
-def foreground_opacity(
-    away_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike, area_px: ArrayLike, /
-) -> Array:
-    """Return the share of a nearer point's light that lands where its disc covers another point.
-
-    Parameters
-    ----------
-    away_px
-        Between the two points.
-    area_px
-        Of the image, in square pixels, that the nearer point stands for.
-    """
-    radius, softness = (np.asarray(each, dtype=np.float64) for each in (radius_px, softness_px))
-    area = np.asarray(area_px, dtype=np.float64)
-    opacity: Array = disc_weight(away_px, radius, softness) * area / disc_area_px(radius, softness)
-    return opacity
+def disc_texels(radius_px: ArrayLike, texel_px: float, /) -> Array:
+    """Return the radius in texels that are means of pixels: half of their blur is made up for."""
+    squares = np.asarray(radius_px, dtype=np.float64) ** 2 - (texel_px**2 - 1) / 2
+    return np.maximum(np.sqrt(np.maximum(squares, 0.0)) / texel_px, 0.5)

@@ -1,7 +1,7 @@
 """Depth of field by gathering a back and a front layer, every pixel of every disc.
 
-NumPy twin, in float64, of what ``shaders/depth_of_field/gather_composite.frag`` does with discs of
-up to `gather_resolution.small_px` pixels.
+NumPy twin, in float64, of what ``shaders/depth_of_field/composite.frag`` does with discs
+that are summed over pixels (`levels.exact_px`).
 """
 
 from __future__ import annotations

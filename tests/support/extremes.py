@@ -41,7 +41,7 @@ ENDS = {
 """Settings of which not only the ends matter, or whose ends belong together."""
 DISTANCES_M = (0.002, 0.1, 10.0, 30_000.0, np.inf)
 SPEEDS_PX = (0.0, 1e-3, 0.4, 30.0, 2e3, 1e5)
-MOST = {"views": 5, "rings": 8, "taps": 16, "samples": 64}
+MOST = {"views": 5, "samples": 256}
 """Settings that only cost time are tried up to here."""
 
 

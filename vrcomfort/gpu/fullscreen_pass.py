@@ -29,6 +29,12 @@ class Together:
 Uniforms: TypeAlias = Fields | Together
 
 
+_FILTERS = {
+    False: (moderngl.LINEAR, moderngl.LINEAR),
+    True: (moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR),
+}
+
+
 class FullscreenPass:
     """Draws `fragment` into a texture of its own.
 
@@ -42,6 +48,8 @@ class FullscreenPass:
         Uniforms that never change; a name that the shader does not use is an error.
     filtered
         Names of the inputs that are sampled bilinearly; the others as their textures say.
+    mipmapped
+        Names of those that are sampled trilinearly, between levels of their mip chains.
     components, dtype
         Of the target, as in :func:`gl.color_texture`.
     more_components
@@ -63,6 +71,7 @@ class FullscreenPass:
         constants: Uniforms | None = None,
         defines: shaders.Defines | None = None,
         filtered: Collection[str] = (),
+        mipmapped: Collection[str] = (),
         components: int = 4,
         dtype: str = "f2",
         more_components: Sequence[int] = (),
@@ -79,9 +88,9 @@ class FullscreenPass:
             units = tuple(unit for unit, (other, _) in enumerate(named) if other == name)
             self._triangle.program[name] = units if len(units) > 1 else units[0]
         self._samplers = tuple(
-            (unit, ctx.sampler(repeat_x=False, repeat_y=False))
+            (unit, ctx.sampler(repeat_x=False, repeat_y=False, filter=_FILTERS[name in mipmapped]))
             for unit, (name, _) in enumerate(named)
-            if name in filtered
+            if name in filtered or name in mipmapped
         )
         self._values: dict[str, Any] = {}
         if constants is not None:

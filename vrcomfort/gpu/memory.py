@@ -17,7 +17,7 @@ import moderngl
 Kind = Literal["target", "image", "buffer"]
 """What is drawn into, what was loaded with the scene, and everything that is no texture."""
 
-_DTYPE_BYTES = {"f1": 1, "f2": 2, "f4": 4}
+_DTYPE_BYTES = {"f1": 1, "f2": 2, "f4": 4, "u4": 4}
 _KINDS: tuple[Kind, ...] = ("target", "image", "buffer")
 
 

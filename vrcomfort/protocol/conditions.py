@@ -183,15 +183,10 @@ class DepthOfField(Settings):
     `max_radius_percent`, also where `linear` and `dioptre` reach it."""
     peripheral: Peripheral | None = None
     """Peripheral blur on top; both together stay within the largest diameter."""
-    rings: Annotated[int, Field(ge=1, le=8)] = 3
-    """Speed against smoothness of `vrcomfort`: discs up to so many pixels (and 1.7; at least 3) are
-    summed over every pixel, wider ones have so many rings of samples, 8·k on ring k, up to 12 px
-    (or 4·`rings`); still wider ones are summed on wider texels. The other kernels have the fixed
-    numbers of their sources."""
-    taps: Annotated[int | None, Field(ge=2, le=64)] = None
-    """Samples of each disc of `vrcomfort`, in place of `rings`: the fast way, a few spread evenly
-    over the disc; below six, small discs are a cross-fade into half the image. Without it, `rings`
-    says."""
+    samples: Annotated[int, Field(ge=16, le=256)] = 36
+    """Speed against accuracy of `vrcomfort`: discs that so many pixels fill are summed pixel by
+    pixel, wider ones texel by texel on a level of the image on which they have no more. The other
+    kernels have the fixed numbers of their sources."""
     views: Annotated[int, Field(ge=1, le=256)] = 1
     """Points of the lens from which each eye's image is drawn: speed against accuracy. From 2 on,
     the views are blurred a little and averaged. The mean has no largest radius: what would reach

@@ -49,6 +49,18 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     return f"known here: {', '.join(choices)}" if choices else "nothing is known here"
 
 
+_RENAMED = {"rings": "samples", "taps": "samples"}
+"""Settings of earlier versions, and what says the same now."""
+
+
+def renamed(key: str, known: Iterable[str]) -> str | None:
+    """Say what a setting of an earlier version is called now, where that is known here."""
+    now = _RENAMED.get(key)
+    if now not in set(known):
+        return None
+    return f"`{key}` is `{now}` since there is one dial for it: write `{now} = 36`, or leave it out"
+
+
 def wrong_unit(key: str, known: Iterable[str]) -> str | None:
     """Say which unit is wanted where `key` is a known key with another unit or without one."""
     stem, unit = _split_unit(key)

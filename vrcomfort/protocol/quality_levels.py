@@ -115,8 +115,8 @@ def _filled_effect(level: Level, name: str, given: Any) -> Any:
 
 
 def _fitting(settings: dict[str, Value], own: Mapping[str, Any]) -> dict[str, Value]:
-    """Leave out what a condition excludes: taps beside rings, views that no lens has."""
-    excluded = {"taps"} if "rings" in own else set()
+    """Leave out what a condition excludes: views that no lens has."""
+    excluded = set()
     if own.get("peripheral") is not None or own.get("distance_along") == "ray":
         excluded.add("views")
     return {name: value for name, value in settings.items() if name not in excluded}

@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
 from vrcomfort.file_names import is_reserved
-from vrcomfort.protocol.hints import did_you_mean, fields_at, wrong_unit
+from vrcomfort.protocol.hints import did_you_mean, fields_at, renamed, wrong_unit
 from vrcomfort.protocol.locate import Path as KeyPath
 from vrcomfort.protocol.locate import locate
 
@@ -118,8 +118,8 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
     *parent, key = path = detail["loc"]
     if detail["type"] == "extra_forbidden":
         known = fields_at(model, parent)
-        unit = wrong_unit(str(key), known)
-        return Problem(path, unit or f"unknown key `{key}`; {did_you_mean(str(key), known)}")
+        better = renamed(str(key), known) or wrong_unit(str(key), known)
+        return Problem(path, better or f"unknown key `{key}`; {did_you_mean(str(key), known)}")
     if detail["type"] == "missing":
         return Problem(path, f"`{key}` is missing{_inside(parent)}; add it", missing=True)
     given = detail["input"]

@@ -56,7 +56,7 @@ NEEDS: dict[str, dict[str, _Needs]] = {
         "focal_length_m": _THIN_LENS,
         "distance_offset_m": _THIN_LENS,
         "pupil_mm": {"law": ("eye",)},
-        "rings": {"kernel": ("vrcomfort",)},
+        "samples": {"kernel": ("vrcomfort",)},
         "over_blur": {"views": range(2, 257)},
     },
     "motion_blur": {"neck": {"mode": ("rotation_cancelled",)}},

@@ -41,9 +41,7 @@ SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_
 PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method that does not know who hides whom."""
 
-RINGS = (1, 2, 3)
-TAPS = (2, 6, 12, 16, 24, 48)
-SAMPLES = (4, 8, 16, 24, 32, 48, 64)
+SAMPLES = (16, 20, 36, 72, 128)
 STREAK_SAMPLES = (2, 4, 8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
@@ -57,7 +55,7 @@ class Method:
     name
         Unique within its effect.
     step
-        Its place on the quality dial of its family: rings, samples or views; None without a dial.
+        Its place on the quality dial of its family: samples or views; None without a dial.
     """
 
     name: str
@@ -112,16 +110,10 @@ def kinds(settings: type[BaseModel], name: str) -> tuple[str, ...]:
 
 
 def _lens(quick: bool) -> list[Method]:
-    steps = {"samples": _few(SAMPLES, quick), "taps": _few(TAPS, quick), "rings": RINGS}
-    dials = [
-        _dial("depth_of_field", "ours", name, steps[name], _lens_condition)
-        for name in steps
-        if name in DepthOfField.model_fields
-    ]
     return [
         no_blur("depth_of_field"),
         *_sources("depth_of_field", DepthOfField, "kernel", _lens_condition),
-        *(method for dial in dials for method in dial),
+        *_dial("depth_of_field", "ours", "samples", _few(SAMPLES, quick), _lens_condition),
         *_views(quick),
     ]
 

@@ -11,6 +11,7 @@ import numpy as np
 from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
 from vrcomfort.gpu.max_reduction import MaxReductionPass
+from vrcomfort.optics import levels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.lens_radius import (
@@ -20,8 +21,8 @@ from vrcomfort.render.effects.depth_of_field.lens_radius import (
     radius_of_arcmin,
 )
 
-FINE_TILE_PX, COARSE_TILE_PX = 8, 16
-"""Side of the tiles whose range of radii is known: fine ones while no disc reaches over many."""
+TILE_PX = 8
+"""Side of the tiles whose range of radii is known."""
 
 
 class EyeUniforms(NamedTuple):
@@ -175,16 +176,27 @@ class CocPasses:
         self.eye: ForwardUniforms | None = None
         """The last eye; None before the first."""
         self._is_rendered = False
-        self.tile_px = FINE_TILE_PX if self.limit_px <= 2 * FINE_TILE_PX else COARSE_TILE_PX
+        self.tile_px = TILE_PX
         """Side of :attr:`tile_min_max`."""
+        self.level_defines = {
+            "EXACT_PX": levels.exact_px(settings.samples),
+            "LEVELS": levels.levels(self.limit_px, settings.samples),
+            "FADED": levels.FADED,
+        }
+        """What ``include/levels.glsl`` needs."""
         self._tile_min_max = CocTileMinMax(
-            ctx, self.depth_to_coc, size_px=size_px, tile_px=self.tile_px
+            ctx,
+            self.depth_to_coc,
+            size_px=size_px,
+            tile_px=self.tile_px,
+            defines=self.level_defines,
         )
         self._tiles_are_read = False
         self.tells_clamps = True
         """False draws nothing for :meth:`clamps` alone: for measurements of what a kernel costs."""
         self.widest = None if settings.peripheral else self._tile_min_max.widest
-        """1×1, px: no radius so far was wider. None with peripheral blur: tiles only sample it."""
+        """1×1, px: no radius of the last eye is wider. None with peripheral blur: tiles only sample
+        it."""
         self._colour_and_coc: FullscreenPass | None = None
 
     @property
@@ -245,29 +257,40 @@ class CocTileMinMax:
     ----------
     tile_px
         Side of the tiles, even.
+    defines
+        What ``include/levels.glsl`` needs.
     """
 
     def __init__(
-        self, ctx: moderngl.Context, radii: DepthToCoc, *, size_px: tuple[int, int], tile_px: int
+        self,
+        ctx: moderngl.Context,
+        radii: DepthToCoc,
+        *,
+        size_px: tuple[int, int],
+        tile_px: int,
+        defines: dict[str, Any],
     ) -> None:
         width, height = size_px
         self._tiles = radii.make_pass(
             ctx,
             "depth_of_field/coc_tile_min_max.frag",
             size_px=(ceil(width / tile_px), ceil(height / tile_px)),
-            defines={"TILE": tile_px},
+            defines={"TILE": tile_px, **defines},
             dtype="f4",
         )
         self.target = self._tiles.target
         """RGBA32F, pixels of image width: least and greatest signed radius of each tile of the last
-        eye; largest radius before the limit."""
-        self._largest = MaxReductionPass(ctx, self.target, components="z")
-        self.widest = self._largest.target
-        """1×1: what :meth:`read` returns."""
+        eye; largest radius before the limit; bits of ``coc_tile_min_max.frag``."""
+        self._of_eye = MaxReductionPass(ctx, self.target, components="z")
+        self.widest = self._of_eye.target
+        """1×1: the largest radius of the last eye before its limit."""
+        self._largest = MaxReductionPass(ctx, self.widest, components="x")
 
     def render(self, eye: Uniforms) -> None:
         """Take what an eye drew into account: :meth:`DepthToCoc.of_eye`."""
         self._tiles.render(eye)
+        self._of_eye.forget()
+        self._of_eye.render()
         self._largest.render()
 
     def read(self) -> float:

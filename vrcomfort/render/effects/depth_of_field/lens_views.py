@@ -18,8 +18,7 @@ from vrcomfort.optics.view_points import FEW, view_points, view_radius
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.camera import Lens
 from vrcomfort.render.effects.depth_of_field.blur_limit import radius_per_dioptre_px
-from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX
-from vrcomfort.render.effects.depth_of_field.lens_radius import lens, radius_limit_px
+from vrcomfort.render.effects.depth_of_field.lens_radius import lens
 
 LEAST_BLUR_PX = 0.75
 """Radius of a view's blur at one dioptre of defocus, which most of a room is within, below which
@@ -39,18 +38,15 @@ def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthO
     """Return the settings by which one of the views is blurred; None where it is not.
 
     For one view they are these settings. The largest radius of a view is that of the lens, so that
-    none is cut before the lens's is `1 / part` times as large; or what small discs can have.
+    none is cut before the lens's is `1 / part` times as large.
     """
     if settings.views == 1:
         return settings
     part = part_of_one_view(settings, size_px)
     if not part:
         return None
-    limit_px = radius_limit_px(settings, size_px)
-    kept = _limit_of_one_view_px(settings, part, size_px) / limit_px if limit_px else 1.0
     update = {
-        "max_radius_percent": kept * settings.max_radius_percent,
-        "full_blur_dioptre": kept / part * settings.full_blur_dioptre,
+        "full_blur_dioptre": settings.full_blur_dioptre / part,
         "pupil_mm": part * settings.pupil_mm,
     }
     return settings.model_copy(update=update)
@@ -59,13 +55,6 @@ def blur_of_one_view(settings: DepthOfField, size_px: tuple[int, int]) -> DepthO
 def _at_one_dioptre_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
     """Return the radius of a view's blur at one dioptre of defocus: what the law gives."""
     return part * radius_per_dioptre_px(settings, size_px)
-
-
-def _limit_of_one_view_px(settings: DepthOfField, part: float, size_px: tuple[int, int]) -> float:
-    """Return the largest radius: that of small discs where they draw what is within a dioptre."""
-    ours = settings.views >= FEW and settings.kernel == "vrcomfort" and settings.taps is None
-    small = _at_one_dioptre_px(settings, part, size_px) <= WIDEST_PX
-    return WIDEST_PX if ours and small else radius_limit_px(settings, size_px)
 
 
 class LensViews:

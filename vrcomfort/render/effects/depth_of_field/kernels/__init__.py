@@ -7,7 +7,6 @@ from functools import partial
 
 import moderngl
 
-from vrcomfort.optics.view_points import FEW
 from vrcomfort.protocol.conditions import DepthOfField, Kernel
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import BlurKernel
@@ -17,22 +16,20 @@ from vrcomfort.render.effects.depth_of_field.kernels.half_resolution_disc import
 from vrcomfort.render.effects.depth_of_field.kernels.half_resolution_rings import (
     HalfResolutionRingsKernel,
 )
+from vrcomfort.render.effects.depth_of_field.kernels.layered_gather import LayeredGatherKernel
 from vrcomfort.render.effects.depth_of_field.kernels.mip import MipKernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson12 import Poisson12Kernel
 from vrcomfort.render.effects.depth_of_field.kernels.poisson15_near import Poisson15NearKernel
-from vrcomfort.render.effects.depth_of_field.kernels.ring_gather import RingGatherKernel
 from vrcomfort.render.effects.depth_of_field.kernels.scatter import ScatterKernel
 from vrcomfort.render.effects.depth_of_field.kernels.separable_gaussian import (
     SeparableGaussianKernel,
 )
-from vrcomfort.render.effects.depth_of_field.kernels.small_discs import WIDEST_PX, SmallDiscsKernel
-from vrcomfort.render.effects.depth_of_field.kernels.tap_gather import TapGatherKernel
 
 __all__ = ["BlurKernel", "make_kernel"]
 
 _Maker = Callable[[moderngl.Context, moderngl.Texture, CocPasses, DepthOfField], BlurKernel]
 _KERNELS: dict[Kernel, _Maker] = {
-    "vrcomfort": RingGatherKernel,
+    "vrcomfort": LayeredGatherKernel,
     "scatter": ScatterKernel,
     "poisson12": Poisson12Kernel,
     "poisson15_near": Poisson15NearKernel,
@@ -47,18 +44,5 @@ _KERNELS: dict[Kernel, _Maker] = {
 def make_kernel(
     ctx: moderngl.Context, colour: moderngl.Texture, coc: CocPasses, settings: DepthOfField
 ) -> BlurKernel:
-    """Return the kernel that `settings` name, reading `colour` and the points of `defocus`.
-
-    Ours has two: one for an image of its own, one for each of many views whose blur is small: those
-    that `lens_views.blur_of_one_view` has limited to small discs.
-    """
-    if settings.kernel == "vrcomfort" and settings.taps is not None:
-        return TapGatherKernel(ctx, colour, coc, settings.taps)
-    if _small(settings, coc):
-        return SmallDiscsKernel(ctx, coc)
+    """Return the kernel that `settings` name, reading `colour` and the points of `coc`."""
     return _KERNELS[settings.kernel](ctx, colour, coc, settings)
-
-
-def _small(settings: DepthOfField, coc: CocPasses) -> bool:
-    many = settings.kernel == "vrcomfort" and settings.views >= FEW
-    return many and coc.limit_px <= WIDEST_PX

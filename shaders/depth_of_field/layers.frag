@@ -1,0 +1,62 @@
+#version 450 core
+// A coarser level of the surfaces in the image: each texel keeps two of them apart.
+//
+// Input:  colour_and_coc (colour_and_coc.frag), or FROM_LAYERS finer: a level as fine again
+//         (signed CoC RADIUS, px of image width, negative in front of the focus).
+// Output: texel t holds texels 2t and 2t + 1 of the input (include/layers.glsl).
+//
+// What is nearer than the farthest surface by the margin that tells surfaces apart is the front.
+#include "coc.glsl"
+#include "layers.glsl"
+
+#ifdef FROM_LAYERS
+uniform usampler2D finer;
+#else
+uniform sampler2D finer;
+#endif
+
+out uvec4 layers;
+
+vec4 surfaces[8];  // rgb, signed radius
+float parts[8];
+
+void read(ivec2 first, ivec2 last) {
+    for (int i = 0; i < 4; ++i) {
+        ivec2 at = min(first + ivec2(i & 1, i >> 1), last);
+#ifdef FROM_LAYERS
+        Layers texel = unpack_layers(texelFetch(finer, at, 0));
+        surfaces[i] = texel.back;
+        surfaces[i + 4] = texel.front;
+        parts[i] = 1.0 - texel.coverage;
+        parts[i + 4] = texel.coverage;
+#else
+        surfaces[i] = texelFetch(finer, at, 0);
+        parts[i] = 1.0;
+#endif
+    }
+}
+
+#ifdef FROM_LAYERS
+const int SURFACES = 8;
+#else
+const int SURFACES = 4;
+#endif
+
+void main() {
+    read(2 * ivec2(gl_FragCoord.xy), textureSize(finer, 0) - 1);
+    float farthest = -1e4;
+    for (int i = 0; i < SURFACES; ++i)
+        farthest = parts[i] > 0.0 ? max(farthest, surfaces[i].a) : farthest;
+    float border = farthest - 1.5 * margin_px(farthest);
+    vec4 front = vec4(0.0), back = vec4(0.0);
+    float in_front = 0.0;
+    for (int i = 0; i < SURFACES; ++i) {
+        float part = surfaces[i].a < border ? parts[i] : 0.0;
+        front += part * surfaces[i];
+        back += (parts[i] - part) * surfaces[i];
+        in_front += part;
+    }
+    const float UP = 1.0 + 1e-6;  // packing may cut off: a mean must not fall short by a float's rounding
+    back *= UP / max(4.0 - in_front, 1e-3);
+    layers = pack_layers(Layers(UP * front / max(in_front, 1e-3), back, 0.25 * in_front));
+}

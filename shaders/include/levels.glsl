@@ -1,0 +1,26 @@
+// On which level a disc is drawn: level 0 are the pixels, each next one has texels twice as wide. Two levels
+// share the discs between them, so that nothing shows where one takes over.
+//
+// EXACT_PX: RADIUS (px of image width) up to which a disc is summed over its pixels; LEVELS: how many
+// levels there are; FADED: part of its widest disc from which a level shares with the next. Twin: vrcomfort/optics/levels.py.
+
+const int EDGE = 256;       // bit of a tile in which a surface ends; lower ones are levels
+
+// Part of a disc that is drawn on coarser levels than this one.
+float coarser_part(int level, float radius_px) {
+    float widest = EXACT_PX * float(1 << level);
+    return level >= LEVELS - 1 ? 0.0 : clamp((radius_px / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
+}
+
+// Part of a disc that is drawn on this level.
+float level_part(int level, float radius_px) {
+    return (level > 0 ? coarser_part(level - 1, radius_px) : 1.0) - coarser_part(level, radius_px);
+}
+
+// Bits of the levels that draw a disc; none where it stays within its pixel.
+int levels_of(float radius_px) {
+    int found = 0;
+    for (int level = 0; level < (radius_px > 0.5 ? LEVELS : 0); ++level)
+        found |= level_part(level, radius_px) > 0.0 ? 1 << level : 0;
+    return found;
+}
