@@ -28,7 +28,6 @@ from vrcomfort.scene.load import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
-from vrcomfort.tradeoff.timing import CopyFloor
 
 assert "_data" in str(data_folder("shaders")), data_folder("shaders")
 assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
@@ -64,7 +63,6 @@ for law in get_args(RefocusLawName):
     condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
-CopyFloor(context, (16, 16))
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
 print(*read, "display/picture.vert", "display/picture.frag")
