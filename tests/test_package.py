@@ -43,6 +43,8 @@ for law in ("linear", "dioptre"):
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
     Reference(context, scene, condition, (16, 16))._pass
+streaks = Condition(name="s", motion_blur=MotionBlur())
+StereoRenderer(context, (800, 16)).begin(scene, streaks)  # too wide for one step
 fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
