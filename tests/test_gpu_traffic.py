@@ -73,7 +73,7 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
         chain.append(
             fullscreen(
                 ctx,
-                "depth_of_field/mip_downsample.frag",
+                "common/mip_downsample.frag",
                 source,
                 size_px=(32 >> level, 32 >> level),
                 constants=size,
