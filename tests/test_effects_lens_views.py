@@ -76,7 +76,7 @@ def test_an_edge_is_the_disc_integral_wherever_the_gpu_finds_the_focus(ctx, dist
     assert np.mean(np.abs(sharp[1] - sharp[0])) < 4e-3
 
 
-@pytest.mark.parametrize("views", [4, 8])
+@pytest.mark.parametrize("views", [2, 4, 16])
 def test_views_leave_the_centre_view_behind(ctx, views):
     """Motion blur, depth layer and files read the pinhole's colour, depth and velocity."""
     one, many = (drawn(ctx, half_plane(2.0), condition(k), [standing()])[0] for k in (1, views))
@@ -202,7 +202,7 @@ def test_a_view_is_blurred_by_its_part_of_the_lens_up_to_the_same_limit(settings
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["temple", "mountain"])
 def test_the_dial_turns_towards_the_reference(ctx, name):
-    """Error falls with every step."""
+    """Error falls with every step; two views are none (docs/depth_of_field.md)."""
     size_px = (48, 60)
     scene = load_scene(name)
     trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
@@ -221,7 +221,7 @@ def test_the_dial_turns_towards_the_reference(ctx, name):
         camera[:] = [found[0][0]]
         return found[0][1]
 
-    images = {views: image(views) for views in (1, 2, 3, 4, 8, 16, 64)}
+    images = {views: image(views) for views in (1, 3, 4, 8, 16, 64)}
     reference = Reference(ctx, scene, condition(1, focus=focus), size_px)
     truth = reference.render(camera[0], 0.0, None, focus_m=1.5, samples=256).image
     inside = slice(8, -8)

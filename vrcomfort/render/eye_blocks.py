@@ -14,6 +14,9 @@ from vrcomfort.scene.data import Scene
 
 VIEW_BINDING, LIGHT_BINDING = 0, 1
 
+PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radius_limit_px=0.0)
+"""The centre view's lens, after views through other points."""
+
 
 class EyeBlocks:
     """Both blocks in one buffer, which one call fills.
@@ -78,8 +81,8 @@ class EyeBlocks:
             self._view["previous_clip_from_clip"] = previous_clip_from_clip(
                 camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
             ).T
-        if self._lens and camera.lens is not None:
-            self._write_lens(camera, camera.lens)
+        if self._lens:
+            self._write_lens(camera, camera.lens or PINHOLE)
         self._light.look_from(camera.world_from_eye.position, shadow)
         self._buffer.orphan()  # what the other eye is being drawn with stays as it is
         self._buffer.write(self._bytes)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import NamedTuple
 
 import moderngl
 
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
+from vrcomfort.gpu.mip_chain import MipChain
 from vrcomfort.protocol.conditions import DepthOfField
 from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
 from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
@@ -30,10 +30,6 @@ DILATIONS = 2
 FADE_PX = 1.0, 2.0
 
 
-class _Size(NamedTuple):
-    size_px: tuple[int, int]
-
-
 class HalfResolutionRingsKernel:
     """As the depth of field of Filament (`dof.mat`, 5 rings as on desktops).
 
@@ -53,7 +49,7 @@ class HalfResolutionRingsKernel:
     ) -> None:
         size = half_size(coc.size_px)
         self._half = halved(ctx, coc, firefly=True)
-        levels = self._mip_chain(ctx, size)
+        chain = MipChain(ctx, self._half.target, LEVELS, size)
         tiles = self._tile_passes(ctx, size)
         self._gather = FullscreenPass(
             ctx,
@@ -61,7 +57,7 @@ class HalfResolutionRingsKernel:
             size_px=size,
             inputs={
                 "half_image": self._half.target,
-                "levels": [level.target for level in levels],
+                "levels": chain.levels,
                 "tiles": tiles[-1].target,
             },
             filtered={"half_image", "levels"},
@@ -77,34 +73,18 @@ class HalfResolutionRingsKernel:
         )
         background, foreground = median.targets
         shown = composite(ctx, coc, background, fade_px=FADE_PX, half_front=foreground)
-        self._before, self._after = (*levels, *tiles), (median, shown)
+        self._chain, self._tiles, self._after = chain, tiles, (median, shown)
         self.target = shown.target
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._half.render()
-        for each in self._before:
+        self._chain.render()
+        for each in self._tiles:
             each.render()
         self._gather.render(Aspect(pixel_aspect))
         for each in self._after:
             each.render()
-
-    def _mip_chain(self, ctx: moderngl.Context, size: tuple[int, int]) -> list[FullscreenPass]:
-        made: list[FullscreenPass] = []
-        source = self._half.target
-        for level in range(1, LEVELS + 1):
-            made.append(
-                FullscreenPass(
-                    ctx,
-                    "depth_of_field/mip_downsample.frag",
-                    size_px=(ceil(size[0] / 2**level), ceil(size[1] / 2**level)),
-                    inputs={"source": source},
-                    constants=_Size(size),
-                    defines={"TEXEL": 2 ** (level - 1)},
-                )
-            )
-            source = made[-1].target
-        return made
 
     def _tile_passes(self, ctx: moderngl.Context, size: tuple[int, int]) -> list[FullscreenPass]:
         made: list[FullscreenPass] = []
