@@ -98,11 +98,15 @@ def test_what_is_drawn_twice_into_the_same_target_is_one_pass(ctx):
 
 
 def test_part_of_a_target_is_part_of_the_bytes(ctx):
-    source = gl.color_texture(ctx, SIZE)
-    copy = fullscreen(ctx, "common/copy.frag", source)
-    ctx.scissor = None
-    copy._framebuffer.scissor = (0, 0, 6, 5)
-    (draw,) = recorded(ctx, copy)
+    source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
+    with shaders.counting_reads():
+        copy = shaders.fullscreen(ctx, "common/copy.frag")
+    part, recorder = ctx.framebuffer([target]), Recorder(ctx)
+    part.scissor = (0, 0, 6, 5)
+    source.use(0)
+    with recorder.recording(), ctx.scope(part, moderngl.NOTHING):
+        copy.render(vertices=3)
+    (draw,) = recorder.draws
     assert (draw.fragments, draw.reads) == (30, 30)
     assert draw.bytes == pytest.approx(30 * 16)
 
