@@ -197,18 +197,6 @@ def test_tone_map(ctx, cases):
         assert (encoded[..., 3] == 1).all()
 
 
-def test_copy(ctx, cases):
-    """The measure of all costs: the same bits."""
-    for number, rng in cases:
-        width, height = SIZES[number % len(SIZES)]
-        colour, _ = textures(ctx, hdr(rng, (height, width, 3)), 1.0)
-        copy = FullscreenPass(
-            ctx, "common/copy.frag", size_px=(width, height), inputs={"source": colour}
-        )
-        copy.render()
-        np.testing.assert_array_equal(rgb_of(copy.target), rgb_of(colour))
-
-
 def test_picture(ctx, cases):
     """A panel anywhere, also behind or through the eye: no colour that the picture has not."""
     painter = EyePainter(ctx)
@@ -252,7 +240,6 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     read = {
         "display/picture.vert",
         "display/picture.frag",
-        "common/copy.frag",
     }  # tried above
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])

@@ -202,7 +202,7 @@ def test_a_view_is_blurred_by_its_part_of_the_lens_up_to_the_same_limit(settings
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["temple", "mountain"])
 def test_the_dial_turns_towards_the_reference(ctx, name):
-    """Error falls with every step."""
+    """Error falls with every step; two views are none (docs/depth_of_field.md)."""
     size_px = (48, 60)
     scene = load_scene(name)
     trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
@@ -221,7 +221,7 @@ def test_the_dial_turns_towards_the_reference(ctx, name):
         camera[:] = [found[0][0]]
         return found[0][1]
 
-    images = {views: image(views) for views in (1, 2, 3, 4, 8, 16, 64)}
+    images = {views: image(views) for views in (1, 3, 4, 8, 16, 64)}
     reference = Reference(ctx, scene, condition(1, focus=focus), size_px)
     truth = reference.render(camera[0], 0.0, None, focus_m=1.5, samples=256).image
     inside = slice(8, -8)

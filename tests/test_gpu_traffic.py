@@ -13,6 +13,7 @@ from vrcomfort.gpu.traffic import Recorder, added_up
 
 SIZE = (12, 10)
 PIXELS = 120
+COPY = "depth_of_field/scaled_copy.frag"
 
 
 def fullscreen(ctx, fragment, source, name="source", size_px=SIZE, **options):
@@ -30,8 +31,8 @@ def recorded(ctx, *passes):
 
 def test_a_copy_reads_each_pixel_once_and_writes_it(ctx):
     source = gl.color_texture(ctx, SIZE)
-    (draw,) = recorded(ctx, fullscreen(ctx, "common/copy.frag", source))
-    assert (draw.shader, draw.fragments, draw.reads) == ("common/copy.frag", PIXELS, PIXELS)
+    (draw,) = recorded(ctx, fullscreen(ctx, COPY, source, "image"))
+    assert (draw.shader, draw.fragments, draw.reads) == (COPY, PIXELS, PIXELS)
     assert draw.bytes == PIXELS * (8 + 8)
 
 
@@ -81,7 +82,7 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
             )
         )
         source = chain[-1].target
-    copy = fullscreen(ctx, "common/copy.frag", source, size_px=(4, 4))
+    copy = fullscreen(ctx, COPY, source, "image", size_px=(4, 4))
     found = added_up(recorded(ctx, *chain, copy))
     assert (found.passes, found.draws) == (2, 4)
     texels = [32**2, 16**2, 8**2, 4**2]
@@ -91,22 +92,19 @@ def test_a_mip_chain_is_one_pass_of_many_draws(ctx):
 
 def test_what_is_drawn_twice_into_the_same_target_is_one_pass(ctx):
     source, target = gl.color_texture(ctx, SIZE), gl.color_texture(ctx, SIZE)
-    twice = [fullscreen(ctx, "common/copy.frag", source, target=target) for _ in range(2)]
-    other = fullscreen(ctx, "common/copy.frag", target)
+    twice = [fullscreen(ctx, COPY, source, "image", target=target) for _ in range(2)]
+    other = fullscreen(ctx, COPY, target, "image")
     assert added_up(recorded(ctx, *twice, other))[:2] == (2, 3)
     assert added_up([]) == (0, 0, 0, None)
 
 
 def test_part_of_a_target_is_part_of_the_bytes(ctx):
-    source, target = (gl.color_texture(ctx, SIZE) for _ in range(2))
-    with shaders.counting_reads():
-        copy = shaders.fullscreen(ctx, "common/copy.frag")
-    part, recorder = ctx.framebuffer([target]), Recorder(ctx)
+    source = gl.color_texture(ctx, SIZE)
+    copy = fullscreen(ctx, COPY, source, "image")
+    part = ctx.framebuffer([copy.target])
     part.scissor = (0, 0, 6, 5)
-    source.use(0)
-    with recorder.recording(), ctx.scope(part, moderngl.NOTHING):
-        copy.render(vertices=3)
-    (draw,) = recorder.draws
+    copy._triangle.scope = ctx.scope(part, moderngl.NOTHING)
+    (draw,) = recorded(ctx, copy)
     assert (draw.fragments, draw.reads) == (30, 30)
     assert draw.bytes == pytest.approx(30 * 16)
 
@@ -122,7 +120,7 @@ def test_a_copied_texture_is_read_and_written(ctx):
 
 def test_nothing_is_recorded_afterwards(ctx):
     render = moderngl.VertexArray.render
-    copy = fullscreen(ctx, "common/copy.frag", gl.color_texture(ctx, SIZE))
+    copy = fullscreen(ctx, COPY, gl.color_texture(ctx, SIZE), "image")
     assert len(recorded(ctx, copy)) == 1
     assert moderngl.VertexArray.render is render
 

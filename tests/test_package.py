@@ -28,7 +28,6 @@ from vrcomfort.scene.load import load_scene
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
-from vrcomfort.tradeoff.timing import CopyFloor
 
 assert "_data" in str(data_folder("shaders")), data_folder("shaders")
 assert "site-packages" in vrcomfort.__file__, vrcomfort.__file__
@@ -44,6 +43,8 @@ for law in ("linear", "dioptre"):
     )
     StereoRenderer(context, (16, 16)).begin(scene, condition)
     Reference(context, scene, condition, (16, 16))._pass
+streaks = Condition(name="s", motion_blur=MotionBlur())
+StereoRenderer(context, (800, 16)).begin(scene, streaks)  # too wide for one step
 fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
@@ -64,7 +65,6 @@ for law in get_args(RefocusLawName):
     condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
-CopyFloor(context, (16, 16))
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
 print(*read, "display/picture.vert", "display/picture.frag")

@@ -14,6 +14,9 @@ from vrcomfort.scene.data import Scene
 
 VIEW_BINDING, LIGHT_BINDING = 0, 1
 
+PINHOLE = Lens((0.0, 0.0), focus_m=1.0, infinity_m=1.0, px_per_defocus=0.0, radius_limit_px=0.0)
+"""The centre view's lens, after views through other points."""
+
 
 class EyeBlocks:
     """Both blocks in one buffer, which one call fills.
@@ -50,8 +53,6 @@ class EyeBlocks:
         self._previous_view_from_relative = self._view["previous_view_from_relative"][:3, :3]
         self._eye_delta_m = self._view["eye_delta_m"][:3]
         self._ndc_per_px = 2 / np.array(size_px)
-        self._lens_offset = self._view["lens"][:2]
-        self._view["lens"][3] = self._view["lens_focus"][0] = 1.0  # shaders divide by them
         self._lens, self._velocity = lens, velocity
         self._focus_offset = shaders.offset(view, "lens_focus")
         self._buffer = gl.dynamic_buffer(ctx, self._bytes.nbytes)
@@ -80,10 +81,8 @@ class EyeBlocks:
             self._view["previous_clip_from_clip"] = previous_clip_from_clip(
                 camera.clip_from_view(), camera.world_from_eye, previous.world_from_eye
             ).T
-        if self._lens and camera.lens is not None:
-            self._write_lens(camera, camera.lens)
-        else:
-            self._lens_offset[...] = 0.0  # the pinhole, whatever was drawn before
+        if self._lens:
+            self._write_lens(camera, camera.lens or PINHOLE)
         self._light.look_from(camera.world_from_eye.position, shadow)
         self._buffer.orphan()  # what the other eye is being drawn with stays as it is
         self._buffer.write(self._bytes)

@@ -49,7 +49,7 @@ class HalfResolutionRingsKernel:
     ) -> None:
         size = half_size(coc.size_px)
         self._half = halved(ctx, coc, firefly=True)
-        mips = MipChain(ctx, self._half.target, LEVELS, size)
+        chain = MipChain(ctx, self._half.target, LEVELS, size)
         tiles = self._tile_passes(ctx, size)
         self._gather = FullscreenPass(
             ctx,
@@ -57,7 +57,7 @@ class HalfResolutionRingsKernel:
             size_px=size,
             inputs={
                 "half_image": self._half.target,
-                "levels": mips.levels,
+                "levels": chain.levels,
                 "tiles": tiles[-1].target,
             },
             filtered={"half_image", "levels"},
@@ -73,13 +73,14 @@ class HalfResolutionRingsKernel:
         )
         background, foreground = median.targets
         shown = composite(ctx, coc, background, fade_px=FADE_PX, half_front=foreground)
-        self._before, self._after = (mips, *tiles), (median, shown)
+        self._chain, self._tiles, self._after = chain, tiles, (median, shown)
         self.target = shown.target
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the present points."""
         self._half.render()
-        for each in self._before:
+        self._chain.render()
+        for each in self._tiles:
             each.render()
         self._gather.render(Aspect(pixel_aspect))
         for each in self._after:
