@@ -5,7 +5,7 @@ from tests.support import golden_images
 from tests.support.render import eye, still_life
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
@@ -53,3 +53,19 @@ def test_shipped_scene(ctx, request, tmp_path, name):
     golden_images.compare(
         request, ctx, tmp_path, name, side_by_side(read_rgb8(left), read_rgb8(right))
     )
+
+
+@pytest.mark.parametrize(("name", "focus_m"), [("temple", 0.5), ("mountain", 0.8)])
+def test_wide_discs(ctx, request, tmp_path, name, focus_m):
+    """Radii of 20 px and more: every level of the default `samples`, in front of near things too."""
+    scene, size_px = load_scene(name), (240, 240)
+    lens = DepthOfField(law="dioptre", max_radius_percent=10.0, full_blur_dioptre=1.0)
+    focus = Focus(method="fixed", fixed_m=focus_m)
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    renderer.begin(scene, Condition(name="wide", focus=focus, depth_of_field=lens))
+    trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
+    frame = next(iter(PlaybackHeadset(trace, image_size_px=size_px, spawn=scene.spawn).frames()))
+    rendered = renderer.render(frame, 0.0)
+    assert rendered.max_blur_px >= 20
+    image = read_rgb8(rendered.eyes[0])
+    golden_images.compare(request, ctx, tmp_path, f"{name}_wide_discs", image)
