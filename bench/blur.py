@@ -1,6 +1,6 @@
 """What one way of blurring costs and gets wrong: every measure of `vrcomfort tradeoff`, at once.
 
-``python -m bench.blur --set taps=12 --size 640x800 --lens 7`` judges the left eye's image of a
+``python -m bench.blur --set samples=36 --size 640x800 --lens 7`` judges the left eye's image of a
 place on a shipped walk; ``--size 1832x1920 --window far_edges`` a part of it at a headset's size.
 References are kept where `vrcomfort tradeoff` keeps them; ``--samples`` says how good they are.
 """

@@ -16,7 +16,7 @@ from vrcomfort.tradeoff.store import Store
 
 SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
 ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
-FEW = (*ONE, "--methods", "ours 1 ring")
+FEW = (*ONE, "--methods", "ours 36 samples")
 
 
 @pytest.fixture
@@ -147,7 +147,7 @@ def test_one_eye_other_lenses_and_flicker(run, tmp_path, cache):
     rows = json.loads((tmp_path / "tradeoff.json").read_text())["rows"]
     assert {row["lens"] for row in rows} == {"7", "eye"}
     assert all(row["rivalry"] is None and row["flicker"] >= 0 for row in rows)
-    blurred = [row for row in rows if row["method"] == "ours 1 ring"]
+    blurred = [row for row in rows if row["method"] == "ours 36 samples"]
     assert all(row["reads_per_pixel"] > 1 and row["passes"] >= 2 for row in blurred)
     wide, narrow = (row["rms"] for row in rows if row["method"] == "no blur")
     assert wide > narrow, "an eye blurs less than 7 %"
@@ -158,7 +158,7 @@ def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path
         (tmp_path / folder).mkdir()
         (tmp_path / folder / "mine.png").touch()
     motion = (*SMALL, "--quick", "--scenes", "temple", "--effects", "motion_blur")
-    motion = (*motion, "--methods", "ours 2 samples")
+    motion = (*motion, "--methods", "ours 8 samples")
     for chosen in (motion, FEW):
         assert run(*chosen, "--cache", cache, "--out", tmp_path)[0] == 0
     there = {str(file.relative_to(tmp_path)) for file in tmp_path.glob("*/*")}
@@ -185,7 +185,7 @@ def test_earlier_numbers_that_cannot_be_read_remove_nothing(tmp_path):
 @pytest.mark.slow
 def test_processes_find_what_one_finds(run, tmp_path, cache):
     motion = (*SMALL, "--scenes", "temple", "--effects", "motion_blur", "--quick")
-    motion = (*motion, "--methods", "ours 2 samples")
+    motion = (*motion, "--methods", "ours 8 samples")
     run(*motion, "--cache", tmp_path / "c1", "--out", tmp_path / "a")
     code, _, _ = run(*motion, "--jobs", 2, "--cache", tmp_path / "c2", "--out", tmp_path / "b")
     assert code == 0
@@ -220,8 +220,8 @@ def test_what_is_not_there_is_named(run, tmp_path):
 
 
 def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
-    """Without --effects there is motion blur as well, which has no `ours 1 ring`."""
-    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 1 ring")
+    """Without --effects there is motion blur as well, which has no `ours 36 samples`."""
+    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 36 samples")
     code, _, err = run(*SMALL, *chosen, "--cache", cache, "--out", tmp_path)
     assert (code, err) == (0, "")
     found = json.loads((tmp_path / "tradeoff.json").read_text())

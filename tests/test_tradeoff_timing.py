@@ -90,11 +90,11 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
         monkeypatch.setattr(gpu_timer, "SOFTWARE", ())
     monkeypatch.setattr(timing, "P95_ROUNDS", 2)
     monkeypatch.setattr(timing, "P99_ROUNDS", 3)
-    few = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 2 samples",))
+    few = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
     timed_methods = []
     case = Case("temple", 0, "walk", "motion_blur")
     found = time_case(case, few, lambda: timed_methods.append(1))
-    (timed,) = [each for each in found.methods if each.method == "ours 2 samples"]
+    (timed,) = [each for each in found.methods if each.method == "ours 8 samples"]
     assert (len(timed_methods), timed.rounds) == (2, 2)
     assert timed.effect_p95_ms >= timed.effect_ms >= 0
     assert timed.effect_p99_ms is None
@@ -105,7 +105,7 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
 
 def test_what_takes_long_is_timed_once(monkeypatch):
     monkeypatch.setattr(timing, "SLOW_S", 0.0)
-    scope = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 2 samples",))
+    scope = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))
     found = time_case(Case("temple", 0, "walk", "motion_blur"), scope, lambda: None)
     assert {each.rounds for each in found.methods} == {1}
 

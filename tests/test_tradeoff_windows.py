@@ -1,5 +1,7 @@
 """Parts of an image show what the whole shows, blurred by as many pixels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,6 +87,13 @@ def test_a_window_is_judged_without_the_margin_of_the_whole_image():
     left = drawn(far, scope).left_px
     assert columns == slice(1216 - left, HEADSET_PX[0] - margin - left)
     assert rows.stop - rows.start == 512
+
+
+def test_one_place_of_a_walk_is_the_one_that_all_places_have():
+    whole = Scope(size_px=SIZE_PX, poses=2, effects=("depth_of_field",), scenes=("temple",))
+    assert cases(replace(whole, pose=1)) == cases(whole)[1:]
+    with pytest.raises(InputError, match="--pose 3: there are 2"):
+        cases(replace(whole, pose=2))
 
 
 def test_windows_are_of_one_size_of_image():

@@ -71,6 +71,9 @@ def tradeoff(
         bool, typer.Option("--references", help="Only draw and keep the references.")
     ] = False,
     poses: Annotated[int | None, typer.Option(help="Views of each scene's walk.", min=1)] = None,
+    pose: Annotated[
+        int | None, typer.Option(help="Only this one of the views, from 1.", min=1)
+    ] = None,
     samples: Annotated[int | None, typer.Option(help="Of each reference.", min=2)] = None,
     rounds: Annotated[
         int | None,
@@ -114,6 +117,7 @@ def tradeoff(
         effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
         motions=("walk",) if quick else ("walk", "turn"),
         poses=poses or (1 if quick else 2),
+        pose=None if pose is None else pose - 1,
         size_px=parse_size(size) if size else QUICK_SIZE_PX if quick else Scope.size_px,
         samples=samples or (QUICK_SAMPLES if quick else Scope.samples),
         quick=quick,

@@ -29,6 +29,8 @@ class Scope:
         With what moves during an exposure; without motion blur every scene is at rest.
     poses
         Places on each scene's walk.
+    pose
+        Only this one of them, from 0; None for all.
     size_px
         (width, height) of one eye's image.
     samples
@@ -53,6 +55,7 @@ class Scope:
     effects: tuple[Effect, ...] = EFFECTS
     motions: tuple[Motion, ...] = MOTIONS[1:]
     poses: int = 2
+    pose: int | None = None
     size_px: tuple[int, int] = (320, 400)
     samples: int = 2048
     quick: bool = False
@@ -97,12 +100,15 @@ def cases(scope: Scope) -> list[Case]:
     Raises
     ------
     InputError
-        If windows are asked for at a size that they are not made for.
+        If windows are asked for at a size that they are not made for, or a place that there is not.
     """
     if scope.windows and scope.size_px != HEADSET_PX:
         width, height = HEADSET_PX
         raise InputError(f"--windows are parts of images of {width}x{height}; give that --size")
-    found = product(scope.scenes, scope.effects, range(scope.poses))
+    if scope.pose is not None and scope.pose >= scope.poses:
+        raise InputError(f"--pose {scope.pose + 1}: there are {scope.poses}; give more --poses")
+    poses = range(scope.poses) if scope.pose is None else (scope.pose,)
+    found = product(scope.scenes, scope.effects, poses)
     return [
         Case(scene, pose, motion, effect, lens, window)
         for scene, effect, pose in found

@@ -42,7 +42,7 @@ PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method that does not know who hides whom."""
 
 SAMPLES = (16, 20, 36, 72, 128)
-STREAK_SAMPLES = (2, 4, 8, 16, 32)
+STREAK_SAMPLES = (8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
 

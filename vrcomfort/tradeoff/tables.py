@@ -105,9 +105,8 @@ def markdown(found: dict[str, Any]) -> str:
 def notes(found: dict[str, Any]) -> list[str]:
     """Return what a reader must know of the conditions, one sentence each."""
     scope, settings = found["scope"], found["settings"]
-    poses = scope["poses"]
     return [
-        f"{_what(scope)}, {poses} place{'s' if poses > 1 else ''} on each scene's walk "
+        f"{_what(scope)}, {_places(scope)} on each scene's walk "
         f"(each where the head is fastest in its part); motion blur {_motions(scope['motions'])}. "
         "Errors are means over views and eyes, on linear HDR light times the scene's exposure "
         "(display white is 1).",
@@ -132,6 +131,13 @@ def _what(scope: Row) -> str:
     if scope["windows"]:
         return f"parts of the left eye's image of {width}×{height} px"
     return f"{width}×{height} px, {'both eyes' if scope['eyes'] == 2 else 'left eye'}"
+
+
+def _places(scope: Row) -> str:
+    poses, pose = scope["poses"], scope.get("pose")
+    if pose is not None:
+        return f"place {pose + 1} of {poses}"
+    return f"{poses} place{'s' if poses > 1 else ''}"
 
 
 def _lenses(names: Sequence[str]) -> str:
