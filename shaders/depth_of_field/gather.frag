@@ -19,8 +19,8 @@ out vec4 gathered;
 // Four times what bilinear enlargement adds to the variance: 0.75 px^2, less what the rims have too little.
 const float ENLARGED_PX2 = 2.0;
 
-// Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: up to a tenth in
-// variance. This takes it back, to 0.1 px^2.
+// Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: about a tenth in
+// variance. This takes it back, to about 0.1 px^2.
 float centred_on_texel(float texels) {
     float about = (texels - 1.12) / 0.33;
     return texels - 0.16 * max(1.0 - about * about, 0.0);
