@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -5,7 +7,7 @@ from tests.support import golden_images
 from tests.support.render import eye, still_life
 from vrcomfort.geometry import Pose, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
-from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.render.camera import PreviousCamera
 from vrcomfort.render.output import read_rgb8, read_texture, side_by_side
 from vrcomfort.render.pipeline import StereoRenderer
@@ -53,3 +55,26 @@ def test_shipped_scene(ctx, request, tmp_path, name):
     golden_images.compare(
         request, ctx, tmp_path, name, side_by_side(read_rgb8(left), read_rgb8(right))
     )
+
+
+BY_THE_CAIRN = Pose((1.2, 1.5, -1.9), yaw_pitch_roll(-0.56, -0.14, 0.0))
+
+
+@pytest.mark.parametrize(("name", "head"), [("temple", None), ("mountain", BY_THE_CAIRN)])
+def test_wide_discs(ctx, request, tmp_path, name, head):
+    """Radii of up to 24 px in front of what is in focus, and of 10 px behind it."""
+    scene, size_px = load_scene(name), (240, 240)
+    lens = DepthOfField(law="dioptre", max_radius_percent=10.0, full_blur_dioptre=0.3)
+    focus = Focus(method="fixed", fixed_m=8.0)
+    renderer = StereoRenderer(ctx, size_px, eyes=1)
+    renderer.begin(scene, Condition(name="wide", focus=focus, depth_of_field=lens))
+    trace = read_trace(data_folder("scenes") / f"{name}_walk.csv")
+    frame = next(iter(PlaybackHeadset(trace, image_size_px=size_px, spawn=scene.spawn).frames()))
+    if head is not None:
+        view = replace(frame.views[0], pose=head)
+        frame = replace(frame, head_pose=head, avatar_pose=Pose(), views=(view, view))
+    rendered = renderer.render(frame, 0.0)
+    assert rendered.max_blur_px >= 20
+    assert renderer.clamps()  # something is that much out of focus
+    image = read_rgb8(rendered.eyes[0])
+    golden_images.compare(request, ctx, tmp_path, f"{name}_wide_discs", image)

@@ -15,6 +15,7 @@ from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
+from vrcomfort.resources import data_folder
 
 
 def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
@@ -71,6 +72,20 @@ def test_every_fault_is_told_with_its_place(tmp_path, old, new, place, says):
     assert (caught.value.line, caught.value.column) == place, str(caught.value)
     assert caught.value.file == tmp_path / "tiny.toml"
     assert says in caught.value.message
+
+
+@pytest.mark.parametrize(("word", "value"), [("rings", "3"), ("taps", "24")])
+def test_words_of_an_earlier_version_are_told_with_what_says_the_same_now(tmp_path, word, value):
+    blur = "[conditions.depth_of_field]"
+    text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
+    file = tmp_path / "old.toml"
+    file.write_text(text.replace(blur, f"{blur}\n{word} = {value}", 1), encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        load_protocol(file)
+    assert caught.value.message.startswith(f"`{word}` is `samples` since there is one dial")
+    assert "write `samples = 36`" in caught.value.message
+    line = text[: text.index(blur)].count("\n") + 2
+    assert (caught.value.line, caught.value.column) == (line, 1)
 
 
 def test_further_faults_are_counted(tmp_path):

@@ -16,7 +16,7 @@ from vrcomfort.tradeoff.store import Store
 
 SMALL = ("--size", "16x20", "--samples", 8, "--poses", 1, "--rounds", 1, "--jobs", 1)
 ONE = (*SMALL, "--scenes", "temple", "--effects", "depth_of_field", "--quick")
-FEW = (*ONE, "--methods", "ours 16 samples")
+FEW = (*ONE, "--methods", "ours 36 samples")
 
 
 @pytest.fixture
@@ -147,7 +147,7 @@ def test_one_eye_other_lenses_and_flicker(run, tmp_path, cache):
     rows = json.loads((tmp_path / "tradeoff.json").read_text())["rows"]
     assert {row["lens"] for row in rows} == {"7", "eye"}
     assert all(row["rivalry"] is None and row["flicker"] >= 0 for row in rows)
-    blurred = [row for row in rows if row["method"] == "ours 16 samples"]
+    blurred = [row for row in rows if row["method"] == "ours 36 samples"]
     assert all(row["reads_per_pixel"] > 1 and row["passes"] >= 2 for row in blurred)
     wide, narrow = (row["rms"] for row in rows if row["method"] == "no blur")
     assert wide > narrow, "an eye blurs less than 7 %"
@@ -220,8 +220,8 @@ def test_what_is_not_there_is_named(run, tmp_path):
 
 
 def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
-    """Without --effects there is motion blur as well, which has no `ours 16 samples`."""
-    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 16 samples")
+    """Without --effects there is motion blur as well, which has no `ours 36 samples`."""
+    chosen = ("--scenes", "temple", "--quick", "--methods", "ours 36 samples")
     code, _, err = run(*SMALL, *chosen, "--cache", cache, "--out", tmp_path)
     assert (code, err) == (0, "")
     found = json.loads((tmp_path / "tradeoff.json").read_text())

@@ -19,6 +19,13 @@ out vec4 gathered;
 // Four times what bilinear enlargement adds to the variance: 0.75 px^2, less what the rims have too little.
 const float ENLARGED_PX2 = 2.0;
 
+// Of a disc about a texel, centred on one, the sums of mean_over are wider than a disc: about a tenth in
+// variance. This takes it back, to about 0.1 px^2.
+float centred_on_texel(float texels) {
+    float about = (texels - 1.12) / 0.33;
+    return texels - 0.16 * max(1.0 - about * about, 0.0);
+}
+
 // Part of a disc that is drawn on a level of the chain or on coarser ones.
 float part_from(int lod, float texels) {
     float widest = HALF_EXACT * float(1 << max(lod - 1, 0));
@@ -37,6 +44,7 @@ void main() {
         float part = part_from(lod, 0.5 * radius_px) - part_from(lod + 1, 0.5 * radius_px);
         vec2 place = at * vec2(textureSize(half_resolution, lod)) - 0.5;
         float texels = disc_texels(narrower_px, float(2 << lod));
+        texels = lod == 0 ? centred_on_texel(texels) : texels;
         vec3 mean = mean_over(half_resolution, lod, place, texels, wanted && part > 0.0);
         sum += part > 0.0 ? part * mean : vec3(0.0);
     }

@@ -113,7 +113,7 @@ class Recorder:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._state = _State(ctx)
-        self._counter = ctx.buffer(bytes(8))
+        self._counter = gl.dynamic_buffer(ctx, 8)
         self.draws: list[Draw] = []
 
     @contextmanager
