@@ -280,6 +280,17 @@ def test_a_snap_turn_comes_once_for_each_push_of_the_stick() -> None:
     assert walker.avatar.orientation == pytest.approx([0, 0, 0, 1], abs=1e-12)
 
 
+def test_a_stick_that_trembles_where_it_begins_to_turn_turns_once() -> None:
+    walker = snapping()
+    places = [0.1, 0.2, 0.251, 0.249, 0.252, 0.248, 0.26, 0.9, 0.9, 0.26, 0.249, 0.251, 0.2, 0.0]
+    turned = [
+        walker.step(HEAD, wish_of(Inputs(right=HandInput(thumbstick=(x, 0.0)))), FRAME_S)
+        for x in places
+    ]
+    assert turned.count(True) == 1
+    assert walker.step(HEAD, wish_of(Inputs(right=HandInput(thumbstick=(0.9, 0.0)))), FRAME_S)
+
+
 @given(heads, st.floats(1, 180))
 def test_a_snap_turn_has_its_angle_about_the_head(head: Pose, degrees: float) -> None:
     walker = snapping(degrees)

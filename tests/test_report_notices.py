@@ -95,6 +95,13 @@ def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     assert summary.participants == 6
 
 
+def test_zeros_inside_a_number_tell_people_apart(tmp_path):
+    scores = {f"P{i:03d}": {"a": 3 + i % 7, "b": 2 * (i % 5)} for i in range(8, 22)}
+    scores["P100"] = {"a": 4, "b": 1}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    assert not summary.warnings
+
+
 def test_a_participant_in_two_sequences_is_an_error(tmp_path):
     scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(4)}
     file = foreign(tmp_path / "questionnaires.csv", scores, sequence="ab")
@@ -128,6 +135,33 @@ def test_a_condition_that_is_its_position_is_told_beside_the_result(tmp_path, tu
     told = "everybody met a before b, so that their difference cannot be told from one of order"
     assert (told in summary.headlines[0]) != turned
     assert (told in summary.warnings) != turned
+
+
+def test_positions_are_told_over_all_sessions(tmp_path):
+    """Everybody met x and a in the first session, b and y in the second."""
+    study = Study(tmp_path / "s")
+    for i in range(8):
+        study.session(f"P{i}", 1, 0, [("x", "s", 4 + i % 5), ("a", "s", 3 + i % 3)])
+        study.session(f"P{i}", 2, 0, [("b", "s", 2 + i % 4), ("y", "s", 1 + i % 5)])
+    told = " ".join(build_report(tmp_path / "s", out=tmp_path / "o").warnings)
+    for first, second in (("x", "a"), ("x", "b"), ("x", "y"), ("a", "b"), ("a", "y"), ("b", "y")):
+        assert f"everybody met {first} before {second}" in told
+        assert f"everybody met {second} before {first}" not in told
+
+
+def test_an_outcome_without_a_difference_has_its_row_whatever_zeros_count(tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "p"\ntitle = "P"\nzeros = "wilcox"\n')
+    rows = [
+        f"P{i},{c},{item},{int(item == 'eyestrain' and i % 4 > n)}"
+        for i in range(8)
+        for n, c in enumerate("ab")
+        for item in ITEMS
+    ]
+    file = tmp_path / "questionnaires.csv"
+    file.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
+    build_report(file, plan=plan, out=tmp_path / "o")
+    assert list((tmp_path / "o").glob("*.html"))
 
 
 def test_what_has_no_condition_is_left_out_with_its_place(tmp_path):

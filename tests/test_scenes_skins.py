@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -333,3 +334,24 @@ def test_a_joint_outside_of_the_scene_is_told(tmp_path):
     )
     with pytest.raises(InputError, match="skin 'rig' has a joint that is no node of the scene"):
         load_scene(path)
+
+
+def test_what_no_skin_bends_may_have_leftovers_of_one(tmp_path):
+    """Neither the skin of another scene nor weights that nothing uses are looked at."""
+    file = arm(tmp_path / "a.gltf", keys=TURNS, attributes=weights([0, 0, 0, 0]))
+    content = json.loads(file.read_text())
+    del content["nodes"][2]["skin"]
+    content["skins"][0]["joints"] = [0, 3]
+    content["nodes"].append({"name": "of another scene"})
+    file.write_text(json.dumps(content))
+    assert all(node.skin is None for node in load_scene(file).nodes)
+
+
+def test_a_skin_in_a_hand_on_a_mesh_that_is_not_is_refused(tmp_path):
+    file = arm(tmp_path / "a.gltf", keys=TURNS)
+    side_car = tmp_path / "a.toml"
+    side_car.write_text('[nodes."shoulder"]\nhand = "right"\n')
+    with pytest.raises(InputError, match="node 'arm' and the joints of its skin go with different"):
+        load_scene(file)
+    side_car.write_text('[nodes."*"]\nhand = "right"\n')
+    assert load_scene(file).has_hands

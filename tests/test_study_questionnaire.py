@@ -184,6 +184,12 @@ def test_a_wrong_row_of_a_long_file(tmp_path, row, column, says):
     assert (caught.value.line, caught.value.column) == (3, column)
 
 
+@pytest.mark.parametrize("other", ["comfort", "FMS nausea", "general_discomfort_rt", "nausea time"])
+def test_what_was_asked_otherwise_is_no_candidate(tmp_path, other):
+    file = wide(tmp_path, "P1" + ",0" * 16 + ",1", headings=[*HEADINGS, other])
+    assert len(score_ssq(file)) == 1
+
+
 @pytest.mark.parametrize(
     "own", ["8. Nausea", "ssq_nausea", "SsqNausea8", "Nausea (item)", "Nausae", "Feeling of nausea"]
 )

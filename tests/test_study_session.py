@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from tests.support.session import go, manifest, rows, status
-from tests.support.study import LateFocus, Scripted, frame, read_rows, tiny_protocol
+from tests.support.study import AheadHeadset, LateFocus, Scripted, frame, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.records import Recorder, session_folder
 from vrcomfort.respondent import SimulatedRespondent
@@ -218,3 +219,30 @@ def test_progress_is_told(tmp_path):
     }  # fmt: skip
     exposure = [each for each in told if each.step == "exposure"]
     assert (exposure[-1].trial, exposure[-1].condition, exposure[-1].total) == (2, "blur", 10.0)
+
+
+def test_a_jump_in_a_frame_that_is_not_drawn_is_told_with_the_next_one(tmp_path):
+    """The runtime skips the frames of a cut and of a snap turn; their rows have the marks."""
+    jumps = {40: {"discontinuity": True}, 60: {"snap_turn": True}}
+
+    class Skips(AheadHeadset):
+        def frames(self):
+            for index in range(self.frames_left):
+                yield replace(
+                    frame(index), should_render=index not in jumps, **jumps.get(index, {})
+                )
+
+    class Notes(LateFocus):
+        def render(self, frame, scene_time_s):
+            if frame.discontinuity or frame.snap_turn:
+                told.append((frame.index, frame.discontinuity, frame.snap_turn))
+            return super().render(frame, scene_time_s)
+
+    told = []
+    go(tmp_path, Scripted(), headset=Skips, renderer=Notes())
+    assert (41, True, False) in told
+    assert (61, False, True) in told
+    assert {index for index, *_ in told} <= {0, 41, 61}
+    marks = {row["xr_time_ns"]: row["discontinuity"] for row in rows(tmp_path, "frames.csv")}
+    assert (marks[str(frame(40).predicted_display_time_ns)]) == "1"
+    assert (marks[str(frame(60).predicted_display_time_ns)]) == "2"

@@ -78,7 +78,7 @@ def test_shipped_windows_lie_in_the_image_and_on_the_grid():
 
 
 def test_a_window_is_judged_without_the_margin_of_the_whole_image():
-    scope = Scope(size_px=HEADSET_PX, windows=True, poses=1, effects=("depth_of_field",))
+    scope = Scope(size_px=HEADSET_PX, windows=True, pose=0, effects=("depth_of_field",))
     found = {case.window: case for case in cases(scope) if case.scene == "temple"}
     assert set(found) == {"near_rims", "far_edges"}
     far = found["far_edges"]
@@ -99,3 +99,11 @@ def test_one_place_of_a_walk_is_the_one_that_all_places_have():
 def test_windows_are_of_one_size_of_image():
     with pytest.raises(InputError, match="1832x1920"):
         cases(Scope(windows=True))
+
+
+def test_windows_are_of_the_places_that_they_were_made_for():
+    scope = Scope(size_px=HEADSET_PX, windows=True, effects=("depth_of_field",))
+    with pytest.raises(InputError, match="places of --poses 2"):
+        cases(replace(scope, poses=3))
+    with pytest.raises(InputError, match="that place of the walk has none"):
+        cases(replace(scope, scenes=("mountain",), pose=1))

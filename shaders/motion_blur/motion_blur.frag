@@ -1,6 +1,6 @@
 #version 450 core
-// Motion blur where streaks are short and change slowly: the average along the pixel's own, in tiles
-// of the classes STILL and SHORT.
+// Motion blur where streaks are short and change slowly: the average along the pixel's own. It
+// covers the whole image in frames whose longest streak is short (frame_of_streaks.vert).
 //
 // Input:  source = the image (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.

@@ -1,5 +1,6 @@
 #version 450 core
-// Motion blur where streaks are long and change slowly: the second of two steps, tiles of class LONG.
+// Motion blur where streaks are long and change slowly: the second of two steps. It
+// covers the whole image in frames that have a long streak (frame_of_streaks.vert).
 //
 // Input:  source = the averages (streak_average.frag, filtered), velocity (half_velocity.glsl).
 // Output: the image as a shutter would see it, open around the frame's own time; full resolution.

@@ -3,7 +3,7 @@
 //
 // Input:  source = the image (linear HDR, filtered), velocity (half_velocity.glsl).
 // Output: average = the mean between -u / PARTS and +u / PARTS of the pixel's half velocity u; what
-//         does not move is copied. Full resolution, in tiles that a long streak reaches.
+//         does not move is copied. Full resolution, in frames that have a long streak.
 // Half velocities are RADII, px: a point spreads from -u to +u around where it is drawn.
 //
 // PARTS such averages, end to end, are the average of the whole streak (motion_blur_long.frag), which

@@ -43,16 +43,19 @@ class Wish:
         How far to turn the torso to the left, now.
     turn_rate
         The same as a share of the turning speed, −1 to 1.
+    stick_at_rest
+        The stick that turns is in the middle, not only below where it begins to turn.
     """
 
     right: float = 0.0
     forward: float = 0.0
     turn_rad: float = 0.0
     turn_rate: float = 0.0
+    stick_at_rest: bool = True
 
     def without_turn(self) -> Wish:
         """Return the same walk without turning."""
-        return Wish(self.right, self.forward)
+        return Wish(self.right, self.forward, stick_at_rest=self.stick_at_rest)
 
 
 class Locomotion:
@@ -132,8 +135,10 @@ class Locomotion:
 
     def _snap_rad(self, wish: Wish) -> float:
         """Return the snap turn to the left that begins now, or 0."""
-        before, self._stick_aside = self._stick_aside, wish.turn_rate != 0
-        if self._snap_turn_rad is None or before or not self._stick_aside:
+        before, pushed = self._stick_aside, wish.turn_rate != 0
+        # A stick that trembles where it begins to turn is pushed once.
+        self._stick_aside = pushed or (before and not wish.stick_at_rest)
+        if self._snap_turn_rad is None or before or not pushed:
             return 0.0
         return float(np.copysign(self._snap_turn_rad, wish.turn_rate))
 
@@ -171,6 +176,7 @@ def wish_of(inputs: Inputs) -> Wish:
         forward=forward + keys.walk[1],
         turn_rad=keys.turn_rad,
         turn_rate=-turn if abs(turn) > DEAD_ZONE else 0.0,
+        stick_at_rest=abs(turn) < DEAD_ZONE / 2,
     )
 
 

@@ -72,7 +72,10 @@ class Instrument:
         if self.item(heading) is not None or words & DERIVED:
             return False
         names = [_words(name) for name in (item.name, item.text, *item.aliases)]
-        return any(name <= words for name in names) or self.nearest(heading) == item.name
+        if any(name <= words for name in names):
+            return True
+        misspelt = any(key[:1] == plain(heading)[:1] for key in item.keys)  # "comfort" is another
+        return misspelt and self.nearest(heading) == item.name
 
     def nearest(self, heading: str) -> str | None:
         """Return the item name that looks most like a heading that is none."""
@@ -82,9 +85,10 @@ class Instrument:
 
 
 DERIVED = frozenset(
-    ["sum", "total", "score", "scores", "raw", "mean", "average", "scale", "subscale", "weighted"]
-)
-"""Words of headings that stand over what was made of answers."""
+    ["sum", "total", "score", "scores", "raw", "mean", "average", "scale", "subscale", "weighted",
+     "rt", "time", "ms", "onset", "fms", "misc"]
+)  # fmt: skip
+"""Words of headings that stand over what was made of answers, beside them, or asked otherwise."""
 
 
 def _words(heading: str) -> frozenset[str]:

@@ -127,7 +127,12 @@ def _confounded(
 ) -> str | None:
     """Say so if everybody in a test met one condition before the other: it may be their order."""
     part = table[table["participant"].isin(participants) & (table["position"] > 0)]
-    places = part.groupby(["participant", "condition"])["position"].mean().unstack()  # noqa: PD010
+    part = part.sort_values(
+        ["session", "position"],
+        key=lambda column: column.map(natural) if column.name == "session" else column,
+    )
+    part = part.assign(place=part.groupby("participant").cumcount())
+    places = part.groupby(["participant", "condition"])["place"].mean().unstack()  # noqa: PD010
     if not {contrast.a, contrast.b} <= set(places.columns):
         return None
     gaps = (places[contrast.a] - places[contrast.b]).dropna()

@@ -76,7 +76,7 @@ def _suspect_names(study: StudyData) -> list[str]:
     alike: dict[str, list[str]] = defaultdict(list)
     for name in everybody(study):
         plain = re.sub(r"[\W_]+", "", name.casefold())
-        alike[re.sub(r"0+(?=\d)", "", plain)].append(name)
+        alike[re.sub(r"(?<!\d)0+(?=\d)", "", plain)].append(name)
     pairs = [" and ".join(f"`{name}`" for name in found) for found in alike.values() if found[1:]]
     if not pairs:
         return []

@@ -7,7 +7,6 @@ from typing import Any
 from vrcomfort.report import words
 from vrcomfort.report.descriptives import PRIMARY
 from vrcomfort.report.figures import NAMES
-from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.web_page import inline_svg, page_templates
 
 TEMPLATE = "report.html.j2"
@@ -42,7 +41,7 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         basis=words.basis_sentence(results["score_basis"]),
         described=_described(results),
         disagreements=_disagreements(results),
-        fewest=fewest_for_interval(results["plan"]["confidence"]),
+        fewest=words.fewest_for_shift(results["plan"]),
         headlines=[words.headline(t, labels) for t in _most_wanted(results)],
     )
 

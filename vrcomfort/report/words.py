@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, Literal
 
 from vrcomfort.report.figures import NAMES
 from vrcomfort.stats.means import RESAMPLES, SEED
@@ -139,11 +140,21 @@ def _effects(plan: dict[str, Any]) -> str:
     )
 
 
+def fewest_for_shift(plan: Mapping[str, Any]) -> int:
+    """Return the fewest differences with which a plan's interval of the shift has a bound."""
+    return fewest_for_interval(plan["confidence"], _sides(plan))
+
+
+def _sides(plan: Mapping[str, Any]) -> Literal[1, 2]:
+    inverted = plan["shift_interval"] == "inverted_test"
+    return 1 if inverted and plan["alternative"] != "two-sided" else 2
+
+
 def _shift_interval(plan: dict[str, Any]) -> str:
     percent = f"{100 * plan['confidence']:g} %"
     few = (
-        f"There is none below {fewest_for_interval(plan['confidence'])} differences, because no "
-        "fewer can reach such an exact two-sided p."
+        f"There is none below {fewest_for_shift(plan)} differences, because no "
+        f"fewer can reach such an exact {'two' if _sides(plan) == 2 else 'one'}-sided p."
     )
     if plan["shift_interval"] == "inverted_test":
         return (

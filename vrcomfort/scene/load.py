@@ -127,7 +127,12 @@ def _check_skins(scene: Scene, path: Path) -> None:
     for node in scene.nodes:
         if node.skin is None:
             continue
-        count = len(scene.skins[node.skin].joints)
+        joints = [scene.nodes[joint] for joint in scene.skins[node.skin].joints]
+        if any((each.head_locked, each.hand) != (node.head_locked, node.hand) for each in joints):
+            message = f"node {node.name!r} and the joints of its skin go with different things"
+            told = f"{message}; give both the same `head_locked` or `hand` in the side-car"
+            raise InputError(told, file=path)
+        count = len(joints)
         for index in (*node.mesh, *(item for level in node.lod for item in level.mesh)):
             bending = scene.primitives[index].bending
             if bending is None:

@@ -72,7 +72,7 @@ class Skins:
         self._joint_from_bind = np.concatenate(
             [np.zeros((0, 4, 4)), *(skin.joint_from_bind for skin in skins)]
         )
-        roots = np.array([skin.joints[0] for skin in skins], dtype=np.intp)
+        roots = np.array([skin.joints[0] if skin.joints else 0 for skin in skins], dtype=np.intp)
         self._root = np.repeat(roots, counts)
         used = [(node, roots[skin]) for node, skin in enumerate(skin_of_node) if skin is not None]
         self._bent, self._stands_at = np.array(used, dtype=np.intp).reshape(-1, 2).T

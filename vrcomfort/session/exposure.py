@@ -5,7 +5,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from vrcomfort.frame import Frame, GpuTime
@@ -72,6 +72,7 @@ class FrameLoop:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
         self._rating: tuple[Stimulus, RatingSchedule] | None = None
+        self._cut_unseen = self._snap_unseen = False
 
     def show(
         self,
@@ -162,11 +163,26 @@ class FrameLoop:
         if self._scene_start_ns is None:
             self._scene_start_ns = frame.predicted_display_time_ns
         scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
-        rendered = (
-            self.context.renderer.render(frame, scene_time_s) if frame.should_render else None
-        )
+        rendered = None
+        if frame.should_render:
+            rendered = self.context.renderer.render(self._with_unseen_jumps(frame), scene_time_s)
+        else:
+            self._cut_unseen |= frame.discontinuity
+            self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+
+    def _with_unseen_jumps(self, frame: Frame) -> Frame:
+        """Tell the renderer of jumps in frames that the runtime did not want drawn."""
+        cut, snap = self._cut_unseen, self._snap_unseen
+        self._cut_unseen = self._snap_unseen = False
+        if not (cut or snap):
+            return frame
+        return replace(
+            frame,
+            discontinuity=frame.discontinuity or cut,
+            snap_turn=frame.snap_turn or snap,
+        )
 
     def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
         felt_s = self.elapsed_s * self.context.stretch

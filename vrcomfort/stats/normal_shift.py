@@ -8,8 +8,9 @@ Sorted by size, the smallest has rank 1 and is positive with density φ(t − δ
 where the coefficient of x^w in F_n(∞, x) is P(W+ = w). The integrals are taken at Chebyshev nodes.
 Above `EXACT_UP_TO` differences the arcsine of the root of W+ over its largest value is taken as
 normal, with the exact mean and variance of W+ (Lehmann 2006, Nonparametrics, appendix 4.1) and
-continuity correction. At n = 25 that moves the ends of an interval of the rank-biserial by at most
-.02 (.035 where the rank-biserial is beyond .9).
+continuity correction. At n = 25 that moves the ends of an interval of the rank-biserial by .028
+where it is .75, and by up to .046 where it is .99. All differences but the smallest positive is a
+sum of its own: 1 − Φ(δ)^n.
 """
 
 from __future__ import annotations
@@ -54,7 +55,11 @@ def lower_tail(n: int, w: int, delta: float) -> float:
         return 0.0
     if w >= n * (n + 1) // 2:
         return 1.0
-    return _integrated(n, w, delta) if n <= EXACT_UP_TO else _normal(n, w, delta)
+    if n <= EXACT_UP_TO:
+        return _integrated(n, w, delta)
+    if w == n * (n + 1) // 2 - 1:
+        return float(-np.expm1(n * norm.logcdf(delta)))
+    return _normal(n, w, delta)
 
 
 def _integrated(n: int, w: int, delta: float) -> float:
@@ -76,7 +81,7 @@ def _integrated(n: int, w: int, delta: float) -> float:
 
 
 def _moments(n: int, delta: float) -> tuple[float, float]:
-    """Return mean and standard deviation of W+, by the pairs whose sum is positive."""
+    """Return mean and variance of W+, by the pairs whose sum is positive."""
     own, pair = float(norm.cdf(delta)), float(norm.cdf(math.sqrt(2) * delta))
     # Owen (1956): P(D₁ > 0, D₁ + D₂ > 0), and P(D₁ + D₂ > 0, D₁ + D₃ > 0), in closed form.
     own_and_pair = (own + pair) / 2 - float(owens_t(delta, 1.0))
@@ -88,16 +93,18 @@ def _moments(n: int, delta: float) -> tuple[float, float]:
         + 2 * n * (n - 1) * (own_and_pair - own * pair)
         + n * (n - 1) * (n - 2) * (two_pairs - pair**2)
     )
-    return mean, math.sqrt(variance)
+    return mean, variance
 
 
 def _normal(n: int, w: int, delta: float) -> float:
-    mean, sd = _moments(n, delta)
+    mean, variance = _moments(n, delta)
     largest = n * (n + 1) / 2
     share, expected = (w + 0.5) / largest, mean / largest
+    if variance <= 0 or not 0 < expected < 1:  # all digits have cancelled: all have one sign
+        return float(delta < 0)
     distance = math.asin(math.sqrt(share)) - math.asin(math.sqrt(expected))
     slope = 0.5 / math.sqrt(expected * (1 - expected)) / largest
-    return float(norm.cdf(distance / (slope * sd)))
+    return float(norm.cdf(distance / (slope * math.sqrt(variance))))
 
 
 @lru_cache(maxsize=4096)

@@ -64,14 +64,14 @@ def tied_count(values: ArrayLike) -> int:
     return int(sizes[sizes > 1].sum())
 
 
-def fewest_for_interval(confidence: float) -> int:
-    """Return the fewest differences that allow a two-sided interval: six at 95 %.
+def fewest_for_interval(confidence: float, sides: Literal[1, 2] = 2) -> int:
+    """Return the fewest differences that allow an interval: six at 95 %, five of one side.
 
-    Fewer than that cannot reject at 1 − `confidence` even if all have one sign (p = 2 · 2^−n),
+    Fewer cannot reject at 1 − `confidence` even if all have one sign (p = `sides` · 2^−n),
     so that no interval that agrees with the exact test has a bound (Hollander, Wolfe & Chicken
     2014, section 3.3).
     """
-    return math.ceil(1 - math.log2(1 - confidence))
+    return math.ceil(math.log2(sides) - math.log2(1 - confidence))
 
 
 def sign_flip_lower_tail(doubled_ranks: ArrayLike, bound: int) -> float:

@@ -14,7 +14,7 @@ from vrcomfort.protocol.conditions import Condition
 from vrcomfort.tradeoff.methods import EFFECTS, LENSES, Effect, LensName, base_condition
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import MOTIONS, SCENES, Motion, pairs, slowly_later, with_motion
-from vrcomfort.tradeoff.windows import HEADSET_PX, WINDOWS, Window, of_part, through
+from vrcomfort.tradeoff.windows import HEADSET_PX, WINDOW_POSES, WINDOWS, Window, of_part, through
 
 
 @dataclass(frozen=True)
@@ -105,17 +105,23 @@ def cases(scope: Scope) -> list[Case]:
     if scope.windows and scope.size_px != HEADSET_PX:
         width, height = HEADSET_PX
         raise InputError(f"--windows are parts of images of {width}x{height}; give that --size")
+    if scope.windows and scope.poses != WINDOW_POSES:
+        places = f"--poses {WINDOW_POSES}"
+        raise InputError(f"--windows are parts of the places of {places}; give that")
     if scope.pose is not None and scope.pose >= scope.poses:
         raise InputError(f"--pose {scope.pose + 1}: there are {scope.poses}; give more --poses")
     poses = range(scope.poses) if scope.pose is None else (scope.pose,)
     found = product(scope.scenes, scope.effects, poses)
-    return [
+    made = [
         Case(scene, pose, motion, effect, lens, window)
         for scene, effect, pose in found
         for motion in (("still",) if effect == "depth_of_field" else scope.motions)
         for lens in (scope.lenses[:1] if effect == "motion_blur" else scope.lenses)
         for window in _window_names(scene, pose, scope)
     ]
+    if not made:
+        raise InputError("--windows: that place of the walk has none; choose another --pose")
+    return made
 
 
 def _window_names(scene: str, pose: int, scope: Scope) -> tuple[str | None, ...]:

@@ -24,6 +24,9 @@ SLACK_PX = 16
 HEADSET_PX = (1832, 1920)
 """The whole image that the windows of :data:`WINDOWS` are parts of."""
 
+WINDOW_POSES = 2
+"""Places of each walk, of which :data:`WINDOWS` has parts."""
+
 
 @dataclass(frozen=True)
 class Window:

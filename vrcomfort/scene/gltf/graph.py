@@ -123,8 +123,14 @@ def _node(item: dict[str, Any], parent: int, meshes: Meshes, index: int) -> Node
 
 
 def _skins(file: GltfFile, place: dict[int, int]) -> tuple[Skin, ...]:
+    """Return all skins; those that nothing in the scene wears have no joints."""
+    worn = {file.item("nodes", index).get("skin") for index in place} - {None}
+    if not worn:
+        return ()
     return tuple(
         _skin(file, item, f"skin {item.get('name', index)!r}", place)
+        if index in worn
+        else Skin(f"skin {index}", (), np.zeros((0, 4, 4)))
         for index, item in enumerate(file.items("skins"))
     )
 

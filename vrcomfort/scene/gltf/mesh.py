@@ -116,15 +116,27 @@ def read_meshes(file: GltfFile, unsupported: set[str]) -> tuple[tuple[Primitive,
     primitives: list[Primitive] = []
     meshes: Meshes = []
     default_material = len(file.items("materials"))
-    for mesh in file.items("meshes"):
+    bent = {node.get("mesh") for node in file.items("nodes") if "skin" in node}
+    for number, mesh in enumerate(file.items("meshes")):
         first = len(primitives)
         for item in mesh["primitives"]:
             what = f"mesh {mesh.get('name', len(meshes))!r}"
-            primitive = _primitive(file, item, what, default_material, unsupported)
+            used = item if number in bent else _never_bent(item)
+            primitive = _primitive(file, used, what, default_material, unsupported)
             if primitive is not None:
                 primitives.append(primitive)
         meshes.append(tuple(range(first, len(primitives))))
     return tuple(primitives), meshes
+
+
+def _never_bent(item: dict[str, Any]) -> dict[str, Any]:
+    """Return a primitive without what a skin would need: exports may keep it for nothing."""
+    kept = {
+        name: accessor
+        for name, accessor in item["attributes"].items()
+        if not name.startswith(("JOINTS_", "WEIGHTS_"))
+    }
+    return {**item, "attributes": kept}
 
 
 def _primitive(
