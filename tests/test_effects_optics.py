@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.oracles import gather, motion
-from tests.oracles.circle_of_confusion import disc_area_px
+from tests.oracles.circle_of_confusion import disc_area_px, disc_weight
 from vrcomfort.geometry import Fov
 from vrcomfort.gpu import shaders
 from vrcomfort.optics import circle_of_confusion as coc
@@ -103,14 +103,14 @@ def test_disc_area_is_the_integral_of_its_weight(radius_px, softness_px):
     edges = np.linspace(0, radius_px + softness_px, 4001)
     middle = (edges[1:] + edges[:-1]) / 2
     rings = 2 * np.pi * middle * np.diff(edges)
-    integral = np.sum(rings * coc.disc_weight(middle, radius_px, softness_px))
+    integral = np.sum(rings * disc_weight(middle, radius_px, softness_px))
     np.testing.assert_allclose(disc_area_px(radius_px, softness_px), integral, rtol=2e-3)
 
 
 def test_a_disc_of_half_a_pixel_covers_its_own_pixel_only():
     distance = np.hypot(*np.mgrid[-2:3, -2:3])
     expected = (distance == 0).astype(float)
-    np.testing.assert_array_equal(coc.disc_weight(distance, 0.5), expected)
+    np.testing.assert_array_equal(disc_weight(distance, 0.5), expected)
 
 
 clip = st.tuples(*[st.floats(-1e6, 1e6, width=32)] * 4).map(np.array)
@@ -179,7 +179,7 @@ def test_shader_disc_and_slope_are_the_twins(ctx, rng):
     )
     x = x.astype("f4")
     for row, (weight, area, *_) in zip(x, result, strict=True):
-        np.testing.assert_allclose(weight, coc.disc_weight(row[0], row[1], row[2]), atol=1e-5)
+        np.testing.assert_allclose(weight, disc_weight(row[0], row[1], row[2]), atol=1e-5)
         np.testing.assert_allclose(area, disc_area_px(row[1], row[2]), rtol=1e-5)
     uv = rng.uniform(0, 1, (100, 4))
     fov = Fov(-0.8, 0.6, 0.7, -0.9)

@@ -14,7 +14,7 @@
 // NumPy twin: tests/oracles/half_resolution.py. As the gather of Filament's depth of field (Abdallah
 // and Guy, after Jimenez 2014), with 5 rings, the centre among them.
 uniform sampler2D half_image;
-uniform sampler2D levels[LEVELS];
+uniform sampler2D levels[CHAIN];
 uniform sampler2D tiles;
 uniform float pixel_aspect;   // image pixels per unit, vertical / horizontal
 
@@ -28,7 +28,7 @@ vec3 colour_at(vec2 texels, int level) {
     if (level == 0)
         colour = textureLod(half_image, texels / vec2(textureSize(half_image, 0)), 0.0).rgb;
     // Samplers in an array may be chosen by nothing that differs between pixels.
-    for (int k = 1; k <= LEVELS; ++k)
+    for (int k = 1; k <= CHAIN; ++k)
         if (k == level)
             colour = textureLod(levels[k - 1], texels / exp2(float(k)) / vec2(textureSize(levels[k - 1], 0)), 0.0).rgb;
     return colour;
@@ -37,7 +37,7 @@ vec3 colour_at(vec2 texels, int level) {
 // The level whose texels fill the gaps between samples of a disc.
 int level_of(float radius_px) {
     float gap_texels = 0.5 * radius_px / float(RINGS - 1);
-    return clamp(int(round(log2(max(gap_texels, 1.0)))), 0, LEVELS);
+    return clamp(int(round(log2(max(gap_texels, 1.0)))), 0, CHAIN);
 }
 
 void main() {

@@ -16,7 +16,7 @@
 // NumPy twin: tests/oracles/pyramid.py. "Four Tricks for Fast Blurring in Software and Hardware"
 // (Gamasutra 2001), trick three, and "Depth of Field: Help from the Z-buffer".
 uniform sampler2D colour_and_coc;
-uniform sampler2D levels[LEVELS];
+uniform sampler2D levels[CHAIN];
 #ifdef AT_DISTANCES
 #include "coc.glsl"
 uniform sampler2D depth;
@@ -24,7 +24,7 @@ uniform vec4 tangents;
 uniform vec3 head_forward_in_view;
 uniform float near_m;
 uniform float offset_m;  // the eye is this far in front of the head centre
-uniform float slices_m[LEVELS];
+uniform float slices_m[CHAIN];
 #endif
 
 out vec4 blurred;
@@ -60,7 +60,7 @@ void main() {
     vec4 p = texelFetch(colour_and_coc, ivec2(gl_FragCoord.xy), 0);
     own_px = abs(p.a);
     blurred = vec4(p.rgb, 1.0);
-    for (int k = 1; k <= LEVELS; ++k)
+    for (int k = 1; k <= CHAIN; ++k)
         draw(levels[k - 1], k);
     blurred.rgb = min(blurred.rgb, 65504.0);
 }

@@ -2,7 +2,7 @@
 // The whole image at one MIP level, blown up to full size.
 //
 // Input:  image (linear HDR), levels of common/mip_downsample.frag (level 1 first); level, above 0 and
-//         at most LEVELS. A texel of level k is 2^k px WIDE.
+//         at most CHAIN. A texel of level k is 2^k px WIDE.
 // Output: the blurred image, linear HDR, full resolution.
 //
 // Trilinear: each level is blown up bilinearly, and between levels k and k + 1 the image cross-fades
@@ -10,7 +10,7 @@
 // NumPy twin: tests/oracles/relocation_blur.py. "Four Tricks for Fast Blurring in Software and
 // Hardware" (Gamasutra 2001), trick three, "MIP-Mapping Abused for Full-Screen Blurs".
 uniform sampler2D image;
-uniform sampler2D levels[LEVELS];
+uniform sampler2D levels[CHAIN];
 uniform float level;
 
 out vec4 blurred;
@@ -24,7 +24,7 @@ vec3 blown_up(sampler2D texels, int k) {
 void main() {
     vec4 sharp = texelFetch(image, ivec2(gl_FragCoord.xy), 0);
     vec3 sum = max(1.0 - level, 0.0) * sharp.rgb;
-    for (int k = 1; k <= LEVELS; ++k) {
+    for (int k = 1; k <= CHAIN; ++k) {
         float share = 1.0 - abs(level - float(k));
         if (share > 0.0)
             sum += share * blown_up(levels[k - 1], k);

@@ -112,6 +112,17 @@ def with_peripheral_px(
     return np.where(radius < 0, -total, total)
 
 
+def disc_weight(
+    distance_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /
+) -> Array:
+    """Return (...,) coverage of a point by a disc whose rim falls from 1 to 0 over `softness_px`.
+
+    At radius 0.5 and softness 1 only the disc's own pixel is covered: the image is unchanged.
+    """
+    excess = np.asarray(radius_px, dtype=np.float64) - np.asarray(distance_px, dtype=np.float64)
+    return np.clip(excess / np.asarray(softness_px, dtype=np.float64) + 0.5, 0.0, 1.0)
+
+
 def disc_area_px(radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /) -> Array:
     """Return the (...,) integral of :func:`disc_weight` over the plane, in square pixels."""
     radius = np.asarray(radius_px, dtype=np.float64)

@@ -8,9 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tests.oracles.circle_of_confusion import disc_area_px
+from tests.oracles.circle_of_confusion import disc_area_px, disc_weight
 from vrcomfort.geometry import Array
-from vrcomfort.optics.circle_of_confusion import disc_weight
 
 SHARP_PX = 0.5
 """A disc of this radius covers its own pixel only."""

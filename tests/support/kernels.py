@@ -24,10 +24,10 @@ class Blurred(NamedTuple):
 def blur(ctx, kernel, rgb, radius_px, *, limit_px, pixel_aspect=1.0, **settings):
     """Blur (h, w, 3) radiance by (h, w) signed radii, as one view of a condition would."""
     height, width, _ = rgb.shape
-    colour, coc = defocused(ctx, rgb, radius_px, limit_px=limit_px, **settings)
+    _, coc = defocused(ctx, rgb, radius_px, limit_px=limit_px, **settings)
     lens = DepthOfField(kernel=kernel, law="dioptre", **settings)
     wide = lens.model_copy(update={"max_radius_percent": 100 * limit_px / width})
-    made = make_kernel(ctx, colour, coc, wide)
+    made = make_kernel(ctx, coc, wide)
     made.render(pixel_aspect)
     points = np.frombuffer(coc.colour_and_coc.read(), "f2").reshape(height, width, 4)
     return Blurred(points.astype(float), rgb_of(made.target), coc.limit_px)

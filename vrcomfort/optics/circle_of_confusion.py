@@ -147,27 +147,3 @@ def thin_lens_px_per_dioptre(
     """
     focus = lens_focus_m(focus_m, focal_length_m)
     return aperture_m / 2 * focal_px / (1 - focal_length_m / focus)
-
-
-def disc_weight(
-    distance_px: ArrayLike, radius_px: ArrayLike, softness_px: ArrayLike = 1.0, /
-) -> Array:
-    """Return (...,) coverage of a point by a disc whose rim falls from 1 to 0 over `softness_px`.
-
-    At radius 0.5 and softness 1 only the disc's own pixel is covered: the image is unchanged.
-    """
-    excess = np.asarray(radius_px, dtype=np.float64) - np.asarray(distance_px, dtype=np.float64)
-    return np.clip(excess / np.asarray(softness_px, dtype=np.float64) + 0.5, 0.0, 1.0)
-
-
-def ring_directions(rings: int) -> Array:
-    """Return (4·rings·(rings + 1), 2) unit vectors: 8 taps for the first ring, 16 for the second.
-
-    Rings of 8·k taps and one tap in the centre share a disc of radius (rings + 1/2)·spacing
-    equally: each has π/4·spacing². Ring k lies at √(k² + 1/4)·spacing, where the mean square
-    distance of its annulus is, so the pattern's second moment is the disc's. Every second ring is
-    turned by half a step, so that taps do not line up in spokes.
-    """
-    angles = [2 * np.pi * (np.arange(8 * k) + 0.5 * (k % 2)) / (8 * k) for k in range(1, rings + 1)]
-    angle = np.concatenate(angles)
-    return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

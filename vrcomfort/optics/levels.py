@@ -1,18 +1,12 @@
 """On which level of an image a disc is summed, so that it never has too many texels: no OpenGL.
 
-Level 0 are the pixels; texels of level L are 2^L px wide. Two levels share the discs between
-them. Twin of ``shaders/include/levels.glsl``. Radii are in pixels of image width. All
-choices are ours.
+Level 0 are the pixels; texels of level L are 2^L px wide. Two levels share the discs between them
+(``shaders/include/levels.glsl``). Radii are in pixels of image width. All choices are ours.
 """
 
 from __future__ import annotations
 
 from math import ceil, log2, pi, sqrt
-
-import numpy as np
-from numpy.typing import ArrayLike
-
-from vrcomfort.geometry import Array
 
 MOST = 5
 """So many levels are kept with two surfaces in a texel: the last one takes all that is wider."""
@@ -41,18 +35,3 @@ def levels(limit_px: float, samples: int) -> int:
 def half_levels(limit_px: float, samples: int) -> int:
     """Return how many levels half resolution has, its own included, for discs of one surface."""
     return 1 + max(ceil(log2(max(limit_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0))), 0)
-
-
-def level_part(level: int, radius_px: ArrayLike, *, samples: int, count: int) -> Array:
-    """Return the part of discs of these radii that is drawn on one of `count` levels."""
-    radius = np.asarray(radius_px, dtype=np.float64)
-    finer = _coarser_part(level - 1, radius, samples, count) if level else np.ones_like(radius)
-    return finer - _coarser_part(level, radius, samples, count)
-
-
-def _coarser_part(level: int, radius_px: Array, samples: int, count: int) -> Array:
-    if level >= count - 1:
-        return np.zeros_like(radius_px)
-    filled = radius_px / (exact_px(samples) * 2**level)
-    part: Array = np.clip((filled - FADED) / (1 - FADED), 0.0, 1.0)
-    return part

@@ -84,6 +84,17 @@ class Effect(Protocol):
         """Be as if no frame had been drawn."""
 
 
+def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effect]:
+    """Return what builds an effect that reads nothing but `colour`."""
+
+    def build(inputs: EffectInputs) -> Effect:
+        return make(
+            inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
+        )
+
+    return build
+
+
 @dataclass(frozen=True)
 class EffectKind:
     """How an effect is planned and built.

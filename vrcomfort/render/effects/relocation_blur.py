@@ -11,7 +11,7 @@ from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.gpu.mip_chain import MipChain
 from vrcomfort.optics.relocation_blur import level_after, levels
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 
@@ -30,13 +30,6 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
     when = "a cut or a snap turn" if settings.snap_turns else "a cut"
     reason = f"MIP level {settings.level:g} at {when}, sharp after {settings.duration_s:g} s"
     return PlannedPass("relocation_blur", True, reason)
-
-
-def build(inputs: EffectInputs) -> RelocationBlurPass:
-    """Build the blur after a relocation."""
-    return RelocationBlurPass(
-        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
-    )
 
 
 class RelocationBlurPass:
@@ -65,7 +58,7 @@ class RelocationBlurPass:
             size_px=size_px,
             inputs={"image": colour, "levels": self._chain.levels},
             filtered={"levels"},
-            defines={"LEVELS": len(self._chain.levels)},
+            defines={"CHAIN": len(self._chain.levels)},
         )
         self._copy = gl.copier(ctx)
         self.target = self._pass.target
@@ -105,4 +98,4 @@ class RelocationBlurPass:
         self._pass.render(_Level(level))
 
 
-KIND = EffectKind("relocation_blur", plan, build)
+KIND = EffectKind("relocation_blur", plan, reading_colour(RelocationBlurPass))

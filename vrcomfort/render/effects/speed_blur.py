@@ -11,7 +11,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.gaussian import sigma_px
 from vrcomfort.protocol.conditions import Condition, SpeedBlur
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
 from vrcomfort.render.head_step import speed_share
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
@@ -35,13 +35,6 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
         return PlannedPass("speed_blur", False, "neither turning nor moving makes it grow")
     reason = f"sigma up to {settings.max_sigma_arcmin:g} arcmin at full speed"
     return PlannedPass("speed_blur", True, reason)
-
-
-def build(inputs: EffectInputs) -> SpeedBlurPass:
-    """Build the blur that grows with speed."""
-    return SpeedBlurPass(
-        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
-    )
 
 
 class SpeedBlurPass:
@@ -99,4 +92,4 @@ def _axis(
     )
 
 
-KIND = EffectKind("speed_blur", plan, build)
+KIND = EffectKind("speed_blur", plan, reading_colour(SpeedBlurPass))

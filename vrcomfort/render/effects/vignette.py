@@ -12,7 +12,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
 from vrcomfort.protocol.conditions import Condition, Vignette
-from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
 from vrcomfort.render.head_step import speed_share
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
@@ -44,13 +44,6 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
     if ramps:
         reason += f", {settings.restricted_deg:g} at full speed"
     return PlannedPass("vignette", True, reason)
-
-
-def build(inputs: EffectInputs) -> VignettePass:
-    """Build the restrictor."""
-    return VignettePass(
-        inputs.ctx, colour=inputs.colour, settings=inputs.settings, size_px=inputs.size_px
-    )
 
 
 class VignettePass:
@@ -161,4 +154,4 @@ def _mean(
     )
 
 
-KIND = EffectKind("vignette", plan, build)
+KIND = EffectKind("vignette", plan, reading_colour(VignettePass))

@@ -89,7 +89,7 @@ class DepthOfFieldPass:
             size_px=size_px,
             infinity_m=infinity_m,
         )
-        self._kernel = make_kernel(ctx, colour, self._coc, settings)
+        self._kernel = make_kernel(ctx, self._coc, settings)
         self.target = self._kernel.target
 
     def render(self, eye: EyeFrame) -> None:

@@ -27,7 +27,7 @@ from vrcomfort.render.effects.depth_of_field.kernels.separable_gaussian import (
 
 __all__ = ["BlurKernel", "make_kernel"]
 
-_Maker = Callable[[moderngl.Context, moderngl.Texture, CocPasses, DepthOfField], BlurKernel]
+_Maker = Callable[[moderngl.Context, CocPasses, DepthOfField], BlurKernel]
 _KERNELS: dict[Kernel, _Maker] = {
     "vrcomfort": LayeredGatherKernel,
     "scatter": ScatterKernel,
@@ -41,8 +41,6 @@ _KERNELS: dict[Kernel, _Maker] = {
 }
 
 
-def make_kernel(
-    ctx: moderngl.Context, colour: moderngl.Texture, coc: CocPasses, settings: DepthOfField
-) -> BlurKernel:
-    """Return the kernel that `settings` name, reading `colour` and the points of `coc`."""
-    return _KERNELS[settings.kernel](ctx, colour, coc, settings)
+def make_kernel(ctx: moderngl.Context, coc: CocPasses, settings: DepthOfField) -> BlurKernel:
+    """Return the kernel that `settings` name, reading the points of `coc`."""
+    return _KERNELS[settings.kernel](ctx, coc, settings)

@@ -16,8 +16,8 @@ class Aspect(NamedTuple):
 class BlurKernel(Protocol):
     """Spreads each point over its disc.
 
-    It is made of a colour image (linear HDR RGBA16F) and a `CocPasses`, whose `colour_and_coc`
-    holds the same colour with the signed radius of each pixel.
+    It is made of a `CocPasses`, whose `colour_and_coc` holds the image (linear HDR) with the signed
+    radius of each pixel.
     """
 
     @property

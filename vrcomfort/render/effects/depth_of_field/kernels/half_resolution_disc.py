@@ -49,7 +49,6 @@ class HalfResolutionDiscKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
     ) -> None:

@@ -43,7 +43,6 @@ class HalfResolutionRingsKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
     ) -> None:
@@ -61,7 +60,7 @@ class HalfResolutionRingsKernel:
                 "tiles": tiles[-1].target,
             },
             filtered={"half_image", "levels"},
-            defines={"RINGS": RINGS, "LEVELS": LEVELS, "TILE": TILE},
+            defines={"RINGS": RINGS, "CHAIN": LEVELS, "TILE": TILE},
             more_components=(4,),
         )
         median = FullscreenPass(

@@ -38,7 +38,6 @@ class MipKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,
         *,
@@ -58,7 +57,7 @@ class MipKernel:
             },
             constants=self._places(),
             filtered={"levels"},
-            defines={"LEVELS": levels, **self._defines(slices=slices)},
+            defines={"CHAIN": levels, **self._defines(slices=slices)},
         )
         self.target = self._shown.target
 

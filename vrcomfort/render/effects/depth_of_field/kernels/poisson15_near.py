@@ -33,7 +33,6 @@ class Poisson15NearKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the paper's numbers are fixed
     ) -> None:

@@ -31,7 +31,6 @@ class ScatterKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the algorithm has no further numbers
     ) -> None:

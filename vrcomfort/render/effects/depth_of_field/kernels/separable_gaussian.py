@@ -35,7 +35,6 @@ class SeparableGaussianKernel:
     def __init__(
         self,
         ctx: moderngl.Context,
-        colour: moderngl.Texture,  # noqa: ARG002 - the points hold it too
         coc: CocPasses,
         settings: DepthOfField,  # noqa: ARG002 - the method has no numbers
     ) -> None:
