@@ -2,8 +2,8 @@
 // Depth of field by gathering what other pixels would scatter here, with who hides whom.
 //
 // Input:  colour_and_coc (colour_and_coc.frag; signed CoC RADIUS in px of image width, negative in front
-//         of the focus), dilated (coc_tile_dilate.frag); gathered (gather.frag): wide discs of one
-//         surface; layers_1, layers_2 … (layers.frag): what wide discs of several surfaces are made of.
+//         of the focus); layers_1, layers_2 … (layers.frag): what wide discs are made of; tile: what may
+//         reach it (coc_tile_dilate.frag).
 // Output: the blurred image, linear HDR, full resolution.
 //
 // A pixel p looks for two kinds of neighbours q, told apart by their CoC, which orders depth:
@@ -30,15 +30,13 @@
 // pixels want is a loop.
 #include "coc.glsl"
 #include "discs.glsl"
-#include "footprint.glsl"
 #include "levels.glsl"
-#include "tile_classes.glsl"
 #include "layers.glsl"
 
+flat in vec4 tile;
+
 uniform sampler2D colour_and_coc;
-uniform sampler2D dilated;
 #if LEVELS > 1
-uniform sampler2D gathered;
 uniform usampler2D layers_1;
 #endif
 #if LEVELS > 2
@@ -59,18 +57,6 @@ float own_px = abs(p.a);
 
 vec4 background = vec4(0.0);  // rgb * weight, weight
 vec4 foreground = vec4(0.0);  // rgb * opacity, opacity
-
-// Discs of one surface.
-vec3 one_surface(bool wanted) {
-    float wide = coarser_part(0, own_px);
-    vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
-    vec3 found = mean_over(colour_and_coc, 0, vec2(pixel), own_px, wanted && wide < 1.0);
-#if LEVELS > 1
-    for (bool on = wanted && wide > 0.0; on; on = false)
-        found = mix(found, textureLod(gathered, at, 0.0).rgb, wide);
-#endif
-    return found;
-}
 
 // How many texels to either side a row has within reach.
 float cells_of(float row, float reach) {
@@ -141,7 +127,7 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px)
 }
 
 // The widest foreground disc of a level that may come here, 0 for none.
-float foreground_of(int level, vec4 tile) {
+float foreground_of(int level) {
     bool there = tile.r < p.a - margin_px(p.a) && (int(tile.b) & (1 << level)) != 0;
     float widest = level < LEVELS - 1 ? EXACT_PX * float(1 << level) : 1e4;
     return there ? min(max(-tile.r, p.a), widest) : 0.0;
@@ -151,33 +137,22 @@ float own_part(int level) {
     return own_px > 0.5 ? level_part(level, own_px) : 0.0;
 }
 
-vec3 layered(vec4 tile) {
+void main() {
     background = own_px <= 0.5 ? vec4(p.rgb, 1.0) : vec4(0.0);
-    gather_pixels(own_part(0), foreground_of(0, tile));
+    gather_pixels(own_part(0), foreground_of(0));
 #if LEVELS > 1
-    gather_texels(layers_1, 1, own_part(1), foreground_of(1, tile));
+    gather_texels(layers_1, 1, own_part(1), foreground_of(1));
 #endif
 #if LEVELS > 2
-    gather_texels(layers_2, 2, own_part(2), foreground_of(2, tile));
+    gather_texels(layers_2, 2, own_part(2), foreground_of(2));
 #endif
 #if LEVELS > 3
-    gather_texels(layers_3, 3, own_part(3), foreground_of(3, tile));
+    gather_texels(layers_3, 3, own_part(3), foreground_of(3));
 #endif
 #if LEVELS > 4
-    gather_texels(layers_4, 4, own_part(4), foreground_of(4, tile));
+    gather_texels(layers_4, 4, own_part(4), foreground_of(4));
 #endif
-    if (own_px <= 0.5 && foreground.a <= 0.0)
-        return p.rgb;
     vec3 over = foreground.a > 0.0 ? foreground.rgb / foreground.a : vec3(0.0);
-    return min(mix(background.rgb / background.a, over, min(foreground.a, 1.0)), 65504.0);
-}
-
-void main() {
-    vec4 tile = texelFetch(dilated, pixel / TILE, 0);
-    int tile_class = int(tile.a);
-    blurred = vec4(p.rgb, 1.0);
-    for (bool on = tile_class == ONE_SURFACE && own_px > 0.5; on; on = false)
-        blurred.rgb = one_surface(true);
-    for (bool on = tile_class == LAYERED; on; on = false)
-        blurred.rgb = layered(tile);
+    vec3 all = mix(background.rgb / background.a, over, min(foreground.a, 1.0));
+    blurred = vec4(own_px <= 0.5 && foreground.a <= 0.0 ? p.rgb : min(all, 65504.0), 1.0);
 }
