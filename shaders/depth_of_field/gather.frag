@@ -6,20 +6,21 @@
 //
 // A disc is summed on the level on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
-// HALF_EXACT: radius of the widest disc on a level, in its texels.
+// HALF_EXACT: radius of the widest disc on a level, in its texels; COARSEST: the last level, which takes
+// all that are wider.
 #include "coc.glsl"
 #include "discs.glsl"
 #include "levels.glsl"
 #include "layers.glsl"
 
 uniform usampler2D layers_1;
-#if LEVELS > 2
+#if COARSEST > 1
 uniform usampler2D layers_2;
 #endif
-#if LEVELS > 3
+#if COARSEST > 2
 uniform usampler2D layers_3;
 #endif
-#if LEVELS > 4
+#if COARSEST > 3
 uniform usampler2D layers_4;
 #endif
 
@@ -48,7 +49,7 @@ float centred_on_texel(float texels) {
 // Part of a disc that is drawn on a level or on coarser ones.
 float part_from(int level, float half_radius) {
     float widest = HALF_EXACT * float(1 << max(level - 2, 0));
-    return level == 1 ? 1.0 : level > LEVELS - 1 ? 0.0
+    return level == 1 ? 1.0 : level > COARSEST ? 0.0
          : clamp((half_radius / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
 }
 
@@ -68,13 +69,13 @@ void gather(usampler2D layers, int level) {
 void main() {
     gathered = vec4(0.0, 0.0, 0.0, 1.0);
     gather(layers_1, 1);
-#if LEVELS > 2
+#if COARSEST > 1
     gather(layers_2, 2);
 #endif
-#if LEVELS > 3
+#if COARSEST > 2
     gather(layers_3, 3);
 #endif
-#if LEVELS > 4
+#if COARSEST > 3
     gather(layers_4, 4);
 #endif
 }

@@ -11,9 +11,9 @@
 //   surface     q is p's own surface. A lens sample u sees it at p + u r_p, or past its silhouette
 //               something behind: so much of p's OWN disc is covered by it. Where q is p's
 //               surface, q's own disc says how much of q lands here, so that lamps keep their light.
-//   behind      q is farther than p: what is seen past the silhouette. Behind the focus its mean is by
-//               the discs of each q, which are wider; in front of it, where the lens sees what p
-//               hides, by p's own.
+//   behind      q is much farther than p: what is seen past the silhouette. Behind the focus its mean is
+//               by the discs of each q, which are wider; in front of it, where the lens sees what p
+//               hides, by p's own. What is only a little farther may be p's surface that slants.
 //   foreground  q is nearer than p. Its disc covers p if it is wide enough: q adds 1 / area(q) to an
 //               opacity, and the foreground is composited over the others. A sharp q covers no
 //               neighbour, so sharp silhouettes do not bleed; a blurred near q spreads over a sharp p.
@@ -68,9 +68,26 @@ float cells_of(float row, float reach) {
     return sqrt(max(reach * reach - row * row, 0.0));
 }
 
-// 0 where q is the surface of p or nearer, 1 where it is farther.
+// 0 where q may be the surface of p or is nearer, 1 where it is behind.
 float farther(float q) {
-    return clamp((q - p.a) / margin_px(p.a) - 1.0, 0.0, 1.0);
+    return clamp((q - p.a) / (0.2 * own_px + 0.25) - 0.5, 0.0, 1.0);
+}
+
+// The radius of a disc behind p (px).
+float radius_behind(float q) {
+    return p.a > 0.0 ? max(abs(q), own_px) : own_px;
+}
+
+float behind_px = 0.0;  // the widest disc of what is seen past p's silhouette, 0 if nothing is
+
+// Takes down that q is seen past p's silhouette.
+void note_behind(float q, float weight) {
+    behind_px = weight > 0.0 ? max(behind_px, radius_behind(q)) : behind_px;
+}
+
+// 1 for what is no wider than that.
+float is_seen(float q) {
+    return clamp((behind_px - radius_behind(q)) / margin_px(behind_px) + 2.0, 0.0, 1.0);
 }
 
 // What `found` of p's surface covers of p's disc, of which behind it `free` is left.
@@ -97,23 +114,18 @@ void gather_pixels(float own, float foreground_px) {
             vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
             float away = sqrt(float(x * x) + row * row);
             float radius = abs(q.a);
-            float apart = (p.a - q.a) * per_margin;
-            float is_nearer = clamp(apart - 1.0, 0.0, 1.0), is_farther = clamp(-apart - 1.0, 0.0, 1.0);
+            float is_nearer = clamp((p.a - q.a) * per_margin - 1.0, 0.0, 1.0), is_farther = farther(q.a);
             float as_own = clamp(radius, own_px - slack_px, own_px + slack_px);
             float share = disc_share(away, grid_radius_px(mix(as_own, radius, is_nearer)));
             found += (1.0 - is_nearer - is_farther) * share * vec4(q.rgb, 1.0);
             free += is_farther * share;
+            note_behind(q.a, is_farther * share);
             over += (radius > 0.5 ? is_nearer * (1.0 - coarser_part(0, radius)) : 0.0)
                   * share * vec4(q.rgb, 1.0);
         }
     }
     add_surface(own, found, free);
     foreground += over / (PI * pixel_aspect);
-}
-
-// The radius of a disc behind p (px).
-float radius_behind(float q) {
-    return p.a > 0.0 ? max(abs(q), own_px) : own_px;
 }
 
 // All pixels around: what is behind and drawn on pixels.
@@ -127,7 +139,7 @@ void gather_pixels_behind(float widest_px) {
         for (int x = -cells; x <= cells; ++x) {
             vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
             float radius = radius_behind(q.a);
-            behind += farther(q.a) * (1.0 - coarser_part(0, radius))
+            behind += farther(q.a) * is_seen(q.a) * (1.0 - coarser_part(0, radius))
                     * disc_share(sqrt(float(x * x) + row * row), grid_radius_px(radius)) * vec4(q.rgb, 1.0);
         }
     }
@@ -172,6 +184,8 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px)
             found += share * (front * (1.0 - front_nearer - front_farther) * vec4(q.front.rgb, 1.0)
                             + back * (1.0 - back_nearer - back_farther) * vec4(q.back.rgb, 1.0));
             free += share * (front * front_farther + back * back_farther);
+            note_behind(q.front.a, share * front * front_farther);
+            note_behind(q.back.a, share * back * back_farther);
             float front_px = abs(q.front.a), back_px = abs(q.back.a);
             over += front_nearer * front * level_part(level, front_px)
                   * disc_share(away, grid_radius_px(disc_texels(front_px, texel_px))) * vec4(q.front.rgb, 1.0);
@@ -186,7 +200,7 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px)
 // What a texel adds of one surface that is behind.
 vec4 part_behind(int level, float away, vec4 q, float coverage) {
     float radius = radius_behind(q.a);
-    return farther(q.a) * coverage * level_part(level, radius)
+    return farther(q.a) * is_seen(q.a) * coverage * level_part(level, radius)
          * disc_share(away, grid_radius_px(disc_texels(radius, float(1 << level)))) * vec4(q.rgb, 1.0);
 }
 
@@ -220,9 +234,10 @@ float foreground_of(int level) {
 
 // The widest disc of a level of what is behind, 0 for none.
 float behind_of(int level) {
-    float widest_px = radius_behind(tile.g);
+    float widest_px = behind_px + 2.0 * margin_px(behind_px);
+    bool wanted = surface.a < 0.999 && behind_px > 0.0;
     bool there = coarser_part(level, own_px) < 1.0 && (level == 0 || coarser_part(level - 1, widest_px) > 0.0);
-    return there && surface.a < 1.0 - 1e-3 ? min(widest_px, widest_of(level)) : 0.0;
+    return wanted && there ? min(widest_px, widest_of(level)) : 0.0;
 }
 
 float own_part(int level) {

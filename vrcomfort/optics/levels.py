@@ -30,3 +30,9 @@ def levels(limit_px: float, samples: int) -> int:
     if limit_px <= FADED * widest:
         return 1
     return min(1 + max(1, ceil(log2(limit_px / widest))), MOST)
+
+
+def coarsest_of_one_surface(limit_px: float, samples: int) -> int:
+    """Return the coarsest level on which discs of one surface are summed, 1 at least."""
+    halvings = ceil(log2(max(limit_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0)))
+    return min(1 + halvings, MOST - 1)

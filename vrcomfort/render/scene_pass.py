@@ -169,6 +169,7 @@ class ScenePass:
             ctx.depth_func = gl.DEPTH_FUNC
             ctx.enable(moderngl.BLEND)
             self.triangles += self.gpu.draw(view, blended=True)
+        ctx.enable_only(moderngl.NOTHING)
 
 
 def _viewpoint(camera: EyeCamera) -> Viewpoint:

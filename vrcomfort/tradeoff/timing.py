@@ -193,8 +193,8 @@ def whole_s(timed: Timed) -> float:
 def effect_s(timed: Timed, plain_resolve_s: float = 0.0) -> float:
     """Return the seconds that a frame's effects cost: all that no plain frame has.
 
-    `plain_resolve_s` is what `RESOLVE` would cost without them. Several views through the lens draw the scene within their own part; one drawing of it for each
-    eye is outside.
+    `plain_resolve_s` is what `RESOLVE` would cost without them. Several views through the lens draw
+    the scene within their own part; one drawing of it for each eye is outside.
     """
     return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT) - plain_resolve_s
 

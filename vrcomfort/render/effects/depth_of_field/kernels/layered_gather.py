@@ -16,7 +16,7 @@ from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
 
 class LayeredGatherKernel:
-    """Classifies tiles, makes coarser levels, and draws each class of tiles: docs/depth_of_field.md.
+    """Classifies tiles, makes coarser levels, draws each class of tiles: docs/depth_of_field.md.
 
     Notes
     -----
@@ -80,13 +80,16 @@ class LayeredGatherKernel:
 
     def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
         """Return what sums wide discs, in tiles of that class and beside them."""
+        coarsest = levels.coarsest_of_one_surface(self._coc.limit_px, samples)
+        read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
         return self._pass(
             "gather",
-            {**layers, "dilated": self._dilate.target},
+            {**read, "dilated": self._dilate.target},
             size_px=self._size_of(1),
             defines={
                 **self._defines,
                 "HALF_EXACT": levels.HALF_WIDER * levels.exact_px(samples),
+                "COARSEST": coarsest,
                 **_of_class("WIDE", self._coc.tile_px // 2, beside=1),
             },
             **self._on_tiles(),
