@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
+from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
 

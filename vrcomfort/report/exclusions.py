@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.report.study_data import trial_s
+from vrcomfort.settings import did_you_mean
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

@@ -11,10 +11,10 @@ import pandas as pd
 from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.report.exposures import COLUMNS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums
+from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.crossover import crossover
 from vrcomfort.stats.friedman import friedman

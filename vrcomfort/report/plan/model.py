@@ -13,9 +13,8 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.conditions import Settings
-from vrcomfort.protocol.locate import locate
-from vrcomfort.protocol.settings_file import Name
+from vrcomfort.settings import Name, Settings
+from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal["paired", "subscales", "symptoms", "recovery", "exposures", "residuals"]

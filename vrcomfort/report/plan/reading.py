@@ -8,10 +8,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.settings_file import first_problem, parse_settings, read_text
 from vrcomfort.report.plan.model import Plan
 from vrcomfort.report.plan.rules import problems
 from vrcomfort.resources import data_folder
+from vrcomfort.settings import first_problem, parse_settings, read_text
 
 _FORMER_FAMILY = re.compile(r"^family\s*=", re.MULTILINE)
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from vrcomfort.protocol.hints import did_you_mean
-from vrcomfort.protocol.settings_file import Problem, repeated
 from vrcomfort.report.outcomes import known_outcomes, unknown_outcome
 from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
+from vrcomfort.settings import Problem, did_you_mean, repeated
 
 _TAKEN = {"participant", "score"}
 
