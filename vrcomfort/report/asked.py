@@ -83,6 +83,8 @@ class Scorer:
     outcomes: tuple[Outcome, ...]
     items: tuple[str, ...]
     """That scores are made of, of the instrument; all of them are needed, or most."""
+    prefix: str
+    """Of item columns: blank for the first instrument, for others its name and a point."""
     prorate: bool
     fewest: float
     """Share of the items that must be answered to prorate."""
@@ -94,6 +96,7 @@ class Scorer:
         return cls(
             tuple(each for each in outcomes if each.instrument == instrument),
             tuple(dict.fromkeys(loaded)),
+            "" if instrument == outcomes[0].instrument else f"{instrument}.",
             plan.missing_items == "prorate",
             plan.min_answered,
         )
@@ -104,7 +107,7 @@ class Scorer:
         absent = self.absent(sheet)
         if absent and not self._enough(len(absent)):
             return None
-        found: Values = {item: answers.get(item) for item in self.items}
+        found: Values = {self.prefix + item: answers.get(item) for item in self.items}
         for outcome in self.outcomes:
             found[outcome.name] = self._score(outcome, sheet)
         return None if any(found[each.name] is None for each in self.outcomes) else found

@@ -61,7 +61,7 @@ def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
         If one has the name of a column that stands beside those of the conditions.
     """
     order = {name: place for place, name in enumerate(labels)}
-    found = {str(name) for name in scored.table["condition"].unique()}
+    found = {str(name) for name in scored.table["condition"].unique()} - {""}
     if TAKEN in found:
         message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
         raise InputError(f"{message}; give it another name")
@@ -151,6 +151,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         **result,
         **describe_test(test),
         **worst,
+        "n": result["n"],
         "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
     }

@@ -132,11 +132,11 @@ def mean_answers(
         for c in conditions
     }
     means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
-    instrument = {i: o.instrument for o in scored.outcomes for i in o.loadings}
+    first = scored.outcomes[0].instrument if scored.outcomes else ""
     return [
         {
-            "item": item,
-            "instrument": instrument.get(item, scored.outcomes[0].instrument),
+            "item": item.rpartition(".")[2],
+            "instrument": item.rpartition(".")[0] or first,
             **{c: float(mean[item]) for c, mean in means.items()},
         }
         for item in items

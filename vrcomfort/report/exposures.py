@@ -53,7 +53,8 @@ class Exposures:
     bases
         Outcome → what its scores are.
     items
-        Items that the scores are made of; columns as well.
+        Items that the scores are made of; columns as well, those of a second instrument with its
+        name and a point before them.
     table
         One row per exposure with a usable questionnaire: `COLUMNS` (position in the session, or
         among all if sessions have one exposure each; early is 1 if the exposure was not finished),
@@ -165,7 +166,7 @@ class _Work:
         for outcome in scorer.outcomes:
             self._bases[outcome.name] = "difference_from_baseline" if subtract else "raw_post"
             self._planned[outcome.name] = planned
-        self._items += scorer.items
+        self._items += [scorer.prefix + item for item in scorer.items]
 
     def _row(
         self,
@@ -197,7 +198,7 @@ class _Work:
         names = [each.name for each in self._outcomes if each.name in self._bases]
         rows, moments = list(self._after.values()), list(self._moments.values())
         steps = {name: _steps([*rows, *moments], name) for name in names}
-        columns = [*COLUMNS, *names, *self._items]
+        columns = list(dict.fromkeys([*COLUMNS, *names, *self._items]))  # a scale may be its item
         table = pd.DataFrame(_whole(rows, steps), columns=columns)
         posts = table["timepoint"] == self._plan.exposure_timepoint
         return Exposures(
