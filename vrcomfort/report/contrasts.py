@@ -13,6 +13,7 @@ from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
 from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
 
@@ -154,6 +155,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         "n": result["n"],
         "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
+        "t_test": _t_test(pairs, plan, contrast.alternative),
     }
 
 
@@ -225,6 +227,14 @@ def _other_zeros(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str
         intervals=False,
     )
     return describe_test(test)
+
+
+def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str, Any] | None:
+    """Return the t test of the same pairs; None where no difference varies."""
+    found = paired_t(
+        pairs.differences, pairs.unit, alternative=alternative, confidence=plan.confidence
+    )
+    return None if found is None else asdict(found)
 
 
 def describe_test(test: SignedRank) -> dict[str, Any]:
