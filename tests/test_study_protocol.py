@@ -13,9 +13,9 @@ from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
 from vrcomfort.resources import data_folder
+from vrcomfort.settings.locate import locate
 
 
 def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from vrcomfort.protocol.hints import did_you_mean
-from vrcomfort.protocol.locate import Path
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import Problem, repeated, reserved
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
+from vrcomfort.settings import Problem, repeated, reserved
+from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings.locate import Path
 
 _MOST_TREATMENTS = {"williams": 26, "full": 6, "random": 1000}
 

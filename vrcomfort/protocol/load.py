@@ -6,10 +6,10 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.check import problems
-from vrcomfort.protocol.hints import did_you_mean
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import first_problem, parse_settings, read_text
 from vrcomfort.resources import data_folder
+from vrcomfort.settings import first_problem, parse_settings, read_text
+from vrcomfort.settings.hints import did_you_mean
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:

@@ -11,8 +11,8 @@ from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
-from vrcomfort.protocol.conditions import Condition, Seconds, Settings
-from vrcomfort.protocol.settings_file import Name, Word
+from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.settings import Name, Settings, Word
 
 InstrumentName = Literal["ssq", "fms", "misc"]
 Probability = Annotated[float, Field(ge=0, le=1)]

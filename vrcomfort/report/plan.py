@@ -8,16 +8,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from vrcomfort.protocol.conditions import Settings
-from vrcomfort.protocol.settings_file import (
+from vrcomfort.resources import data_folder
+from vrcomfort.settings import (
     Name,
     Problem,
+    Settings,
     first_problem,
     parse_settings,
     read_text,
     repeated,
 )
-from vrcomfort.resources import data_folder
 
 Outcome = Literal["T", "N", "O", "D"]
 Column = Literal["condition", "scene", "position", "session"]
