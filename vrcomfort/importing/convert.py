@@ -83,6 +83,9 @@ def _import(source: SourceTable, mapping: Table, imported: Imported, numbers: Nu
     return source.sheet
 
 
+STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
+
+
 class _Import:
     """The import of one table."""
 
@@ -97,6 +100,7 @@ class _Import:
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: Counter[str] = Counter()
+        self._elsewhere: Counter[str] = Counter()
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 
     def run(self) -> None:
@@ -115,15 +119,19 @@ class _Import:
     def _row(self, cells: tuple[str, ...], row: int) -> None:
         of_row = self._facts.of_row(cells, row)
         counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        elsewhere: list[str] = []
         for number_, block in enumerate((*self._columns.blocks, *self._columns.scores)):
             if any(cells[i] not in texts for i, texts in block.where.items()):
+                elsewhere += [cells[i] for i in block.where]
                 continue
             facts = {**of_row, **self._renamed(block, row)}
             key = tuple(sorted(facts.items()))
             if key not in counted:  # questionnaires of one moment are of one exposure
-                counted[key] = self._facts.counted(facts)
+                counted[key] = self._facts.counted(facts, _item_text(block, cells))
             moment = self._moment(counted[key], row)
             self._take(number_, block, moment, cells, row)
+        if elsewhere and not counted:
+            self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         if self._columns.participants:
             self._covariates(of_row.get("participant", ""), cells, row)
 
@@ -233,6 +241,9 @@ class _Import:
             if text and known.get(name) and known[name] != text:
                 message = f"{name} of {participant} is {known[name]!r} elsewhere, {text!r} here"
                 raise self._table.fault(f"{message}; a participant has one", row, column)
+            if name == "status" and text not in {"", *STATUSES}:
+                message = f"{text!r} is no status; there are {', '.join(STATUSES)}"
+                raise self._table.fault(message, row, column)
             known[name] = text or known.get(name, "")
 
     def _note(self) -> None:
@@ -243,6 +254,10 @@ class _Import:
         for timepoint, count in self._blank.items():
             what = "questionnaire has" if count == 1 else "questionnaires have"
             notes.append(f"{name}: {count} {what} no answer at all at {timepoint}; none was made")
+        for text, count in self._elsewhere.items():
+            notes.append(
+                f"{name}: {count} rows with {text!r} are in no questionnaire of the mapping"
+            )
         if self._unknown_items:
             for item, count in self._unknown_items.items():
                 notes.append(
@@ -251,10 +266,15 @@ class _Import:
         self._imported.notes += notes
 
 
+def _item_text(block: Block, cells: tuple[str, ...]) -> str:
+    return "" if block.item_column is None else cells[block.item_column]
+
+
 def _finish(imported: Imported) -> None:
     """Add who has answers and no covariates, and tell of ids that may be one person."""
     people = [moment.participant for _, moment in imported.sheets]
-    people += [each.moment.participant for each in (*imported.scores, *imported.ratings)]
+    people += [score.moment.participant for score in imported.scores]
+    people += [rating.moment.participant for rating in imported.ratings]
     answered = dict.fromkeys(people)
     silent = [name for name in imported.participants if name not in answered]
     if silent:

@@ -92,21 +92,26 @@ class RowFacts:
         message = f"{text!r} is not among the values of {name} in the mapping; add it there"
         raise self._table.fault(message, row, columns[0] if columns else None)
 
-    def counted(self, facts: Mapping[str, str]) -> dict[str, str]:
-        """Return the facts with numbers where the mapping has them counted."""
+    def counted(self, facts: Mapping[str, str], item: str = "") -> dict[str, str]:
+        """Return the facts with numbers where the mapping has them counted.
+
+        Parameters
+        ----------
+        item
+            What a row of a long table answers: an exposure is asked of each item once.
+        """
         out = dict(facts)
         for name in ("session", "period", "block", "trial"):
             fact = self._mapping.fact(name)
             if fact.count:
-                group = (name, out.get("participant", ""))
-                if name != "session":
-                    group = (*group, out.get("session", ""))
-                out[name] = self._numbers.of(group, out.get(name) or self._exposure(out))
+                session = "" if name == "session" else out.get("session", "")
+                group = (name, out.get("participant", ""), session)
+                out[name] = self._numbers.of(group, out.get(name) or self._exposure(out, item))
         return out
 
-    def _exposure(self, facts: Mapping[str, str]) -> str:
+    def _exposure(self, facts: Mapping[str, str], item: str) -> str:
         """Return what tells this exposure from the others of its session."""
         when = facts.get("timepoint") or TIMEPOINT
         what = tuple(facts.get(n, "") for n in ("participant", "session", "condition", "scene"))
-        self._repeats[*what, when] += 1
-        return "/".join((*what, str(self._repeats[*what, when])))
+        self._repeats[*what, when, item] += 1
+        return "/".join((*what, str(self._repeats[*what, when, item])))

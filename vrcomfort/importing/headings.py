@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import pairwise
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Grid, Reading, SourceTable, unique
@@ -85,11 +86,12 @@ def _joined(rows: Sequence[Sequence[str]]) -> list[str]:
 
 
 def _labels(grid: Grid, reading: Reading, width: int) -> list[str]:
-    """Return what skipped rows say of each column, without the ids that Qualtrics imports by."""
+    """Return what skipped rows below the heading say of each column, without Qualtrics' ids."""
+    first = max(reading.heading_rows or (), default=0)
     rows = [
         row
         for number, row in zip(grid.numbers, grid.rows, strict=True)
-        if number in reading.skip_rows and not _is_import_ids(row)
+        if number in reading.skip_rows and number > first and not _is_import_ids(row)
     ]
     columns = [[row[i] for row in rows if i < len(row) and row[i]] for i in range(width)]
     return [" ".join(texts) for texts in columns]
@@ -108,11 +110,11 @@ def _detected(grid: Grid) -> Reading:
     first = _first_of_the_table(rows)
     titles = tuple(numbers[:first])
     rest = rows[first:]
-    if not _is_heading(rest):
-        return reading._replace(heading_rows=(), skip_rows=titles)
     if _is_upper_heading(rest):
         both = (numbers[first], numbers[first + 1])
         return reading._replace(heading_rows=both, skip_rows=titles)
+    if not _is_heading(rest):
+        return reading._replace(heading_rows=(), skip_rows=titles)
     return reading._replace(heading_rows=(numbers[first],), skip_rows=titles)
 
 
@@ -147,7 +149,7 @@ def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
     if not below:
         return True
     count = [int(cell) for cell in first if cell.isdigit()]
-    if len(count) >= 3 and all(b - a == 1 for a, b in zip(count, count[1:], strict=False)):
+    if len(count) >= 3 and all(b - a == 1 for a, b in pairwise(count)):
         return True  # the numbers of items
     numeric_below = [
         index

@@ -13,8 +13,7 @@ from pydantic import Field
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Reading
-from vrcomfort.protocol.conditions import Settings
-from vrcomfort.protocol.settings_file import Problem, first_problem, parse_settings, read_text
+from vrcomfort.settings import Problem, Settings, first_problem, parse_settings, read_text
 
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
 """What is known of a questionnaire beside its answers."""
@@ -239,6 +238,9 @@ def _problems(mapping: Mapping) -> Iterator[Problem]:
             if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
                 message = f"`{name}` cannot be counted; trial and session can"
                 yield Problem((*here, name, "count"), message)
+        if "participant" in table.participants:
+            message = "`participant` is a fact; write it beside [tables.participants]"
+            yield Problem((*here, "participants", "participant"), message)
         if not (table.questionnaires or table.scores or table.participants):
             message = "this table gives nothing: no questionnaires, scores or participants"
             yield Problem(here, message)

@@ -100,7 +100,8 @@ class Imported:
     def conditions(self) -> list[str]:
         """Return the conditions in the order in which they were met."""
         moments = [moment for _, moment in self.sheets]
-        moments += [each.moment for each in (*self.scores, *self.ratings)]
+        moments += [score.moment for score in self.scores]
+        moments += [rating.moment for rating in self.ratings]
         return list(dict.fromkeys(m.condition for m in moments if m.condition))
 
     @property

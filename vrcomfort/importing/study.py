@@ -94,7 +94,8 @@ def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict
     named = {name: labels[name] for name in labels if name in imported.conditions}
     conditions = {**named, **{c: c for c in imported.conditions if c not in named}}
     instruments = dict.fromkeys(name for name, _ in imported.sheets)
-    instruments |= dict.fromkeys(each.instrument for each in (*imported.scores, *imported.ratings))
+    instruments |= dict.fromkeys(score.instrument for score in imported.scores)
+    instruments |= dict.fromkeys(rating.instrument for rating in imported.ratings)
     return {
         "@context": "https://schema.org/",
         "@type": "Dataset",
@@ -148,14 +149,16 @@ def _questionnaires(imported: Imported) -> str:
     return _table(columns, rows)
 
 
+_UNSAID = {"status": "enrolled"}
+
+
 def _participants(imported: Imported) -> str:
     own = ParticipantRow.columns()
     extra = [name for name in imported.covariates if name not in own]
     rows = [
-        (name, known.get("sequence", ""), "completed", "", known.get("note", ""),
-         *(known.get(each, "") for each in extra))
+        (name, *(known.get(each, "") or _UNSAID.get(each, "") for each in (*own[1:], *extra)))
         for name, known in imported.participants.items()
-    ]  # fmt: skip
+    ]
     return _table((*own, *extra), rows)
 
 

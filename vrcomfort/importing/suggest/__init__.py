@@ -55,9 +55,7 @@ def suggest_mapping(files: Sequence[Path]) -> Suggestion:
     read = [table for file in files for table in _tables(file)]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
-        groups.setdefault((table.headings, table.labels, table.reading.heading_rows), []).append(
-            table
-        )
+        groups.setdefault((table.headings, table.reading.heading_rows), []).append(table)
     drafts = [TableDraft(tables) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))

@@ -113,7 +113,7 @@ def _contexts(named: Sequence[Named], instrument: Instrument) -> list[Context]:
 
 
 def _placed(side: str, words: Sequence[str]) -> list[tuple[int, str]]:
-    """Number words by how far they stand from the item's name."""
+    """Return words with how far they stand from the item's name."""
     if side == "after":
         return list(enumerate(words, start=1))
     return [(len(words) - place, word) for place, word in enumerate(words)]

@@ -50,15 +50,19 @@ def coding_of_texts(cells: Sequence[str], instrument: Instrument, decimal: str) 
     found = Coding()
     values: dict[int, int] = {}
     words: list[str] = []
+    broken: list[str] = []
     for text, count in counts.items():
         value = number(text, decimal)
         if value is not None and value.is_integer():
             values[int(value)] = values.get(int(value), 0) + count
         elif value is not None:
-            question = f"An answer is {text!r}, and answers of {instrument.name} are whole numbers?"
-            found.doubts.append(Doubt(question, "the import will refuse it"))
+            broken.append(text)
         else:
             words.append(text)
+    if broken:
+        shown = ", ".join(broken[:6]) + (" …" if len(broken) > 6 else "")
+        question = f"Why are answers {shown}, where those of {instrument.name} are whole numbers?"
+        found.doubts.append(Doubt(question, "the import will refuse them"))
     _words(words, values, instrument, found)
     _numbers(values, instrument, found)
     return found

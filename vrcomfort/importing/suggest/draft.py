@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 
 class Doubt(NamedTuple):
@@ -14,9 +14,6 @@ class Doubt(NamedTuple):
 
     question: str
     assumed: str
-
-
-Value: TypeAlias = "str | int | float | bool | list[str] | list[int] | dict[str, str] | dict[str, int] | dict[str, bool]"
 
 
 @dataclass

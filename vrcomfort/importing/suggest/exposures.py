@@ -121,6 +121,7 @@ class _Facts:
         columns = [c for c in columns if len(texts(self._table, c)) > 1] or columns
         if columns:
             self.found.participant = columns[0]
+            columns = [c for c in columns if c in self._roles.alike["participant"]]
             if len(columns) > 1:
                 names = ", ".join(repr(self._heading(c)) for c in columns)
                 question = f"Which of the columns {names} tells participants apart?"
@@ -341,7 +342,7 @@ class _Facts:
             self._doubt("No column says the condition: was there but one?", "one, called `all`")
 
     def _repetitions(self) -> None:
-        """Number exposures where somebody has the same condition and moment more than once."""
+        """Have exposures numbered where somebody has one condition and moment twice."""
         if self._known.time is not None and "trial" not in self.found.columns:
             runs = [c for c in self._roles.unknown if len(texts(self._table, c)) > 1]
             runs = [c for c in runs if varies_within(self._table, c, self.found.participant)]

@@ -11,7 +11,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import Found
 from vrcomfort.importing.suggest.coding import Coding, coding_of, coding_of_texts
 from vrcomfort.importing.suggest.draft import Doubt, Draft
-from vrcomfort.importing.suggest.headings import Named, mentions, tokens
+from vrcomfort.importing.suggest.headings import Named, mentions
 from vrcomfort.importing.suggest.long_tables import Long
 from vrcomfort.importing.suggest.ratings import FoundRating
 from vrcomfort.importing.suggest.roles import Roles, texts
@@ -65,7 +65,7 @@ def _may_answer(table: SourceTable, column: int, instrument: Instrument) -> bool
 
 
 def draft_block(
-    table: SourceTable, block: Found, facts: Mapping[str, str], roles: Roles
+    table: SourceTable, block: Found, facts: Mapping[str, str]
 ) -> tuple[Draft, list[Doubt]]:
     """Draft a questionnaire that has a column for each item."""
     draft = Draft({"instrument": block.instrument.name, **facts})
@@ -124,9 +124,8 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
             doubts.append(Doubt(question, f"they are: {first} is {placed[0]}"))
-    for item in [*by_how.get("near", ()), *by_how.get("abbreviation", ())]:
-        doubts.append(Doubt(f"Is {headings[item]!r} the item {item}?", "it is"))
-    return doubts
+    unsure = [*by_how.get("near", ()), *by_how.get("abbreviation", ())]
+    return doubts + [Doubt(f"Is {headings[i]!r} the item {i}?", "it is") for i in unsure]
 
 
 def _coded(draft: Draft, coding: Coding) -> None:
@@ -183,6 +182,8 @@ def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
     doubts = [*coding.doubts, *_name_doubts(block, {item: long.items[item] for item in order})]
     if long.instrument_column is None:
         doubts += _instrument_doubts(table, block)
+    else:
+        doubts += _other_instruments(table, long.instrument_column[0])
     if block.absent:
         draft.put("not_asked", block.absent)
         question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
@@ -193,6 +194,15 @@ def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
         doubts.append(Doubt(question, "they are left out"))
     draft.tables["items"] = Draft({item: long.items[item] for item in order})
     return draft, doubts
+
+
+def _other_instruments(table: SourceTable, column: int) -> list[Doubt]:
+    """Ask whether the rows of questionnaires that we do not know may be left out."""
+    others = [text for text in texts(table, column) if plain(text) not in INSTRUMENTS]
+    if not others:
+        return []
+    question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
+    return [Doubt(question, "they are: no instrument of ours is called so")]
 
 
 def draft_rating(
@@ -230,12 +240,7 @@ def leftovers(
         parts = parts_of(_values(table, column), items) if numeric and blocks else None
         if parts is not None:
             reasons[column] = f"the exact (weighted) sum of {', '.join(parts)}"
-        elif any(_may_answer(table, column, block.instrument) for block in blocks[:1]):
-            if len(words) > 1 or not _is_known(heading):
-                question = f"{heading!r} holds what may be answers: is it an item?"
-                doubts.append(Doubt(question, "it is not, and is ignored"))
+        elif blocks and _may_answer(table, column, blocks[0].instrument):
+            question = f"{heading!r} holds what may be answers: is it an item?"
+            doubts.append(Doubt(question, "it is not, and is ignored"))
     return reasons, doubts
-
-
-def _is_known(heading: str) -> bool:
-    return bool({"consent", "finished", "progress", "status"} & set(tokens(heading)))

@@ -27,7 +27,9 @@ _STRONG: dict[str, frozenset[str]] = {
          "ppid", "pid", "versuchsperson", "participante", "sujeto", "sujet", "deelnemer",
          "proefpersoon", "soggetto", "prolific"]
     ),
-    "condition": frozenset(["condition", "bedingung", "cond", "conditie", "condición", "treatment"]),
+    "condition": frozenset(
+        ["condition", "bedingung", "cond", "conditie", "condición", "treatment"]
+    ),
     "timepoint": frozenset(["timepoint", "messzeitpunkt"]),
     "session": frozenset(["session", "sitzung"]),
     "trial": frozenset(["trial", "durchgang"]),
@@ -55,6 +57,8 @@ class Roles:
     covariates: dict[str, int] = field(default_factory=dict)
     metadata: list[int] = field(default_factory=list)
     unknown: list[int] = field(default_factory=list)
+    alike: dict[str, list[int]] = field(default_factory=dict)
+    """Fact → columns that are as likely as the likeliest."""
 
 
 def roles_of(table: SourceTable, columns: Iterable[int]) -> Roles:
@@ -76,32 +80,31 @@ def roles_of(table: SourceTable, columns: Iterable[int]) -> Roles:
             ranked[role[0]].append((role[1], column))
     for fact, found in ranked.items():
         roles.facts[fact] = [column for _, column in sorted(found)]
+        roles.alike[fact] = [c for rank, c in sorted(found) if rank == min(found)[0]]
     return roles
 
 
 def _role(heading: str, label: str) -> tuple[str, int] | None:
     """Return fact, covariate or ``metadata``, and how likely: 0 is certain."""
-    for text in (heading, label):
-        key, words = plain(text), set(tokens(text))
-        if not key:
-            continue
-        for fact, strong in _STRONG.items():
-            if words & strong and len(words) <= 12:
-                return fact, 0 if len(words) <= 3 else 1
-        if key in METADATA or key in PERSONAL:
-            return "metadata", 0
-        for fact, known in FACT_HEADINGS.items():
-            if key in known:
-                return fact, 2
-        for name, known in COVARIATES.items():
-            if key in known:
-                return name, 0
-        if words & _AGE and len(words) <= 6:
-            return "age", 1
-        for name, known in COVARIATES.items():
-            if {word for word in words if len(word) > 2} & known and len(words) <= 3:
-                return name, 1
-    return None
+    roles = (_role_of(text) for text in (heading, label) if plain(text))
+    return next((role for role in roles if role is not None), None)
+
+
+def _role_of(text: str) -> tuple[str, int] | None:
+    key, words = plain(text), set(tokens(text))
+    found = [
+        (fact, 0 if len(words) <= 3 else 1)
+        for fact, strong in _STRONG.items()
+        if words & strong and len(words) <= 12
+    ]
+    found += [("metadata", 0)] if key in METADATA or key in PERSONAL else []
+    found += [(fact, 2) for fact, known in FACT_HEADINGS.items() if key in known]
+    found += [(name, 0) for name, known in COVARIATES.items() if key in known]
+    found += [("age", 1)] if words & _AGE and len(words) <= 6 else []
+    long_words = {word for word in words if len(word) > 2}
+    if len(words) <= 3:
+        found += [(name, 1) for name, known in COVARIATES.items() if long_words & known]
+    return found[0] if found else None
 
 
 def is_personal(heading: str) -> bool:

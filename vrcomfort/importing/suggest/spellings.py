@@ -8,7 +8,8 @@ from functools import cache
 from vrcomfort.questionnaire.instruments import Instrument, plain
 
 _SSQ: Mapping[str, str] = {
-    "general_discomfort": "allgemeines unwohlsein, unwohlsein, allgemeines unbehagen, malaise général,"
+    "general_discomfort": "allgemeines unwohlsein, unwohlsein, allgemeines unbehagen, "
+    "malaise général,"
     " inconfort général, malestar general, incomodidad general, malessere generale, "
     "disagio generale, algemeen onbehagen, mal estar geral, desconforto geral, 全身不适, 一般不适, "
     "整体不适, 全般的な不快感, 気分が悪い, 전반적 불편함",
@@ -18,7 +19,8 @@ _SSQ: Mapping[str, str] = {
     "cefalea, mal di testa, hoofdpijn, dor de cabeça, 头痛, 頭痛, 두통",
     "eyestrain": "überanstrengte augen, augenbelastung, augenanstrengung, angestrengte augen, "
     "augenermüdung, "
-    "fatigue oculaire, fatigue visuelle, vista cansada, fatiga visual, fatiga ocular, tensión ocular, "
+    "fatigue oculaire, fatigue visuelle, vista cansada, fatiga visual, fatiga ocular, "
+    "tensión ocular, "
     "affaticamento degli occhi, affaticamento visivo, affaticamento oculare, vermoeide ogen, "
     "fadiga ocular, vista cansada, 眼睛疲劳, 眼疲劳, 眼睛疲勞, 目の疲れ, 眼の疲れ, 눈의 피로",
     "difficulty_focusing": "schwierigkeiten beim scharfsehen, schwierigkeiten zu fokussieren, "
@@ -31,7 +33,8 @@ _SSQ: Mapping[str, str] = {
     "increased_salivation": "erhöhter speichelfluss, vermehrter speichelfluss, speichelfluss, "
     "salivation accrue, augmentation de la salivation, hypersalivation, aumento de salivación, "
     "aumento de la salivación, salivación, aumento della salivazione, salivazione, "
-    "verhoogde speekselproductie, speekselvloed, salivação, aumento de salivação, 唾液增多, 流口水, "
+    "verhoogde speekselproductie, speekselvloed, salivação, aumento de salivação, 唾液增多, "
+    "流口水, "
     "唾液が増える, 唾液の増加, 침 분비 증가",
     "sweating": "schwitzen, schweißausbruch, schweissausbruch, sudation, transpiration, sueurs, "
     "sudoración, sudoracion, sudor, sudorazione, zweten, suor, sudorese, transpiração, 出汗, 流汗, "
@@ -52,7 +55,8 @@ _SSQ: Mapping[str, str] = {
     "heavy head, head pressure",
     "blurred_vision": "verschwommenes sehen, verschwommene sicht, unscharfes sehen, vision floue, "
     "vision trouble, visión borrosa, vision borrosa, visione offuscata, vista offuscata, "
-    "wazig zien, visão turva, visão embaçada, 视力模糊, 視力模糊, 视觉模糊, 目がかすむ, 視界がぼやける, "
+    "wazig zien, visão turva, visão embaçada, 视力模糊, 視力模糊, 视觉模糊, 目がかすむ, "
+    "視界がぼやける, "
     "흐린 시야",
     "dizzy_eyes_open": "schwindel bei geöffneten augen, schwindel mit offenen augen, "
     "schwindel augen offen, schwindel offene augen, schwindel bei offenen augen, vertige yeux "
@@ -61,7 +65,8 @@ _SSQ: Mapping[str, str] = {
     "mareo ojos abiertos, "
     "vertigini con gli occhi aperti, vertigini a occhi aperti, capogiro a occhi aperti, "
     "duizelig met ogen open, duizeligheid ogen open, tontura com os olhos abertos, "
-    "tontura olhos abertos, 睁眼头晕, 睁眼时头晕, 開眼時のめまい, 目を開けたときのめまい, 눈 뜬 상태 어지러움",
+    "tontura olhos abertos, 睁眼头晕, 睁眼时头晕, 開眼時のめまい, 目を開けたときのめまい, "
+    "눈 뜬 상태 어지러움",
     "dizzy_eyes_closed": "schwindel bei geschlossenen augen, schwindel mit geschlossenen augen, "
     "schwindel augen geschlossen, schwindel geschlossene augen, schwindel augen zu, "
     "vertige yeux fermés, "
@@ -70,16 +75,19 @@ _SSQ: Mapping[str, str] = {
     "capogiro a occhi chiusi, duizelig met ogen dicht, duizeligheid ogen dicht, "
     "tontura com os olhos fechados, tontura olhos fechados, 闭眼头晕, 闭眼时头晕, 閉眼時のめまい, "
     "目を閉じたときのめまい, 눈 감은 상태 어지러움",
-    "vertigo": "drehschwindel, gleichgewichtsstörung, schwindelgefühl, schwindel, vertige, vertiges, "
+    "vertigo": "drehschwindel, gleichgewichtsstörung, schwindelgefühl, schwindel, vertige, "
+    "vertiges, "
     "vértigo, vertigine, vertigini, draaiduizeligheid, vertigem, 眩晕, 眩暈, ふらつき, 현기증",
     "stomach_awareness": "magenbewusstsein, magenempfinden, magenbeschwerden, magengefühl, "
     "bewusstsein des magens, auf den magen aufmerksam, "
     "conscience de l estomac, gêne gastrique, inconfort gastrique, "
     "conciencia del estómago, conciencia estomacal, malestar estomacal, molestias estomacales, "
     "consapevolezza dello stomaco, fastidio allo stomaco, maagbewustzijn, bewustzijn van maag, "
-    "desconforto abdominal, consciência do estômago, 胃部不适, 胃不适, 胃の存在感, 胃が気になる, 위 불편감",
+    "desconforto abdominal, consciência do estômago, 胃部不适, 胃不适, 胃の存在感, "
+    "胃が気になる, 위 불편감",
     "burping": "aufstoßen, aufstossen, rülpsen, éructation, éructations, rots, eructo, eructos, "
-    "eructar, eruttazione, eruttazioni, boeren, arroto, arrotos, 打嗝, 嗳气, げっぷ, 트림, belching, "
+    "eructar, eruttazione, eruttazioni, boeren, arroto, arrotos, 打嗝, 嗳气, げっぷ, 트림, "
+    "belching, "
     "burp",
 }
 _BY_INSTRUMENT: Mapping[str, Mapping[str, str]] = {"ssq": _SSQ}

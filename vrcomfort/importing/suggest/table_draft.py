@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.blocks import Found, find_blocks
+from vrcomfort.importing.suggest.blocks import find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft
-from vrcomfort.importing.suggest.exposures import Exposures, draft_facts
+from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.moments import moments
 from vrcomfort.importing.suggest.questionnaires import (
@@ -19,9 +19,15 @@ from vrcomfort.importing.suggest.questionnaires import (
     mend_items,
 )
 from vrcomfort.importing.suggest.ratings import find_ratings
-from vrcomfort.importing.suggest.roles import Roles, is_personal, roles_of, total_rows
-from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
+from vrcomfort.importing.suggest.roles import is_personal, roles_of, total_rows
+from vrcomfort.importing.suggest.scores import find_scores, kind_of
 from vrcomfort.importing.suspects import alike
+
+
+def _row_keys(longs: Sequence[Long]) -> list[int]:
+    """Return the columns that tell the answers of one moment apart."""
+    columns = [long.item_column for long in longs[:1]]
+    return columns + [long.instrument_column[0] for long in longs[:1] if long.instrument_column]
 
 
 class TableDraft:
@@ -37,6 +43,7 @@ class TableDraft:
         self._tables = tables
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
+        self._totals = self._total_rows()
         self.draft = Draft()
         self.doubts: list[Doubt] = []
         self.gives = False
@@ -99,7 +106,7 @@ class TableDraft:
         self.draft.values |= exposures.draft.values
         self.draft.comments |= exposures.draft.comments
         self.doubts += exposures.doubts
-        self._total_rows(exposures.participant)
+        self._leave_out(exposures.participant)
         self._questionnaires(facts)
         self._covariates(exposures)
         self._ignore(exposures)
@@ -122,30 +129,42 @@ class TableDraft:
             said,
             self._taken,
             one_row_each=not self._longs,
-            row_keys=[long.item_column for long in self._longs[:1]],
+            row_keys=_row_keys(self._longs),
             answered=answered,
             time=next((r.time for r in self._ratings if r.time is not None), None),
         )
 
-    def _total_rows(self, participant: int | None) -> None:
-        column = participant if participant is not None else 0
-        found = total_rows(self.table, column)
-        blank = participant is not None and any(not cell for cell in self.table.column(column))
-        texts = [*found, *([""] if blank and "fill_down" not in self.draft.values else [])]
-        if not texts:
+    def _total_rows(self) -> dict[int, list[str]]:
+        """Take rows of means and sums out of the table; return column → their texts."""
+        for column in range(min(4, len(self.table.headings))):
+            found = [text for table in self._tables for text in total_rows(table, column)]
+            if found:
+                rows = tuple(row for row in self.table.rows if row[column] not in found)
+                self.table = replace(self.table, rows=rows)
+                return {column: list(dict.fromkeys(found))}
+        return {}
+
+    def _leave_out(self, participant: int | None) -> None:
+        out = dict(self._totals)
+        if participant is not None and not all(self.table.column(participant)):
+            out[participant] = [*out.get(participant, []), ""]
+        if not out:
             return
-        name = self.table.headings[column]
-        self.draft.put("leave_out", {name: texts if len(texts) > 1 else texts[0]})
-        shown = ", ".join(repr(text) if text else "no participant" for text in texts)
-        question = f"May the rows with {shown} in {name!r} be left out, as no person's?"
-        self.doubts.append(Doubt(question, "they are left out"))
+        names = self.table.headings
+        self.draft.put("leave_out", {names[c]: texts for c, texts in out.items()})
+        for column, texts in out.items():
+            shown = ", ".join(repr(text) if text else "nothing" for text in texts)
+            question = (
+                f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
+            )
+            self.doubts.append(Doubt(question, "they are left out"))
 
     def _questionnaires(self, facts: Sequence[dict[str, str]]) -> None:
         drafts: list[Draft] = []
         for block, own in zip(self._blocks, facts, strict=False):
             mended, doubts = mend_items(self.table, block, self._roles)
             self.doubts += doubts
-            draft, doubts = draft_block(self.table, mended, own, self._roles)
+            draft, doubts = draft_block(self.table, mended, own)
             drafts.append(draft)
             self.doubts += doubts
         for long in self._longs:
@@ -187,7 +206,7 @@ class TableDraft:
         if drafts:
             self.draft.lists["scores"] = drafts
 
-    def _covariates(self, exposures: Exposures) -> None:
+    def _covariates(self, exposures: DraftedFacts) -> None:
         if exposures.covariates:
             names = {n: self.table.headings[c] for n, c in exposures.covariates.items()}
             self.draft.put("participants", names)
@@ -198,7 +217,7 @@ class TableDraft:
                 assumed = "they are not; participant values = { … } makes them one"
                 self.doubts.append(Doubt(question, assumed))
 
-    def _ignore(self, exposures: Exposures) -> None:
+    def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
         made = {c: "a score made of the answers" for e in self._made for c in e.scales.values()}
         rest = [
@@ -209,7 +228,8 @@ class TableDraft:
         columns = sorted(set(rest))
         if not columns:
             return
-        reasons, doubts = leftovers(self.table, columns, self._blocks)
+        asked = [column for column in columns if column not in self._roles.metadata]
+        reasons, doubts = leftovers(self.table, asked, self._blocks)
         self.doubts += doubts
         for column in columns:
             name = self.table.headings[column]
@@ -219,6 +239,3 @@ class TableDraft:
             if reason:
                 self.draft.note(f"{name}: {reason}", "ignore")
         self.draft.put("ignore", [self.table.headings[column] for column in columns])
-
-
-__all__ = ["Found", "FoundScores", "Long", "Roles", "TableDraft", "kind_of"]

@@ -10,15 +10,19 @@ from collections.abc import Mapping
 from vrcomfort.questionnaire.instruments import plain
 
 _FACT_HEADINGS: Mapping[str, str] = {
-    "participant": "participant, participant id, participantid, participant number, participant no, "
+    "participant": "participant, participant id, participantid, participant number, "
+    "participant no, "
     "participant code, part id, id participant, subject, subject id, subjectid, subject number, "
-    "subject no, subj, subj id, sub, sub id, pid, ppid, p id, pp, ppn, pp nr, vp, vpn, vp nr, vp code, "
+    "subject no, subj, subj id, sub, sub id, pid, ppid, p id, pp, ppn, pp nr, vp, vpn, vp nr, "
+    "vp code, "
     "vpnummer, vp nummer, versuchsperson, versuchspersonencode, versuchspersonennummer, proband, "
     "probanden id, probandennummer, probandencode, teilnehmer, teilnehmer id, teilnehmernummer, "
-    "teilnehmercode, teilnehmer code, personencode, persönlicher code, code, user, user id, userid, "
+    "teilnehmercode, teilnehmer code, personencode, persönlicher code, code, user, user id, "
+    "userid, "
     "username, person, "
     "person id, id, no, nr, number, nummer, case, caseid, participante, sujeto, sujet, numéro, "
-    "soggetto, partecipante, deelnemer, deelnemer id, proefpersoon, uczestnik, participant identifier, "
+    "soggetto, partecipante, deelnemer, deelnemer id, proefpersoon, uczestnik, "
+    "participant identifier, "
     "respondent, respondent id, prolific id, prolific pid, subject code, identifier, anonymous id, "
     "your participant id, please enter your participant id, your id, study id",
     "condition": "condition, cond, conditions, condition name, bedingung, versuchsbedingung, "
@@ -27,9 +31,11 @@ _FACT_HEADINGS: Mapping[str, str] = {
     "locomotion technique, stimulus, variant, setting, mode, modus, effect, blur, fov, vignette, "
     "which condition, condition code, system",
     "timepoint": "timepoint, time point, time, phase, moment, measurement, measurement time, "
-    "messzeitpunkt, zeitpunkt, zeit, pre post, prepost, when, occasion, wave, stage, administration, "
+    "messzeitpunkt, zeitpunkt, zeit, pre post, prepost, when, occasion, wave, stage, "
+    "administration, "
     "momento, tiempo, tijdstip, meting, test time",
-    "session": "session, session id, session number, session no, sessionid, sitzung, termin, visit, "
+    "session": "session, session id, session number, session no, sessionid, sitzung, termin, "
+    "visit, "
     "day, tag, sesión, sesion, séance, sessie, sessione",
     "trial": "trial, trial number, trial no, trial id, trialnumber, run, round, runde, durchgang, "
     "exposure, exposure number, position, presentation order, condition order, order number, "
@@ -41,11 +47,13 @@ _FACT_HEADINGS: Mapping[str, str] = {
 }
 
 _COVARIATE_HEADINGS: Mapping[str, str] = {
-    "age": "age, alter, edad, âge, leeftijd, età, idade, your age, age years, age in years, how old "
+    "age": "age, alter, edad, âge, leeftijd, età, idade, your age, age years, age in years, "
+    "how old "
     "are you, wiek",
     "sex": "sex, geschlecht, sexo, sexe, sesso, geslacht, biological sex",
     "gender": "gender, género, genre, genere, your gender, gender identity, płeć",
-    "group": "group, gruppe, groupe, grupo, gruppo, groep, cohort, study group, experimental group, "
+    "group": "group, gruppe, groupe, grupo, gruppo, groep, cohort, study group, "
+    "experimental group, "
     "grupa",
     "sequence": "sequence, order, reihenfolge, condition sequence, counterbalancing, "
     "counterbalance, order group, latin square, volgorde, ordre, orden",
@@ -55,13 +63,15 @@ _COVARIATE_HEADINGS: Mapping[str, str] = {
     "gaming": "gaming, gamer, gaming experience, games, gaming hours, spielerfahrung",
     "mssq": "mssq, mssq short, mssq score, motion sickness susceptibility, mssq total",
     "ipd_mm": "ipd, ipd mm, interpupillary distance, pupillendistanz",
-    "vision": "vision, glasses, visual acuity, corrected vision, brille, sehhilfe, vision correction",
+    "vision": "vision, glasses, visual acuity, corrected vision, brille, sehhilfe, "
+    "vision correction",
     "height": "height, height cm, größe, körpergröße",
     "status": "",
 }
 
 _METADATA_HEADINGS = (
-    "timestamp, zeitstempel, start date, startdate, end date, enddate, recorded date, recordeddate, "
+    "timestamp, zeitstempel, start date, startdate, end date, enddate, recorded date, "
+    "recordeddate, "
     "date, datum, fecha, datetime, created at, submitted at, submit date, submitdate, "
     "date submitted, date started, startdate, datestamp, last page, lastpage, start language, "
     "startlanguage, seed, refurl, ip address, ipaddress, ipaddr, status, progress, "
@@ -70,7 +80,8 @@ _METADATA_HEADINGS = (
     "external reference, externalreference, externaldatareference, location latitude, "
     "locationlatitude, location longitude, locationlongitude, distribution channel, "
     "distributionchannel, user language, userlanguage, q recaptcha score, qrecaptchascore, email, "
-    "email address, e mail, e mail adresse, name, first name, last name, vorname, nachname, consent, "
+    "email address, e mail, e mail adresse, name, first name, last name, vorname, nachname, "
+    "consent, "
     "einverständnis, einwilligung, comments, comment, kommentar, kommentare, remarks, bemerkungen, "
     "notes, feedback, lfdn, external lfdn, tester, dispcode, interview time, interviewtime, "
     "lastdata, collector id, collectorid, respondent id, custom data 1"
@@ -91,13 +102,16 @@ PERSONAL = frozenset(_PERSONAL)
 
 _TIMEPOINTS: Mapping[str, str] = {
     "baseline": "baseline, pre, before, vorher, vor, prä, prae, pretest, pre test, pre exposure, "
-    "preexposure, pre vr, prevr, before vr, before exposure, avant, antes, prima, voor, voormeting, "
+    "preexposure, pre vr, prevr, before vr, before exposure, avant, antes, prima, voor, "
+    "voormeting, "
     "vormessung, przed, initial, bl, base, pre immersion, preimmersion, pre ssq, prior",
-    "post": "post, after, nachher, nach, posttest, post test, post exposure, postexposure, post vr, "
+    "post": "post, after, nachher, nach, posttest, post test, post exposure, postexposure, "
+    "post vr, "
     "postvr, after vr, after exposure, après, apres, después, despues, dopo, na, nameting, "
     "nachmessung, po, post immersion, postimmersion, immediately after, direkt danach, danach",
     "recovery": "recovery, follow up, followup, fu, later, recovered, erholung, after rest, "
-    "post2, post 2, delayed, post10, post 10 min, post 15 min, post 30 min, post30, post15, after10, "
+    "post2, post 2, delayed, post10, post 10 min, post 15 min, post 30 min, post30, post15, "
+    "after10, "
     "30 min after, nacherhebung",
 }
 TIMEPOINTS = {word: name for name, words in _TIMEPOINTS.items() for word in _split(words)}
@@ -108,7 +122,8 @@ _SEVERITY = (
     ("none, no, not at all, absent, never, no symptom, no symptoms, nothing, nil, not present",
      "slight, slightly, mild, mildly, a little, little, low, minimal, weak, light, a bit, minor",
      "moderate, moderately, medium, mid, some, somewhat, average, middle",
-     "severe, severely, strong, strongly, high, extreme, extremely, very, very much, heavy, intense, "
+     "severe, severely, strong, strongly, high, extreme, extremely, very, very much, heavy, "
+     "intense, "
      "a lot"),
     ("keine, nicht, gar nicht, überhaupt nicht, kein, nein, nicht vorhanden, keines, keiner, nie",
      "leicht, gering, etwas, wenig, schwach, ein wenig, geringfügig, leichte, leichtes",
@@ -141,7 +156,8 @@ _SEVERITY = (
      "svår, kraftig, svær, sterk, alvorlig, svårt, kraftigt"),
     ("brak, wcale, nie", "lekki, lekkie, lekka, łagodny, słaby",
      "umiarkowany, umiarkowane, umiarkowana, średni", "silny, silne, silna, ciężki, poważny"),
-    ("なし, ない, 無し, まったくない, 全くない, 感じない", "わずか, 少し, 軽度, やや, 少しある, わずかにある",
+    ("なし, ない, 無し, まったくない, 全くない, 感じない",
+     "わずか, 少し, 軽度, やや, 少しある, わずかにある",
      "中程度, 中等度, 中くらい, 中度", "重度, ひどい, 激しい, 強い, かなり, 非常に"),
     ("无, 没有, 無, 沒有, 完全没有, 无症状", "轻微, 輕微, 轻度, 輕度, 稍微, 有点",
      "中等, 中度, 中等程度, 一般, 适中", "严重, 嚴重, 重度, 非常严重, 剧烈"),
@@ -167,16 +183,19 @@ MISSING = frozenset(
 """Texts (in small letters) that mean that there is no answer."""
 
 TOTALS = frozenset(
-    ["mean", "means", "average", "avg", "total", "totals", "sum", "sd", "std", "stdev", "n", "count",
-     "median", "min", "max", "se", "sem", "mittelwert", "mw", "summe", "gesamt", "standardabweichung",
+    ["mean", "means", "average", "avg", "total", "totals", "sum", "sd", "std", "stdev", "n",
+     "count", "median", "min", "max", "se", "sem", "mittelwert", "mw", "summe", "gesamt",
+     "standardabweichung",
      "anzahl", "durchschnitt", "moyenne", "media", "promedio", "gemiddelde", "std dev", "variance",
      "grand total", "mean sd", "m", "grand mean", "standard deviation", "total general"]
 )  # fmt: skip
 """Names of rows below the participants."""
 
 LONG_ITEM = _split(
-    "item, question, symptom, item name, questionnaire item, frage, variable, item id, question id, "
-    "itemname, questionid, questiontext, question text, symptome, síntoma, pregunta, key, name, label"
+    "item, question, symptom, item name, questionnaire item, frage, variable, item id, "
+    "question id, "
+    "itemname, questionid, questiontext, question text, symptome, síntoma, pregunta, key, "
+    "name, label"
 )
 LONG_RESPONSE = _split(
     "response, answer, value, rating, score, antwort, wert, responses, answers, reply, severity, "
