@@ -16,10 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from scipy.stats import t as t_distribution
 
-from vrcomfort.questionnaire import SSQ
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up
+from vrcomfort.report.outcomes import find_outcome
+from vrcomfort.report.pairs import Side, pair_up
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.web_page import visible
 
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 COLOURS = ("#b4541a", "#20639b", "#3a7d44", "#7d4f9e", "#8a7a2f", "#5b5b5b")
 """One per condition, of similar lightness and told apart by people with any colour vision."""
 INK, FAINT = "#222222", "#9a9a9a"
-NAMES = {"T": "Total severity", "N": "Nausea", "O": "Oculomotor", "D": "Disorientation"}
 
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -85,21 +84,27 @@ def score_label(basis: str) -> str:
 
 
 def paired_figure(
-    scored: Exposures, a: str, b: str, *, labels: dict[str, str], outcome: str
+    scored: Exposures,
+    a: Side,
+    b: Side,
+    *,
+    labels: dict[str, str],
+    outcome: str,
+    complete: bool,
 ) -> str | None:
     """Scores under two conditions, a line per participant over a box (Carnegie & Rhee, Fig. 9)."""
-    pairs = pair_up(scored.table, outcome, a, b, complete=scored.planned)
+    pairs = pair_up(scored, outcome, a, b, complete=complete)
     if not pairs.participants:
         return None
     scores = np.column_stack([pairs.b, pairs.a]) * pairs.unit
-    with canvas(f"paired-{a}-{b}-{outcome}", 4.6, 4.2) as (figure, text):
+    with canvas(f"paired-{a.name}-{b.name}-{outcome}", 4.6, 4.2) as (figure, text):
         axes = figure.add_subplot()
-        _boxes(axes, scores, (labels[b], labels[a]))
+        _boxes(axes, scores, (labels[b.name], labels[a.name]))
         up, down = scores[:, 1] > scores[:, 0], scores[:, 1] < scores[:, 0]
         for mask, colour in ((up, COLOURS[0]), (down, COLOURS[1]), (~(up | down), FAINT)):
             if mask.any():
                 axes.plot(*_segments(scores[mask]), "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
-        axes.set_ylabel(f"SSQ {NAMES[outcome].lower()}, {score_label(scored.basis)}")
+        axes.set_ylabel(f"{find_outcome(outcome).title.lower()}, {score_label(scored.basis)}")
         _count_directions(axes, int(up.sum()), int(down.sum()), len(scores))
         _zero_line(axes, scored.basis)
     return text[0]
@@ -150,10 +155,10 @@ def subscale_figure(
                 chosen = _of_condition(analysed, results, condition["name"], outcome)
                 means = chosen.groupby("participant")[outcome].mean() * weights[outcome]
                 _mean_and_points(axes, place, means.to_numpy(dtype=float))
-            axes.set_title(NAMES[outcome], fontsize=9.5)
+            axes.set_title(find_outcome(outcome).title, fontsize=9.5)
             _name_conditions(axes, conditions)
             _zero_line(axes, results["score_basis"])
-        figure.axes[0].set_ylabel(f"SSQ, {score_label(results['score_basis'])}")
+        figure.axes[0].set_ylabel(score_label(results["score_basis"]))
     return text[0]
 
 
@@ -206,7 +211,9 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
                           zorder=3)  # fmt: skip
-        wording = {item.name: item.text for item in SSQ.items}
+        wording = {
+            item["name"]: item["text"] for each in results["instruments"] for item in each["items"]
+        }
         axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#eeeeee")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from vrcomfort.report.figures import NAMES
+from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -110,14 +110,26 @@ def _testing(results: dict[str, Any]) -> str:
         "greater": "one-sided (more discomfort under the first condition)",
         "less": "one-sided (less discomfort under the first condition)",
     }[plan["alternative"]]
-    family = ", ".join(NAMES[outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
         "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
         f"exact; {zeros}; p is {_exactness(results)}; Z is "
-        "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
-        f"method over {family} and all contrasts."
+        f"tie-corrected, without continuity correction. {_families(plan)}"
     )
+
+
+def _families(plan: dict[str, Any]) -> str:
+    """Say over what p values were adjusted."""
+    holm = [each for each in plan["families"] if each["method"] == "holm"]
+    if not holm:
+        return "p values are not adjusted."
+    named = [
+        ", ".join(find_outcome(name).title for name in each["outcomes"])
+        + (" and every effect of its ANOVA" if "anova" in each["analyses"] else "")
+        for each in holm
+    ]
+    over = "; and, apart from these, ".join(named)
+    return f"p values were adjusted with Holm’s method over {over}; each time over all contrasts."
 
 
 def _exactness(results: dict[str, Any]) -> str:
@@ -208,9 +220,10 @@ def _modelling(results: dict[str, Any]) -> str:
     )
 
 
-def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
+def headline(test: dict[str, Any], results: dict[str, Any]) -> str:
     """Return the result of one test in a sentence that takes no side."""
-    a, b, name = labels[test["a"]], labels[test["b"]], NAMES[test["outcome"]]
+    labels, name = results["labels"], find_outcome(test["outcome"]).title
+    a, b = labels[test["a"]], labels[test["b"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
     effect = test["effect"]
@@ -219,9 +232,13 @@ def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
     shift, r, n = _estimates(test, a)
     return (
         f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
-        f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
+        f"{p_equals(test['p'])} ({test['method']}), {_adjusted(test)}"
         f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}.{_order_of(test)}"
     )
+
+
+def _adjusted(test: dict[str, Any]) -> str:
+    return "" if test["p_holm"] is None else f"Holm-adjusted {p_equals(test['p_holm'])}, "
 
 
 def _order_of(test: dict[str, Any]) -> str:
