@@ -43,9 +43,10 @@ class TableDraft:
         self._tables = tables
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
-        self._totals = self._total_rows()
         self.draft = Draft()
         self.doubts: list[Doubt] = []
+        self._totals = self._total_rows()
+        self._fill_down()
         self.gives = False
         """Whether there is anything to import."""
         self._files()
@@ -91,6 +92,10 @@ class TableDraft:
             values["heading_rows"] = list(read.heading_rows or ())
         if read.skip_rows:
             values["skip_rows"] = list(read.skip_rows)
+        if read.transpose:
+            values["transpose"] = True
+            question = "Do participants stand side by side, and items one below the other?"
+            self.doubts.append(Doubt(question, "they do; columns are read as rows"))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
@@ -143,6 +148,23 @@ class TableDraft:
                 self.table = replace(self.table, rows=rows)
                 return {column: list(dict.fromkeys(found))}
         return {}
+
+    def _fill_down(self) -> None:
+        """Let blank cells of a column of participants mean the one above, where they are many."""
+        for column in roles_of(self.table, range(min(4, len(self.table.headings)))).facts.get(
+            "participant", []
+        ):
+            cells = self.table.column(column)
+            if cells[0] and cells.count("") * 4 >= len(cells):
+                name, above, rows = self.table.headings[column], "", []
+                for row in self.table.rows:
+                    above = row[column] or above
+                    rows.append((*row[:column], above, *row[column + 1 :]))
+                self.table = replace(self.table, rows=tuple(rows))
+                self.draft.put("fill_down", [name])
+                question = f"Do the blank cells of {name!r} mean the participant above them?"
+                self.doubts.append(Doubt(question, "they do"))
+                return
 
     def _leave_out(self, participant: int | None) -> None:
         out = dict(self._totals)
