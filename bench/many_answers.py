@@ -15,9 +15,11 @@ from pathlib import Path
 
 import numpy as np
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import build as report
 from vrcomfort.report.plan import load_plan
+
+SSQ = shipped_instruments()["ssq"]
 
 CONDITIONS, SCENES = ("off", "weak", "middle", "strong"), ("near", "far")
 SEED = 20150323

@@ -29,6 +29,13 @@ def report(
     plan: Annotated[
         Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
     ] = None,
+    instrument: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="Whose answers to report; without it, the plan's, or what was asked most.",
+        ),
+    ] = None,
     simulated: Annotated[
         bool,
         typer.Option(
@@ -47,7 +54,11 @@ def report(
 
     with progress_bar("analysing", None, quiet=quiet):
         summary = build_report(
-            study, plan=plan, out=output_folder(out), simulated=simulated or None
+            study,
+            plan=plan,
+            instrument=instrument,
+            out=output_folder(out),
+            simulated=simulated or None,
         )
     for warning in summary.warnings:
         warn(warning)

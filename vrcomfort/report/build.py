@@ -14,9 +14,9 @@ from vrcomfort.report.figures import (
     symptom_figure,
 )
 from vrcomfort.report.page import render_page
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan import instrument_of, load_plan
 from vrcomfort.report.results import analyse, to_json
-from vrcomfort.report.study_data import of_one_kind, read_study
+from vrcomfort.report.study_data import of_one_kind, protocol_of, read_study
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.words import headline
 from vrcomfort.report.writing import file_name, write_report
@@ -60,7 +60,12 @@ class ReportSummary:
 
 
 def build_report(
-    source: Path, *, plan: Path | None = None, out: Path, simulated: bool | None = None
+    source: Path,
+    *,
+    plan: Path | None = None,
+    instrument: str | None = None,
+    out: Path,
+    simulated: bool | None = None,
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -70,6 +75,9 @@ def build_report(
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
     plan
         An analysis plan; without one, the shipped plan of the study's protocol or the default.
+    instrument
+        Whose answers to report: the name of an instrument, or a file; see `read_study`. Without
+        it, the plan's.
     simulated
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
@@ -83,8 +91,9 @@ def build_report(
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    study = _of_one_kind(read_study(Path(source)), simulated)
-    chosen = load_plan(plan, protocol=study.protocol)
+    chosen = load_plan(plan, protocol=protocol_of(Path(source)))
+    wanted = instrument or instrument_of(chosen, plan)
+    study = _of_one_kind(read_study(Path(source), wanted), simulated)
     results, scored = analyse(study, chosen)
     figures = draw_figures(study, results, scored)
     files = {
@@ -138,7 +147,9 @@ def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(headline(test, labels) for test in results["tests"]),
+        headlines=tuple(
+            headline(test, labels, results["outcome_names"]) for test in results["tests"]
+        ),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

@@ -87,7 +87,7 @@ def run_tests(scored: Exposures, plan: Plan, contrasts: list[Contrast]) -> list[
 
 def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> dict[str, Any]:
     planned = scored.planned
-    pairs = pair_up(scored.table, outcome, contrast.a, contrast.b, complete=planned)
+    pairs = pair_up(scored, outcome, contrast.a, contrast.b, complete=planned)
     result: dict[str, Any] = {
         "a": contrast.a,
         "b": contrast.b,
@@ -187,8 +187,8 @@ def sensitivity(
     if test["not_tested"]:
         return []
     a, b, outcome = test["a"], test["b"], test["outcome"]
-    primary = pair_up(scored.table, outcome, a, b, complete=scored.planned)
-    available = pair_up(scored.table, outcome, a, b)
+    primary = pair_up(scored, outcome, a, b, complete=scored.planned)
+    available = pair_up(scored, outcome, a, b)
     found = {AVAILABLE: signed_rank(available.differences, **_options(plan))}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:

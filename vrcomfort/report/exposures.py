@@ -9,18 +9,15 @@ from typing import TYPE_CHECKING, Any, Literal
 import pandas as pd
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import LOADINGS, SSQ, score
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.sheet_scores import SheetScores, items_of
 
 if TYPE_CHECKING:
-    from vrcomfort.questionnaire import Sheet
+    from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
 Basis = Literal["difference_from_baseline", "raw_post"]
-OUTCOMES = ("T", "N", "O", "D")
-ITEMS = tuple(item.name for item in SSQ.items)
-_RAW = {"T": "total_raw", "N": "nausea_raw", "O": "oculomotor_raw", "D": "disorientation_raw"}
 
 
 @dataclass(frozen=True)
@@ -29,10 +26,14 @@ class Exposures:
 
     Parameters
     ----------
+    instrument
+        What was asked.
+    outcomes
+        Its scales that were scored, in the order of the plan.
     table
         One row per exposure with a usable questionnaire: participant, session, position (in the
         session, or among all if sessions have one exposure each), condition, scene, early (1 if
-        the exposure was not finished), and integer T, N, O, D and items.
+        the exposure was not finished), the outcomes as whole numbers of steps, and the items.
     recovery
         Same columns for the questionnaires after recovery, condition blank.
     excluded
@@ -41,11 +42,28 @@ class Exposures:
         Condition → exposures that a participant of the study has; see `planned_exposures`.
     """
 
+    instrument: Instrument
+    outcomes: tuple[str, ...]
     basis: Basis
     table: pd.DataFrame
     recovery: pd.DataFrame
     excluded: tuple[dict[str, str], ...]
     planned: dict[str, int]
+
+    @property
+    def weights(self) -> dict[str, float]:
+        """Return outcome → points per step."""
+        return {s.name: s.weight for s in self.instrument.scales if s.name in self.outcomes}
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Return outcome → what readers call it."""
+        return {s.name: s.title for s in self.instrument.scales if s.name in self.outcomes}
+
+    @property
+    def items(self) -> tuple[str, ...]:
+        """Return the names of the items that are columns of the tables."""
+        return items_of(self.instrument)
 
 
 Moment = tuple[str, str, str, str]
@@ -60,15 +78,15 @@ class _Baselines:
     is incomplete.
     """
 
-    by_moment: dict[Moment, dict[int, dict[str, int] | None]]
+    by_moment: dict[Moment, dict[int, Sheet | None]]
 
-    def of(self, sheet: Sheet) -> dict[str, int] | None:
+    def of(self, sheet: Sheet) -> Sheet | None:
         """Return the baseline nearest to a questionnaire: of its exposure, session, or study."""
         runs = self._nearest(sheet)
         before = [run for run in runs if run <= sheet.run]
         return runs[max(before)] if before else None
 
-    def _nearest(self, sheet: Sheet) -> dict[int, dict[str, int] | None]:
+    def _nearest(self, sheet: Sheet) -> dict[int, Sheet | None]:
         person, number, condition = sheet.participant, _number(sheet), sheet.condition
         keys = (
             (person, session, exposure, name)
@@ -93,17 +111,18 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     kept = _kept_by_the_experimenter(study)
     _check_timepoints(kept, plan)
     asked = [s for s in kept if s.timepoint in _timepoints(plan)]
+    scores = SheetScores(study.instrument, asked, plan.outcomes)
     sheets = _last_runs(asked, plan, excluded)
-    whole = [s for s in sheets if _is_whole(s, excluded)]
-    baselines = _baselines([s for s in sheets if s.run or _answers_all(s)], plan)
+    whole = [s for s in sheets if _is_whole(s, scores, excluded)]
+    baselines = _baselines([s for s in sheets if s.run or scores.is_whole(s)], scores, plan)
     has_baseline = any(s.timepoint == plan.baseline_timepoint for s in kept)
     after = [s for s in whole if s.timepoint != plan.baseline_timepoint]
-    facts = _facts(study, plan)
-    rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
-    table = pd.DataFrame([row for row in rows if row], columns=[*_COLUMNS, *OUTCOMES, *ITEMS])
+    table = _table(after, scores, baselines, _facts(study, plan), excluded, has_baseline)
     posts = table["timepoint"] == plan.exposure_timepoint
     met = [s for s in sheets if s.timepoint == plan.exposure_timepoint and s.condition]
     return Exposures(
+        instrument=study.instrument,
+        outcomes=scores.outcomes,
         basis="difference_from_baseline" if has_baseline else "raw_post",
         table=table[posts].reset_index(drop=True),
         recovery=table[~posts].reset_index(drop=True),
@@ -132,7 +151,7 @@ def planned_exposures(study: StudyData, plan: Plan, sheets: list[Sheet]) -> dict
 
 def _of_the_protocol(study: StudyData, plan: Plan) -> dict[str, int]:
     """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
-    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": SSQ.name}
+    asked = asked_after_exposures(study, plan)
     for manifest in reversed(study.manifests):
         settings = manifest.get("settings") or {}
         order, scenes = settings.get("order"), settings.get("scenes")
@@ -145,6 +164,12 @@ def _of_the_protocol(study: StudyData, plan: Plan) -> dict[str, int]:
         alike = {c: {found[c] for found in trials} for found in trials for c in found}
         return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
     return {}
+
+
+def asked_after_exposures(study: StudyData, plan: Plan) -> dict[str, str]:
+    """Return what a protocol says where it asks the study's instrument after each exposure."""
+    instrument = study.instrument.name
+    return {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
 
 
 def _conditions_of(sequence: dict[str, Any]) -> list[str]:
@@ -205,18 +230,14 @@ def _number(sheet: Sheet) -> str:
     return sheet.trial or sheet.period
 
 
-def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
-    if not _answers_all(sheet):
-        absent = [item for item in ITEMS if sheet.answers.get(item) is None]
-        names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
-        reason = f"incomplete: no answer to {names}"
-        excluded.append(_left_out(sheet, reason))
-        return False
-    return True
-
-
-def _answers_all(sheet: Sheet) -> bool:
-    return len(sheet.answers) == len(ITEMS) and None not in sheet.answers.values()
+def _is_whole(sheet: Sheet, scores: SheetScores, excluded: list[dict[str, str]]) -> bool:
+    if scores.is_whole(sheet):
+        return True
+    absent = scores.absent(sheet)
+    names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
+    reason = f"incomplete: no answer to {names}" if absent else "incomplete: weights are missing"
+    excluded.append(_left_out(sheet, reason))
+    return False
 
 
 def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
@@ -224,26 +245,22 @@ def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
     return {**what, "place": sheet.place}
 
 
-def _baselines(sheets: list[Sheet], plan: Plan) -> _Baselines:
+def _baselines(sheets: list[Sheet], scores: SheetScores, plan: Plan) -> _Baselines:
     """Index the baselines; one with a number that no exposure has is of the whole session."""
     exposures = {_moment(s) for s in sheets if s.timepoint == plan.exposure_timepoint}
     numbered = {(person, session, number) for person, session, number, _ in exposures}
-    found: dict[Moment, dict[int, dict[str, int] | None]] = {}
+    found: dict[Moment, dict[int, Sheet | None]] = {}
     for sheet in sheets:
         if sheet.timepoint == plan.baseline_timepoint:
             person, session, number, condition = _moment(sheet)
             number = number if (person, session, number) in numbered else ""
             runs = found.setdefault((person, session, number, condition), {})
-            runs[sheet.run] = _whole_answers(sheet) if _answers_all(sheet) else None
+            runs[sheet.run] = sheet if scores.is_whole(sheet) else None
     return _Baselines(found)
 
 
 def _moment(sheet: Sheet) -> Moment:
     return sheet.participant, sheet.session, _number(sheet), sheet.condition
-
-
-def _whole_answers(sheet: Sheet) -> dict[str, int]:
-    return {item: answer for item, answer in sheet.answers.items() if answer is not None}
 
 
 @dataclass(frozen=True)
@@ -273,24 +290,32 @@ def _positions(exposures: set[tuple[str, str, str]]) -> dict[tuple[str, str, str
     return {key: place for found in peers.values() for place, key in enumerate(found, start=1)}
 
 
-def _row(
-    sheet: Sheet,
+def _table(
+    after: list[Sheet],
+    scores: SheetScores,
     baselines: _Baselines,
     facts: _Facts,
     excluded: list[dict[str, str]],
-    *,
     has_baseline: bool,
-) -> dict[str, Any] | None:
-    if sheet.timepoint == facts.exposure_timepoint and not sheet.condition:
-        excluded.append(_left_out(sheet, "no condition is given"))
-        return None
-    before = baselines.of(sheet)
-    if has_baseline and before is None:
-        excluded.append(_left_out(sheet, "no complete baseline to subtract"))
-        return None
+) -> pd.DataFrame:
+    """Return a row per usable questionnaire, with the changes since its baseline."""
+    pairs: list[tuple[Sheet, Sheet | None]] = []
+    for sheet in after:
+        before = baselines.of(sheet)
+        if sheet.timepoint == facts.exposure_timepoint and not sheet.condition:
+            excluded.append(_left_out(sheet, "no condition is given"))
+        elif has_baseline and before is None:
+            excluded.append(_left_out(sheet, "no complete baseline to subtract"))
+        else:
+            pairs.append((sheet, before))
+    whose = [_whose(sheet, facts) for sheet, _ in pairs]
+    found = scores.differences([sheet for sheet, _ in pairs], [before for _, before in pairs])
+    return pd.DataFrame(whose, columns=list(_COLUMNS)).assign(**found)
+
+
+def _whose(sheet: Sheet, facts: _Facts) -> dict[str, Any]:
     key = (sheet.participant, sheet.session, _number(sheet))
     trial = facts.trials.get(key, {})
-    zero = dict.fromkeys(ITEMS, 0)
     return {
         "participant": sheet.participant,
         "session": sheet.session,
@@ -299,12 +324,4 @@ def _row(
         "condition": sheet.condition,
         "scene": sheet.scene or trial.get("scene", ""),
         "early": int(trial.get("status", "completed") != "completed"),
-        **_difference(_whole_answers(sheet), before or zero),
     }
-
-
-def _difference(after: dict[str, int], before: dict[str, int]) -> dict[str, int]:
-    """Integer differences of the raw sums and of each item."""
-    one, two = score(after), score(before)
-    sums = {name: getattr(one, raw) - getattr(two, raw) for name, raw in _RAW.items()}
-    return {**sums, **{item: after[item] - before[item] for item in LOADINGS}}

@@ -16,7 +16,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from scipy.stats import t as t_distribution
 
-from vrcomfort.questionnaire import SSQ
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import pair_up
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
 COLOURS = ("#b4541a", "#20639b", "#3a7d44", "#7d4f9e", "#8a7a2f", "#5b5b5b")
 """One per condition, of similar lightness and told apart by people with any colour vision."""
 INK, FAINT = "#222222", "#9a9a9a"
-NAMES = {"T": "Total severity", "N": "Nausea", "O": "Oculomotor", "D": "Disorientation"}
 
 _STYLE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
@@ -47,6 +45,8 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "text.parse_math": False,  # a name with two dollars is a name, not a formula
 }
+MOST_SUBSCALES = 6
+"""Of those of an instrument, beside each other in one figure."""
 LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
 """Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
 
@@ -88,7 +88,7 @@ def paired_figure(
     scored: Exposures, a: str, b: str, *, labels: dict[str, str], outcome: str
 ) -> str | None:
     """Scores under two conditions, a line per participant over a box (Carnegie & Rhee, Fig. 9)."""
-    pairs = pair_up(scored.table, outcome, a, b, complete=scored.planned)
+    pairs = pair_up(scored, outcome, a, b, complete=scored.planned)
     if not pairs.participants:
         return None
     scores = np.column_stack([pairs.b, pairs.a]) * pairs.unit
@@ -99,10 +99,18 @@ def paired_figure(
         for mask, colour in ((up, COLOURS[0]), (down, COLOURS[1]), (~(up | down), FAINT)):
             if mask.any():
                 axes.plot(*_segments(scores[mask]), "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
-        axes.set_ylabel(f"SSQ {NAMES[outcome].lower()}, {score_label(scored.basis)}")
+        axes.set_ylabel(f"{_axis_name(scored, outcome)}, {score_label(scored.basis)}")
         _count_directions(axes, int(up.sum()), int(down.sum()), len(scores))
         _zero_line(axes, scored.basis)
     return text[0]
+
+
+def _axis_name(scored: Exposures, outcome: str) -> str:
+    """Return "SSQ total severity"; a scale that is the whole instrument needs one name."""
+    title = scored.titles[outcome]
+    if len(scored.instrument.scales) == 1:
+        return scored.instrument.short
+    return f"{scored.instrument.short} {title[:1].lower()}{title[1:]}"
 
 
 def _segments(scores: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
@@ -136,8 +144,9 @@ def _zero_line(axes: Axes, basis: str) -> None:
 def subscale_figure(
     table: pd.DataFrame, results: dict[str, Any], weights: dict[str, float]
 ) -> str | None:
-    """N, O and D by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
-    outcomes = [o for o in ("N", "O", "D") if o in results["plan"]["outcomes"]]
+    """Subscales by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
+    every, primary = results["plan"]["outcomes"], results["instrument"]["primary"]
+    outcomes = [outcome for outcome in every if outcome != primary][:MOST_SUBSCALES] or every
     analysed = table[table["participant"].isin(results["participants"]["analysed"])]
     if analysed.empty or not outcomes:
         return None
@@ -150,10 +159,12 @@ def subscale_figure(
                 chosen = _of_condition(analysed, results, condition["name"], outcome)
                 means = chosen.groupby("participant")[outcome].mean() * weights[outcome]
                 _mean_and_points(axes, place, means.to_numpy(dtype=float))
-            axes.set_title(NAMES[outcome], fontsize=9.5)
+            axes.set_title(results["outcome_names"][outcome], fontsize=9.5)
             _name_conditions(axes, conditions)
             _zero_line(axes, results["score_basis"])
-        figure.axes[0].set_ylabel(f"SSQ, {score_label(results['score_basis'])}")
+        figure.axes[0].set_ylabel(
+            f"{results['instrument']['short']}, {score_label(results['score_basis'])}"
+        )
     return text[0]
 
 
@@ -190,6 +201,8 @@ def _mean_and_points(axes: Axes, place: int, scores: np.ndarray[Any, Any]) -> No
 def symptom_figure(results: dict[str, Any]) -> str | None:
     """Mean answer of each symptom by condition (Fig. 7), the largest first."""
     conditions, items = results["conditions"], results["items"]
+    if not items:
+        return None
     names = [c["name"] for c in conditions if c["name"] in items[0]]
     if not names:
         return None
@@ -206,12 +219,13 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
                           zorder=3)  # fmt: skip
-        wording = {item.name: item.text for item in SSQ.items}
-        axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
+        wording = results["instrument"]["items"]
+        axes.set_yticks(range(len(ranked)), [lines(wording[i["item"]], 44) for i in ranked])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#eeeeee")
         axes.set_axisbelow(True)
-        axes.set_xlabel(f"mean answer (scale 0–3), {score_label(results['score_basis'])}")
+        answers, basis = results["instrument"]["answers"], results["score_basis"]
+        axes.set_xlabel(f"mean answer ({answers}), {score_label(basis)}")
         if results["score_basis"] == "difference_from_baseline":
             axes.axvline(0, color=FAINT, lw=0.8)
         axes.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))

@@ -9,7 +9,6 @@ import numpy as np
 from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import condition_sums
 from vrcomfort.stats.anova import anova
@@ -39,14 +38,15 @@ def guarded(outcome: str, analyse: Callable[[], Result]) -> Result:
         return {"outcome": outcome, "not_tested": error.message}
 
 
-def points(table: pd.DataFrame, outcome: str) -> pd.DataFrame:
+def points(scored: Exposures, outcome: str) -> pd.DataFrame:
     """Return the exposures with the weighted score in column `score`."""
-    return table.assign(score=table[outcome].astype(float) * WEIGHTS[outcome])
+    table = scored.table
+    return table.assign(score=table[outcome].astype(float) * scored.weights[outcome])
 
 
-def run_anova(table: pd.DataFrame, plan: Plan, outcome: str) -> Result:
+def run_anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
     """Repeated-measures ANOVA of one outcome over the plan's factors."""
-    return guarded(outcome, lambda: _anova(points(table, outcome), plan))
+    return guarded(outcome, lambda: _anova(points(scored, outcome), plan))
 
 
 def _anova(table: pd.DataFrame, plan: Plan) -> Result:
@@ -104,7 +104,7 @@ def _friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
 
 def run_crossover(scored: Exposures, contrast: Contrast, outcome: str) -> Result:
     """Condition, position and sequence effects where everybody keeps one order of a and b."""
-    table = points(scored.table, outcome)
+    table = points(scored, outcome)
     done = guarded(outcome, lambda: _crossover(table, contrast, scored.planned))
     return {"a": contrast.a, "b": contrast.b, **done}
 
@@ -139,9 +139,9 @@ def _without_one_place(pair: pd.DataFrame) -> list[str]:
     return sorted(map(str, people), key=natural)
 
 
-def run_mixed(table: pd.DataFrame, plan: Plan, reference: str, outcome: str) -> Result:
+def run_mixed(scored: Exposures, plan: Plan, reference: str, outcome: str) -> Result:
     """Linear mixed model of every scored exposure; conditions are compared with `reference`."""
-    return guarded(outcome, lambda: _mixed(points(table, outcome), plan, reference))
+    return guarded(outcome, lambda: _mixed(points(scored, outcome), plan, reference))
 
 
 def _mixed(table: pd.DataFrame, plan: Plan, reference: str) -> Result:

@@ -6,7 +6,6 @@ from typing import Any
 
 from vrcomfort.report import words
 from vrcomfort.report.descriptives import PRIMARY
-from vrcomfort.report.figures import NAMES
 from vrcomfort.web_page import inline_svg, page_templates
 
 TEMPLATE = "report.html.j2"
@@ -32,7 +31,7 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
     return environment.get_template(TEMPLATE).render(
         r=results,
         labels=labels,
-        names=NAMES,
+        names=results["outcome_names"],
         figures={
             name: inline_svg(svg, name, 'role="img" aria-hidden="true"')
             for name, svg in figures.items()
@@ -42,7 +41,9 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         described=_described(results),
         disagreements=_disagreements(results),
         fewest=words.fewest_for_shift(results["plan"]),
-        headlines=[words.headline(t, labels) for t in _most_wanted(results)],
+        headlines=[
+            words.headline(t, labels, results["outcome_names"]) for t in _most_wanted(results)
+        ],
     )
 
 

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
+
+    from vrcomfort.report.exposures import Exposures
 
     Integers = NDArray[np.int64]
 
@@ -53,7 +54,7 @@ def in_a_test(tests: list[dict[str, Any]], condition: str, outcome: str | None =
 
 
 def pair_up(
-    table: pd.DataFrame, outcome: str, a: str, b: str, *, complete: dict[str, int] | None = None
+    scored: Exposures, outcome: str, a: str, b: str, *, complete: dict[str, int] | None = None
 ) -> Pairs:
     """Pair each participant's scores under two conditions.
 
@@ -66,8 +67,8 @@ def pair_up(
         Exposures per condition that a participant must have at least; any number will do
         otherwise.
     """
-    people, sums, common = condition_sums(table, outcome, [a, b], complete=complete)
-    return Pairs(tuple(people), sums[:, 0], sums[:, 1], WEIGHTS[outcome] / common)
+    people, sums, common = condition_sums(scored.table, outcome, [a, b], complete=complete)
+    return Pairs(tuple(people), sums[:, 0], sums[:, 1], scored.weights[outcome] / common)
 
 
 def condition_sums(

@@ -8,18 +8,20 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import (
     Name,
     Problem,
     Settings,
+    did_you_mean,
     first_problem,
     parse_settings,
     read_text,
     repeated,
 )
 
-Outcome = Literal["T", "N", "O", "D"]
 Column = Literal["condition", "scene", "position", "session"]
 
 
@@ -47,10 +49,13 @@ class Plan(Settings):
     citation: str = ""
     note: str = ""
     """A sentence about the choices made, printed with the methods."""
-    instrument: Literal["ssq"] = "ssq"
-    outcomes: Annotated[tuple[Outcome, ...], Field(min_length=1)] = ("T", "N", "O", "D")
-    family: Annotated[tuple[Outcome, ...], Field(min_length=1)] = ("T", "N", "O", "D")
-    """Outcomes whose p values are adjusted together (Holm), over all contrasts."""
+    instrument: str | None = None
+    """A shipped instrument by name, or a TOML file relative to the plan; without it, the one that
+    the study's exposures have."""
+    outcomes: tuple[str, ...] = ()
+    """Scales of the instrument; empty: all that the data have, its primary one first."""
+    family: tuple[str, ...] = ()
+    """Outcomes whose p values are adjusted together (Holm), over all contrasts; empty: all."""
     contrasts: tuple[Contrast, ...] = ()
     """Empty: every pair of conditions, in the order of the protocol."""
     alternative: Literal["two-sided", "greater", "less"] = "two-sided"
@@ -97,13 +102,37 @@ def load_plan(path: Path | None, *, protocol: str | None = None) -> Plan:
     return plan
 
 
+def instrument_of(plan: Plan, file: Path | None) -> str | None:
+    """Return the name of a plan's instrument, or its file as it is to be opened."""
+    if plan.instrument is None or file is None or not plan.instrument.endswith(".toml"):
+        return plan.instrument
+    return str(file.parent / plan.instrument)
+
+
+def of_the_data(plan: Plan, instrument: Instrument, outcomes: tuple[str, ...]) -> Plan:
+    """Return a plan with the instrument and the outcomes that its data have written out."""
+    family = plan.family or outcomes
+    changes = {"instrument": instrument.name, "outcomes": outcomes, "family": family}
+    return plan.model_copy(update=changes)
+
+
+def check_outcomes(plan: Plan, instrument: Instrument) -> None:
+    """Raise `InputError` where a plan names a scale that the instrument does not have."""
+    known = list(instrument.outcomes)
+    for name in (*plan.outcomes, *plan.family):
+        if name not in known:
+            what = f"the analysis plan {plan.name} has outcome `{name}`"
+            hint = did_you_mean(name, known)
+            raise InputError(f"{what}, which is no scale of the {instrument.short}; {hint}")
+
+
 def _problems(plan: Plan) -> Iterator[Problem]:
     """Yield what the types cannot say."""
     yield from repeated(("outcomes",), plan.outcomes)
     yield from repeated(("family",), plan.family)
     yield from repeated(("mixed_model",), plan.mixed_model)
     yield from repeated(("anova",), [factor.name for factor in plan.anova])
-    if "family" in plan.model_fields_set:
+    if plan.outcomes:
         for index, name in enumerate(plan.family):
             if name not in plan.outcomes:
                 message = f"`{name}` is adjusted but not among the outcomes; add it there"

@@ -8,7 +8,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
-from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.contrasts import (
     conditions_of,
     contrasts_of,
@@ -26,6 +25,7 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.plan import check_outcomes, of_the_data
 from vrcomfort.report.quality import quality
 from vrcomfort.report.withdrawals import (
     count_withdrawals,
@@ -58,7 +58,9 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     dict, Exposures
         The results (only plain values) and the scores they come from.
     """
+    check_outcomes(plan, study.instrument)
     scored = score_exposures(study, plan)
+    plan = of_the_data(plan, study.instrument, scored.outcomes)
     conditions = conditions_of(scored.table, study.labels)
     contrasts = contrasts_of(plan, conditions, study.labels)
     check_levels(plan, scored.table, study.labels)
@@ -74,7 +76,9 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "plan": plan.model_dump(mode="json"),
         "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
         "score_basis": scored.basis,
-        "weights": dict(WEIGHTS),
+        "instrument": _instrument(scored),
+        "weights": scored.weights,
+        "outcome_names": scored.titles,
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
         "participants": {
             "n": len(everybody(study)),
@@ -87,14 +91,29 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "notices": notices(study, scored, tests),
         "tests": tests,
         "sensitivity": _sensitivity(scored, plan, tests, found),
-        "descriptives": describe_all(scored.table, plan, conditions, tests),
-        "recovery": describe_recovery(scored.recovery, plan),
-        "items": mean_answers(scored.table, conditions, tests),
+        "descriptives": describe_all(scored, plan, conditions, tests),
+        "recovery": describe_recovery(scored, plan),
+        "items": mean_answers(scored, conditions, tests),
         **_models(scored, plan, conditions, contrasts),
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
     return plain(results), scored
+
+
+def _instrument(scored: Exposures) -> dict[str, Any]:
+    """Say what was asked, in words that a page needs."""
+    asked = scored.instrument
+    return {
+        "name": asked.name,
+        "short": asked.short,
+        "title": asked.title,
+        "citation": asked.citation,
+        "rule": asked.rule,
+        "primary": asked.primary,
+        "answers": asked.answers.in_words,
+        "items": {item.name: item.text for item in asked.items if item.name in scored.items},
+    }
 
 
 def _sensitivity(
@@ -110,14 +129,14 @@ def _sensitivity(
 def _models(
     scored: Exposures, plan: Plan, conditions: list[str], contrasts: list[Contrast]
 ) -> dict[str, list[dict[str, Any]]]:
-    outcomes, table = plan.outcomes, scored.table
+    outcomes = plan.outcomes
     reference = _reference(contrasts, conditions)
     several = outcomes if len(conditions) > 2 else ()
     return {
-        "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
+        "anova": [run_anova(scored, plan, outcome) for outcome in outcomes],
         "friedman": [run_friedman(scored, conditions, outcome) for outcome in several],
         "crossover": [run_crossover(scored, c, outcome) for c in contrasts for outcome in outcomes],
-        "mixed_models": [run_mixed(table, plan, reference, outcome) for outcome in outcomes],
+        "mixed_models": [run_mixed(scored, plan, reference, outcome) for outcome in outcomes],
     }
 
 

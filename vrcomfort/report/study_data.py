@@ -9,7 +9,16 @@ from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import SSQ, Sheet, read_long
+from vrcomfort.questionnaire import (
+    FOLDER,
+    Instrument,
+    Sheet,
+    asked_in,
+    find_instrument,
+    instruments_in,
+    read_long,
+    shipped_instruments,
+)
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
@@ -34,6 +43,8 @@ class StudyData:
 
     title: str
     protocol: str | None
+    instrument: Instrument
+    """What the sheets are answers to."""
     labels: dict[str, str]
     """Condition → label, in the protocol's order; empty without a study description."""
     sheets: tuple[Sheet, ...]
@@ -45,8 +56,14 @@ class StudyData:
     warnings: tuple[str, ...]
 
 
-def read_study(source: Path) -> StudyData:
+def read_study(source: Path, instrument: str | Instrument | None = None) -> StudyData:
     """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
+
+    Parameters
+    ----------
+    instrument
+        Whose answers to read: an instrument, or the name or the file of one. Without it, the one
+        of which there are most after exposures.
 
     Raises
     ------
@@ -57,13 +74,19 @@ def read_study(source: Path) -> StudyData:
     if not files:
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     warnings: list[str] = []
-    sheets = [sheet for file in files for sheet in _sheets(file, source, warnings)]
+    tables = {file: _questionnaires(file, source, warnings) for file in files}
+    asked = _instrument(source, list(tables.values()), instrument, warnings)
+    sheets = [
+        sheet for file, table in tables.items() for sheet in _sheets(file, table, source, asked)
+    ]
     if not sheets:
-        raise InputError("there is no answered SSQ in these questionnaires", file=source)
-    description = _json(source / "dataset_description.json") if source.is_dir() else {}
+        message = f"there is no answered {asked.short} in these questionnaires"
+        raise InputError(message, file=source)
+    description = _description(source)
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
-        protocol=description.get("protocol"),
+        protocol=protocol_of(source),
+        instrument=asked,
         labels=_labels(description.get("conditions")),
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
@@ -73,6 +96,16 @@ def read_study(source: Path) -> StudyData:
         files=len(files),
         warnings=tuple(warnings),
     )
+
+
+def protocol_of(source: Path) -> str | None:
+    """Return the name of a study's protocol, where its description gives one."""
+    name = _description(source).get("protocol")
+    return None if name is None else str(name)
+
+
+def _description(source: Path) -> dict[str, Any]:
+    return _json(source / "dataset_description.json") if source.is_dir() else {}
 
 
 def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
@@ -207,12 +240,46 @@ def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
     return tuple(ours)
 
 
-def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
+def _questionnaires(file: Path, source: Path, warnings: list[str]) -> CsvTable:
     found = _read(file, source, warnings)
     if found.header:
         found.require(NEEDED)
+    return found
+
+
+def _instrument(
+    source: Path, tables: list[CsvTable], wanted: str | Instrument | None, warnings: list[str]
+) -> Instrument:
+    """Return the instrument to report, and say which other answers there are."""
+    folder = source if source.is_dir() else source.parent
+    own = instruments_in(sorted({each.parent.parent for each in folder.rglob(f"{FOLDER}/*.toml")}))
+    known = {**shipped_instruments(), **own}
+    if isinstance(wanted, str):
+        wanted = find_instrument(wanted, known=known)
+    if wanted is not None:
+        known[wanted.name] = wanted
+    found = asked_in(tables, known)
+    there = [name for name in found if name in known]
+    if wanted is None and not there:
+        names = ", ".join(f"`{name}`" for name in found)
+        what = f"the instrument {names} is not known" if found else "the items are of no instrument"
+        hint = "write it in a TOML file, and give that as --instrument (see docs/instruments.md)"
+        raise InputError(f"{what} in these questionnaires; {hint}", file=source)
+    chosen = wanted or known[there[0]]
+    for name, count in found.items():
+        if name == chosen.name:
+            continue
+        if name in known:
+            many = f"{round(count)} questionnaires of the {known[name].short}"
+            warnings.append(f"{many} are not in this report; for them give --instrument {name}")
+        else:
+            warnings.append(f"rows of `{name}` are not used: no instrument of that name is known")
+    return chosen
+
+
+def _sheets(file: Path, found: CsvTable, source: Path, instrument: Instrument) -> list[Sheet]:
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets = read_long(found, SSQ, _KEYS)
+    sheets = read_long(found, instrument, _KEYS)
     for sheet in sheets:
         if not sheet.participant:
             raise found.fault("a participant is missing", sheet.line, "participant")

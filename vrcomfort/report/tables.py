@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections.abc import Iterable
 from typing import Any
 
-from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
+from vrcomfort.report.exposures import Exposures
 
 Row = dict[str, Any]
 
@@ -25,9 +26,9 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     exposures = [
         {
             **{c: row[c] for c in columns},
-            **{f"{o}_raw": int(row[o]) for o in OUTCOMES},
-            **{o: float(f"{row[o] * weights[o]:.12g}") for o in OUTCOMES},
-            **{item: int(row[item]) for item in ITEMS},
+            **{f"{o}_raw": int(row[o]) for o in scored.outcomes},
+            **{o: float(f"{row[o] * weights[o]:.12g}") for o in scored.outcomes},
+            **{item: whole(row[item]) for item in scored.items},
         }
         for row in scored.table.to_dict("records")
     ]
@@ -46,6 +47,13 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def whole(number: float) -> float | None:
+    """Return a number as an integer where it is one; None where there is none."""
+    if math.isnan(number):
+        return None
+    return int(number) if float(number).is_integer() else float(number)
 
 
 def to_csv(rows: list[Row]) -> str:

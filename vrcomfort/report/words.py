@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from vrcomfort.report.figures import NAMES
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -91,11 +90,19 @@ def _scoring(results: dict[str, Any]) -> str:
         else ""
     )
     return (
-        "The Simulator Sickness Questionnaire (SSQ; 16 items, 0–3) was scored after Kennedy et "
-        "al. (1993): N = 9.54 ΣN, O = 7.58 ΣO, D = 13.92 ΣD, total = 3.74 (ΣN + ΣO + ΣD). "
-        "Incomplete questionnaires were not scored. "
+        f"{_instrument(results['instrument'])} Incomplete questionnaires were not scored. "
         f"{basis_sentence(results['score_basis'])}{repeated}"
     )
+
+
+def _instrument(asked: dict[str, Any]) -> str:
+    """Say what was asked, after whom it was scored, and how."""
+    known = f"{asked['short']}; " if asked["short"] != asked["title"] else ""
+    count = len(asked["items"])
+    items = f"{count} items, {asked['answers']}" if count > 1 else asked["answers"]
+    after = f" after {asked['citation']}" if asked["citation"] else ""
+    rule = f": {asked['rule']}" if asked["rule"] else ""
+    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
 def _testing(results: dict[str, Any]) -> str:
@@ -110,7 +117,7 @@ def _testing(results: dict[str, Any]) -> str:
         "greater": "one-sided (more discomfort under the first condition)",
         "less": "one-sided (less discomfort under the first condition)",
     }[plan["alternative"]]
-    family = ", ".join(NAMES[outcome] for outcome in plan["family"])
+    family = ", ".join(results["outcome_names"][outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
         "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
@@ -208,9 +215,9 @@ def _modelling(results: dict[str, Any]) -> str:
     )
 
 
-def headline(test: dict[str, Any], labels: dict[str, str]) -> str:
+def headline(test: dict[str, Any], labels: dict[str, str], names: Mapping[str, str]) -> str:
     """Return the result of one test in a sentence that takes no side."""
-    a, b, name = labels[test["a"]], labels[test["b"]], NAMES[test["outcome"]]
+    a, b, name = labels[test["a"]], labels[test["b"]], names[test["outcome"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
     effect = test["effect"]
