@@ -122,7 +122,7 @@ def test_answers_that_may_be_coded_from_one_are_asked_about(tmp_path, lowest, as
     file = tmp_path / "questionnaires.csv"
     file.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
     warnings = build_report(file, out=tmp_path / "o").warnings
-    assert any("none of 192 answers is 0" in warning for warning in warnings) == asked
+    assert any("none of 192 answers to the SSQ is 0" in warning for warning in warnings) == asked
 
 
 @pytest.mark.parametrize("turned", [False, True])

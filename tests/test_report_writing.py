@@ -31,7 +31,7 @@ def test_no_file_of_an_earlier_report_stays(tmp_path):
     removed = {*first.tables, *first.figures} - {*again.tables, *again.figures}
     assert {path.name for path in removed} >= {"withdrawals.csv", "exposures.svg"}
     assert sorted(p.name for p in (tmp_path / "again").iterdir()) == [
-        "figures", "index.html", "results.json", "tables",
+        "figures", "index.html", "plan.toml", "results.json", "tables",
     ]  # fmt: skip
 
 

@@ -14,9 +14,10 @@ from vrcomfort.report.figures import (
     symptom_figure,
 )
 from vrcomfort.report.page import render_page
-from vrcomfort.report.plan import instrument_of, load_plan
-from vrcomfort.report.results import analyse, to_json
-from vrcomfort.report.study_data import of_one_kind, protocol_of, read_study
+from vrcomfort.report.pairs import Side
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
+from vrcomfort.report.results import PLAN_FILE, analyse, to_json
+from vrcomfort.report.study_data import of_one_kind, read_study
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.words import headline
 from vrcomfort.report.writing import file_name, write_report
@@ -60,12 +61,7 @@ class ReportSummary:
 
 
 def build_report(
-    source: Path,
-    *,
-    plan: Path | None = None,
-    instrument: str | None = None,
-    out: Path,
-    simulated: bool | None = None,
+    source: Path, *, plan: str | Path | None = None, out: Path, simulated: bool | None = None
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -74,10 +70,8 @@ def build_report(
     source
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
     plan
-        An analysis plan; without one, the shipped plan of the study's protocol or the default.
-    instrument
-        Whose answers to report: the name of an instrument, or a file; see `read_study`. Without
-        it, the plan's.
+        An analysis plan, or the name of a shipped one; without one, the shipped plan of the
+        study's protocol, or one that is derived from the data. It is written beside the report.
     simulated
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
@@ -91,20 +85,43 @@ def build_report(
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    chosen = load_plan(plan, protocol=protocol_of(Path(source)))
-    wanted = instrument or instrument_of(chosen, plan)
-    study = _of_one_kind(read_study(Path(source), wanted), simulated)
+    study = _of_one_kind(read_study(Path(source)), simulated)
+    chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     figures = draw_figures(study, results, scored)
     files = {
+        PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures),
         **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
         **{f"figures/{file_name(name)}.svg": text for name, text in figures.items()},
     }
     results["files"] = ["results.json", *files]
-    spare([Path(source), plan], [Path(out) / name for name in results["files"]])
+    spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
     return _summary(Path(out), results)
+
+
+def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
+    """Return the plan asked for; else the shipped one of the study's protocol; else a derived one.
+
+    Raises
+    ------
+    InputError
+        If the plan cannot be found or is wrong, with line and column.
+    """
+    if plan is not None:
+        return load_plan(find_plan(plan))
+    shipped = {each.name: each.file for each in shipped_plans()}
+    file = shipped.get(study.protocol or "")
+    return load_plan(file) if file else plan_of(study)
+
+
+def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:
+    """Return what is read and must stay; a report's own plan.toml is written again as it was."""
+    own = Path(out) / PLAN_FILE
+    file = None if plan is None else find_plan(plan)
+    again = file is None or (own.exists() and file.samefile(own))
+    return [Path(source), *([] if again or file is None else [file])]
 
 
 def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
@@ -117,22 +134,29 @@ def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
 
 def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
     """Return name → SVG text of every figure that the data allow."""
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    labels, wanted = results["labels"], results["plan"]["figures"]
     drawn: dict[str, str | None] = {}
     for test in results["tests"]:
-        if test["outcome"] == results["plan"]["outcomes"][0]:
+        if test["outcome"] == results["outcomes"][0]["name"]:
             name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
             drawn[name] = paired_figure(
-                scored, test["a"], test["b"], labels=labels, outcome=test["outcome"]
+                scored,
+                *(Side(**side) for side in test["sides"]),
+                labels=labels,
+                outcome=test["outcome"],
+                complete=results["plan"]["withdrawals"] != "available_pairs",
             )
     drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
     drawn["symptoms"] = symptom_figure(results)
     drawn["exposures"] = exposure_figure(list(study.trials), results)
-    return {name: svg for name, svg in drawn.items() if svg}
+    return {
+        name: svg
+        for name, svg in drawn.items()
+        if svg and (not wanted or name.partition("_")[0] in wanted)
+    }
 
 
 def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
     quality = results["quality"]
     excluded = [
         f"{row['place']}: {row['participant']}, {row['questionnaire']}: {row['reason']}"
@@ -147,9 +171,7 @@ def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(
-            headline(test, labels, results["outcome_names"]) for test in results["tests"]
-        ),
+        headlines=tuple(headline(test, results) for test in results["tests"]),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

@@ -57,7 +57,7 @@ def describe_all(
     """
     return [
         {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
-        for outcome in plan.outcomes
+        for outcome in scored.units
         for by, level, condition, found in (
             *_primary(scored, plan, outcome, conditions, tests),
             *_exposures(scored, outcome, conditions),
@@ -77,22 +77,22 @@ def _primary(
 ) -> _Described:
     found: _Described = []
     for condition in conditions:
-        part = of_the_tested(scored.table, tests, condition, outcome)
+        part = of_the_tested(scored.table, tests, condition, outcome).dropna(subset=[outcome])
         if len(part):
-            means = part.groupby("participant")[outcome].mean() * scored.weights[outcome]
+            means = part.groupby("participant")[outcome].mean() * scored.units[outcome]
             described = describe_with_interval(means.to_numpy(dtype=float), plan.confidence)
             found.append((PRIMARY, "", condition, described))
     return found
 
 
 def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Described:
-    table, weight = scored.table, scored.weights[outcome]
+    table, unit = scored.table.dropna(subset=[outcome]), scored.units[outcome]
     parts = [("all", "", table)]
     for by in ("scene", "position", "session"):
         levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
         parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
     return [
-        (by, level, condition, _in_points(part[part["condition"] == condition], outcome, weight))
+        (by, level, condition, _in_points(part[part["condition"] == condition], outcome, unit))
         for by, level, part in parts
         for condition in conditions
         if (part["condition"] == condition).any()
@@ -107,15 +107,18 @@ def of_the_tested(
     return table[(table["condition"] == condition) & table["participant"].isin(people)]
 
 
-def describe_recovery(scored: Exposures, plan: Plan) -> list[dict[str, Any]]:
+def describe_recovery(scored: Exposures) -> list[dict[str, Any]]:
     """Describe the scores after recovery, of everybody who was asked."""
-    table, weights = scored.recovery, scored.weights
-    found = plan.outcomes if len(table) else ()
-    return [{"outcome": o, **_in_points(table, o, weights[o])} for o in found]
+    tables = {outcome: scored.recovery.dropna(subset=[outcome]) for outcome in scored.units}
+    return [
+        {"outcome": outcome, **_in_points(table, outcome, scored.units[outcome])}
+        for outcome, table in tables.items()
+        if len(table)
+    ]
 
 
-def _in_points(part: pd.DataFrame, outcome: str, weight: float) -> dict[str, float | None]:
-    return describe(part[outcome].to_numpy(dtype=float) * weight)
+def _in_points(part: pd.DataFrame, outcome: str, unit: float) -> dict[str, float | None]:
+    return describe(part[outcome].to_numpy(dtype=float) * unit)
 
 
 def mean_answers(
@@ -123,10 +126,18 @@ def mean_answers(
 ) -> list[dict[str, Any]]:
     """Mean answer of each symptom by condition, of those tested (of everybody, if nobody is)."""
     table, items = scored.table, list(scored.items)
-    tested = any(test["participants"] for test in tests)
+    tested = any(in_a_test(tests, condition) for condition in conditions)
     found = {
         c: of_the_tested(table, tests, c) if tested else table[table["condition"] == c]
         for c in conditions
     }
-    means = {c: part[items].mean() for c, part in found.items() if len(part)}
-    return [{"item": item, **{c: float(mean[item]) for c, mean in means.items()}} for item in items]
+    means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
+    instrument = {i: o.instrument for o in scored.outcomes for i in o.loadings}
+    return [
+        {
+            "item": item,
+            "instrument": instrument.get(item, scored.outcomes[0].instrument),
+            **{c: float(mean[item]) for c, mean in means.items()},
+        }
+        for item in items
+    ]

@@ -18,7 +18,8 @@ from scipy.stats import t as t_distribution
 
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up
+from vrcomfort.report.outcomes import find_outcome
+from vrcomfort.report.pairs import Side, pair_up
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.web_page import visible
 
@@ -45,8 +46,6 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "text.parse_math": False,  # a name with two dollars is a name, not a formula
 }
-MOST_SUBSCALES = 6
-"""Of those of an instrument, beside each other in one figure."""
 LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
 """Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
 
@@ -85,32 +84,30 @@ def score_label(basis: str) -> str:
 
 
 def paired_figure(
-    scored: Exposures, a: str, b: str, *, labels: dict[str, str], outcome: str
+    scored: Exposures,
+    a: Side,
+    b: Side,
+    *,
+    labels: dict[str, str],
+    outcome: str,
+    complete: bool,
 ) -> str | None:
     """Scores under two conditions, a line per participant over a box (Carnegie & Rhee, Fig. 9)."""
-    pairs = pair_up(scored, outcome, a, b, complete=scored.planned)
+    pairs = pair_up(scored, outcome, a, b, complete=complete)
     if not pairs.participants:
         return None
     scores = np.column_stack([pairs.b, pairs.a]) * pairs.unit
-    with canvas(f"paired-{a}-{b}-{outcome}", 4.6, 4.2) as (figure, text):
+    with canvas(f"paired-{a.name}-{b.name}-{outcome}", 4.6, 4.2) as (figure, text):
         axes = figure.add_subplot()
-        _boxes(axes, scores, (labels[b], labels[a]))
+        _boxes(axes, scores, (labels[b.name], labels[a.name]))
         up, down = scores[:, 1] > scores[:, 0], scores[:, 1] < scores[:, 0]
         for mask, colour in ((up, COLOURS[0]), (down, COLOURS[1]), (~(up | down), FAINT)):
             if mask.any():
                 axes.plot(*_segments(scores[mask]), "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
-        axes.set_ylabel(f"{_axis_name(scored, outcome)}, {score_label(scored.basis)}")
+        axes.set_ylabel(f"{find_outcome(outcome).title.lower()}, {score_label(scored.basis)}")
         _count_directions(axes, int(up.sum()), int(down.sum()), len(scores))
         _zero_line(axes, scored.basis)
     return text[0]
-
-
-def _axis_name(scored: Exposures, outcome: str) -> str:
-    """Return "SSQ total severity"; a scale that is the whole instrument needs one name."""
-    title = scored.titles[outcome]
-    if len(scored.instrument.scales) == 1:
-        return scored.instrument.short
-    return f"{scored.instrument.short} {title[:1].lower()}{title[1:]}"
 
 
 def _segments(scores: np.ndarray[Any, Any]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
@@ -144,9 +141,8 @@ def _zero_line(axes: Axes, basis: str) -> None:
 def subscale_figure(
     table: pd.DataFrame, results: dict[str, Any], weights: dict[str, float]
 ) -> str | None:
-    """Subscales by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
-    every, primary = results["plan"]["outcomes"], results["instrument"]["primary"]
-    outcomes = [outcome for outcome in every if outcome != primary][:MOST_SUBSCALES] or every
+    """N, O and D by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
+    outcomes = [o for o in ("N", "O", "D") if o in results["plan"]["outcomes"]]
     analysed = table[table["participant"].isin(results["participants"]["analysed"])]
     if analysed.empty or not outcomes:
         return None
@@ -159,12 +155,10 @@ def subscale_figure(
                 chosen = _of_condition(analysed, results, condition["name"], outcome)
                 means = chosen.groupby("participant")[outcome].mean() * weights[outcome]
                 _mean_and_points(axes, place, means.to_numpy(dtype=float))
-            axes.set_title(results["outcome_names"][outcome], fontsize=9.5)
+            axes.set_title(find_outcome(outcome).title, fontsize=9.5)
             _name_conditions(axes, conditions)
             _zero_line(axes, results["score_basis"])
-        figure.axes[0].set_ylabel(
-            f"{results['instrument']['short']}, {score_label(results['score_basis'])}"
-        )
+        figure.axes[0].set_ylabel(score_label(results["score_basis"]))
     return text[0]
 
 
@@ -201,8 +195,6 @@ def _mean_and_points(axes: Axes, place: int, scores: np.ndarray[Any, Any]) -> No
 def symptom_figure(results: dict[str, Any]) -> str | None:
     """Mean answer of each symptom by condition (Fig. 7), the largest first."""
     conditions, items = results["conditions"], results["items"]
-    if not items:
-        return None
     names = [c["name"] for c in conditions if c["name"] in items[0]]
     if not names:
         return None
@@ -219,13 +211,14 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
                           zorder=3)  # fmt: skip
-        wording = results["instrument"]["items"]
-        axes.set_yticks(range(len(ranked)), [lines(wording[i["item"]], 44) for i in ranked])
+        wording = {
+            item["name"]: item["text"] for each in results["instruments"] for item in each["items"]
+        }
+        axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#eeeeee")
         axes.set_axisbelow(True)
-        answers, basis = results["instrument"]["answers"], results["score_basis"]
-        axes.set_xlabel(f"mean answer ({answers}), {score_label(basis)}")
+        axes.set_xlabel(f"mean answer (scale 0–3), {score_label(results['score_basis'])}")
         if results["score_basis"] == "difference_from_baseline":
             axes.axvline(0, color=FAINT, lw=0.8)
         axes.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))

@@ -27,11 +27,11 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         "interval": words.interval,
         "degrees": words.degrees,
     }
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    labels = results["labels"]
     return environment.get_template(TEMPLATE).render(
         r=results,
         labels=labels,
-        names=results["outcome_names"],
+        names={o["name"]: o["title"] for o in results["outcomes"]},
         figures={
             name: inline_svg(svg, name, 'role="img" aria-hidden="true"')
             for name, svg in figures.items()
@@ -41,9 +41,7 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         described=_described(results),
         disagreements=_disagreements(results),
         fewest=words.fewest_for_shift(results["plan"]),
-        headlines=[
-            words.headline(t, labels, results["outcome_names"]) for t in _most_wanted(results)
-        ],
+        headlines=[words.headline(t, results) for t in _most_wanted(results)],
     )
 
 
@@ -65,7 +63,7 @@ def _most_wanted(results: dict[str, Any]) -> list[dict[str, Any]]:
     tests: list[dict[str, Any]] = results["tests"]
     if len(tests) <= MOST_HEADLINES:
         return tests
-    return [test for test in tests if test["outcome"] == results["plan"]["outcomes"][0]]
+    return [test for test in tests if test["outcome"] == results["outcomes"][0]["name"]]
 
 
 def _described(results: dict[str, Any]) -> list[dict[str, Any]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import re
 from collections.abc import Iterable
 from typing import Any
@@ -26,9 +25,9 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     exposures = [
         {
             **{c: row[c] for c in columns},
-            **{f"{o}_raw": int(row[o]) for o in scored.outcomes},
-            **{o: float(f"{row[o] * weights[o]:.12g}") for o in scored.outcomes},
-            **{item: whole(row[item]) for item in scored.items},
+            **{f"{o}_raw": _whole(row[o]) for o in weights},
+            **{o: _points(row[o], weights[o]) for o in weights},
+            **{item: _whole(row[item]) for item in scored.items},
         }
         for row in scored.table.to_dict("records")
     ]
@@ -49,11 +48,14 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 
 
-def whole(number: float) -> float | None:
-    """Return a number as an integer where it is one; None where there is none."""
-    if math.isnan(number):
-        return None
-    return int(number) if float(number).is_integer() else float(number)
+def _whole(value: float | None) -> int | None:
+    """Return a whole number; None where there is none."""
+    return None if value is None or value != value else int(value)  # noqa: PLR0124 - NaN
+
+
+def _points(value: float | None, unit: float) -> float | None:
+    steps = _whole(value)
+    return None if steps is None else float(f"{steps * unit:.12g}")
 
 
 def to_csv(rows: list[Row]) -> str:

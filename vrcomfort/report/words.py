@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, Literal
 
+from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -90,19 +91,11 @@ def _scoring(results: dict[str, Any]) -> str:
         else ""
     )
     return (
-        f"{_instrument(results['instrument'])} Incomplete questionnaires were not scored. "
+        "The Simulator Sickness Questionnaire (SSQ; 16 items, 0–3) was scored after Kennedy et "
+        "al. (1993): N = 9.54 ΣN, O = 7.58 ΣO, D = 13.92 ΣD, total = 3.74 (ΣN + ΣO + ΣD). "
+        "Incomplete questionnaires were not scored. "
         f"{basis_sentence(results['score_basis'])}{repeated}"
     )
-
-
-def _instrument(asked: dict[str, Any]) -> str:
-    """Say what was asked, after whom it was scored, and how."""
-    known = f"{asked['short']}; " if asked["short"] != asked["title"] else ""
-    count = len(asked["items"])
-    items = f"{count} items, {asked['answers']}" if count > 1 else asked["answers"]
-    after = f" after {asked['citation']}" if asked["citation"] else ""
-    rule = f": {asked['rule']}" if asked["rule"] else ""
-    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
 def _testing(results: dict[str, Any]) -> str:
@@ -117,14 +110,26 @@ def _testing(results: dict[str, Any]) -> str:
         "greater": "one-sided (more discomfort under the first condition)",
         "less": "one-sided (less discomfort under the first condition)",
     }[plan["alternative"]]
-    family = ", ".join(results["outcome_names"][outcome] for outcome in plan["family"])
     return (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
         "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
         f"exact; {zeros}; p is {_exactness(results)}; Z is "
-        "tie-corrected, without continuity correction. p values were adjusted with Holm’s "
-        f"method over {family} and all contrasts."
+        f"tie-corrected, without continuity correction. {_families(plan)}"
     )
+
+
+def _families(plan: dict[str, Any]) -> str:
+    """Say over what p values were adjusted."""
+    holm = [each for each in plan["families"] if each["method"] == "holm"]
+    if not holm:
+        return "p values are not adjusted."
+    named = [
+        ", ".join(find_outcome(name).title for name in each["outcomes"])
+        + (" and every effect of its ANOVA" if "anova" in each["analyses"] else "")
+        for each in holm
+    ]
+    over = "; and, apart from these, ".join(named)
+    return f"p values were adjusted with Holm’s method over {over}; each time over all contrasts."
 
 
 def _exactness(results: dict[str, Any]) -> str:
@@ -215,9 +220,10 @@ def _modelling(results: dict[str, Any]) -> str:
     )
 
 
-def headline(test: dict[str, Any], labels: dict[str, str], names: Mapping[str, str]) -> str:
+def headline(test: dict[str, Any], results: dict[str, Any]) -> str:
     """Return the result of one test in a sentence that takes no side."""
-    a, b, name = labels[test["a"]], labels[test["b"]], names[test["outcome"]]
+    labels, name = results["labels"], find_outcome(test["outcome"]).title
+    a, b = labels[test["a"]], labels[test["b"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
     effect = test["effect"]
@@ -226,9 +232,13 @@ def headline(test: dict[str, Any], labels: dict[str, str], names: Mapping[str, s
     shift, r, n = _estimates(test, a)
     return (
         f"{name}, {a} minus {b}: shift {shift}, Z\u00a0=\u00a0{number(test['z'])}, "
-        f"{p_equals(test['p'])} ({test['method']}), Holm-adjusted {p_equals(test['p_holm'])}, "
+        f"{p_equals(test['p'])} ({test['method']}), {_adjusted(test)}"
         f"r\u00a0=\u00a0{r}, n\u00a0=\u00a0{n}.{_order_of(test)}"
     )
+
+
+def _adjusted(test: dict[str, Any]) -> str:
+    return "" if test["p_holm"] is None else f"Holm-adjusted {p_equals(test['p_holm'])}, "
 
 
 def _order_of(test: dict[str, Any]) -> str:
