@@ -9,6 +9,7 @@ from vrcomfort.questionnaire.library import (
     find_instrument,
     instruments_in,
     shipped_instruments,
+    usual_instruments,
 )
 from vrcomfort.questionnaire.scales import Scale
 from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
@@ -37,4 +38,5 @@ __all__ = [
     "score_all",
     "score_file",
     "shipped_instruments",
+    "usual_instruments",
 ]

@@ -98,6 +98,7 @@ class InstrumentTable(Settings):
     rule: str = ""
     licence: str = ""
     variant_of: str = ""
+    prefixed: bool = True
     primary: str | None = None
     answers: AnswersTable
     items: Annotated[tuple[ItemTable, ...], Field(min_length=1)]
@@ -140,6 +141,7 @@ def parse_instrument(text: str, file: Path | None = None) -> Instrument:
         licence=table.licence,
         language=table.language,
         variant_of=table.variant_of,
+        prefixed=table.prefixed,
         instructions=tuple(
             (language, each.instruction)
             for language, each in table.translations.items()

@@ -107,6 +107,8 @@ class Instrument:
     rule: str = ""
     language: str = "en"
     variant_of: str = ""
+    prefixed: bool = True
+    """Whether plans and tables put the instrument's name before those of its scores and items."""
     licence: str = ""
     """What allows the wording to be here."""
     instructions: tuple[tuple[str, str], ...] = ()

@@ -23,6 +23,15 @@ def shipped_instruments() -> Mapping[str, Instrument]:
     return {file.stem: read_instrument(file) for file in files}
 
 
+def usual_instruments() -> tuple[Instrument, ...]:
+    """Return the shipped instruments that may be meant where none is named, the longest first.
+
+    A variant is not among them: nobody means other answers without saying so.
+    """
+    usual = [each for each in shipped_instruments().values() if not each.variant_of]
+    return tuple(sorted(usual, key=lambda each: (-len(each.asked), each.name)))
+
+
 def find_instrument(
     name_or_file: str | Path,
     *,

@@ -207,7 +207,9 @@ def _number(text: str) -> float:
         return float("nan")
 
 
-def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> list[Sheet]:
+def read_long(
+    table: CsvTable, instrument: Instrument, keys: Sequence[str], *, nameless: bool = True
+) -> list[Sheet]:
     """Read a table with a row for each answer, in the order in which they were given.
 
     Rows of other instruments are left alone. What a session asked again after it had been resumed
@@ -217,6 +219,8 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     ----------
     keys
         Columns that say whose a sheet is; one that the table does not have is blank.
+    nameless
+        Whether rows that name no instrument are of this one.
 
     Raises
     ------
@@ -228,7 +232,8 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     names = [heading.lower() for heading in table.header]
     for line, cells in zip(table.lines, table.rows, strict=True):
         row = dict(zip(names, map(str.strip, cells), strict=True))
-        if (row.get("instrument") or instrument.name).lower() == instrument.name:
+        name = row.get("instrument", "").lower()
+        if name == instrument.name or (nameless and not name):
             sheets.add(row, line)
     return list(sheets.found.values())
 
