@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 from vrcomfort.errors import InputError
@@ -27,6 +28,8 @@ def as_table(grid: Grid) -> SourceTable:
     """
     if not grid.rows:
         raise _fault(grid, "there is no row with anything in it")
+    if grid.reading.transpose:
+        grid = transposed(grid)
     found = _detected(grid) if grid.reading.heading_rows is None else grid.reading
     heading_rows = found.heading_rows or ()
     by_number = dict(zip(grid.numbers, grid.rows, strict=True))
@@ -59,6 +62,15 @@ def as_table(grid: Grid) -> SourceTable:
         found,
         grid.notes,
     )
+
+
+def transposed(grid: Grid) -> Grid:
+    """Return the columns of a grid as rows, numbered from 1; blank ones are left out."""
+    width = max(map(len, grid.rows))
+    filled = [(*row, *[""] * (width - len(row))) for row in grid.rows]
+    kept = [(n, row) for n, row in enumerate(zip(*filled, strict=True), start=1) if any(row)]
+    rows, numbers = tuple(row for _, row in kept), tuple(number for number, _ in kept)
+    return replace(grid, rows=rows, numbers=numbers, named=False)
 
 
 def _fault(grid: Grid, message: str) -> InputError:

@@ -45,12 +45,19 @@ class Read(Settings):
     decimal: Literal[".", ","] | None = None
     heading_rows: tuple[Annotated[int, Field(ge=0)], ...] | None = None
     skip_rows: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    transpose: bool = False
+    """Participants stand side by side, items one below the other."""
 
     @property
     def reading(self) -> Reading:
         """Return the same for the readers."""
         return Reading(
-            self.encoding, self.separator, self.decimal, self.heading_rows, self.skip_rows
+            self.encoding,
+            self.separator,
+            self.decimal,
+            self.heading_rows,
+            self.skip_rows,
+            self.transpose,
         )
 
 

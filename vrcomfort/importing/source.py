@@ -26,6 +26,8 @@ class Reading(NamedTuple):
         no names.
     skip_rows
         Rows that hold no data, such as the question texts below a heading.
+    transpose
+        Participants stand side by side: columns are read as rows, and numbered as such.
     """
 
     encoding: str | None = None
@@ -33,6 +35,7 @@ class Reading(NamedTuple):
     decimal: str | None = None
     heading_rows: tuple[int, ...] | None = None
     skip_rows: tuple[int, ...] = ()
+    transpose: bool = False
 
 
 @dataclass(frozen=True)

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.convert import import_files
-from vrcomfort.importing.files import read_tables
+from vrcomfort.importing.files import read_grids
+from vrcomfort.importing.headings import as_table
 from vrcomfort.importing.mapping import parse_mapping
 from vrcomfort.importing.rows import Imported
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.source import Reading, SourceTable
 from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft
 
 _TOP = (
@@ -77,7 +79,12 @@ def suggest_mapping(files: Sequence[Path]) -> Suggestion:
 
 
 def _tables(file: Path) -> list[SourceTable]:
-    return read_tables(file)
+    grids = read_grids(file, Reading())
+    return [
+        as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g))))
+        for g in grids
+        if g.rows
+    ]
 
 
 def _ignored_sheets(top: Draft, drafts: list[TableDraft], useful: list[TableDraft]) -> list[Doubt]:

@@ -150,7 +150,11 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
         found.doubts.append(Doubt(question, "the import will refuse them"))
     elif (
-        inside and low not in values and sum(values[v] for v in inside) >= 16 and not found.answers
+        inside
+        and high - low <= 6
+        and low not in values
+        and sum(values[v] for v in inside) >= 16
+        and not found.answers
     ):
         found.coded_from = low + 1
         count = sum(values[v] for v in inside)

@@ -48,7 +48,7 @@ class Draft:
     def _lines(self, path: str) -> Iterator[str]:
         for key, value in self.values.items():
             yield from (f"# {line}" for line in self.comments.get(key, ()))
-            yield f"{bare(key)} = {_value(value)}"
+            yield f"{bare(key)} = {toml_value(value)}"
         for key, table in self.tables.items():
             name = f"{path}{bare(key)}"
             yield from self._opened(table, f"[{name}]", name)
@@ -74,7 +74,8 @@ def quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-def _value(value: object) -> str:
+def toml_value(value: object) -> str:
+    """Return a value as TOML writes it."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, int | float):
@@ -82,10 +83,10 @@ def _value(value: object) -> str:
     if isinstance(value, str):
         return quoted(value)
     if isinstance(value, Mapping):
-        inside = ", ".join(f"{bare(str(key))} = {_value(each)}" for key, each in value.items())
+        inside = ", ".join(f"{bare(str(key))} = {toml_value(each)}" for key, each in value.items())
         return f"{{ {inside} }}" if inside else "{}"
     if isinstance(value, list | tuple):
-        cells = [_value(each) for each in value]
+        cells = [toml_value(each) for each in value]
         line = f"[{', '.join(cells)}]"
         if len(line) <= 90:
             return line

@@ -10,6 +10,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import Doubt, Draft
 from vrcomfort.importing.suggest.file_names import parts_of_names
 from vrcomfort.importing.suggest.roles import (
+    MOST_CONDITIONS,
     Roles,
     few_texts,
     is_numeric,
@@ -83,6 +84,7 @@ class _Facts:
         self._roles = known.roles
         self.found = DraftedFacts()
         self._named: dict[str, list[str]] = {}
+        self._varying: list[int] = []
         self._participant_column()
         self._names_of_files()
         self._participant()
@@ -95,6 +97,10 @@ class _Facts:
         if known.answered:
             self._condition()
             self._repetitions()
+        for column in self._varying:
+            if column not in self.found.used:
+                question = f"Why has somebody more than one {self._heading(column)!r}?"
+                self._doubt(question, "it is ignored")
         self.found.unused += [
             column
             for columns in self._roles.facts.values()
@@ -215,6 +221,11 @@ class _Facts:
                     shown = ", ".join(f"{a} is {b}" for a, b in said.items())
                     self._doubt("Are these moments right, though two are one?", shown)
                 return
+        conditions = self._roles.facts.get("condition", [])
+        for column in (*columns, *conditions):
+            if self._is_mixed(column):
+                self._mixed(column)
+                return
         for column in columns:
             words = texts(self._table, column)
             if 1 < len(words) <= 5 and column not in self.found.used:
@@ -237,6 +248,22 @@ class _Facts:
             comment = "nothing says when it was asked: after exposure"
             self.found.draft.put("timepoint", {"constant": "post"}, comment)
 
+    def _is_mixed(self, column: int) -> bool:
+        """Return whether some texts of a column mean before exposure, and others conditions."""
+        said = [timepoint(word) for word in texts(self._table, column)]
+        return "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
+
+    def _mixed(self, column: int) -> None:
+        """Take both the timepoint and the condition from one column."""
+        words = texts(self._table, column)
+        when = {word: timepoint(word) or "post" for word in words}
+        what = {word: "" if timepoint(word) == "baseline" else word for word in words}
+        self._use("timepoint", column, values=when)
+        self._use("condition", column, values=what)
+        before = ", ".join(repr(word) for word in words if when[word] == "baseline")
+        question = f"Is {before} in {self._heading(column)!r} before exposure, of no condition?"
+        self._doubt(question, "it is; the others are conditions, asked after exposure")
+
     def _covariates(self) -> None:
         who = self.found.participant
         if who is None and "participant" in self._named:
@@ -247,6 +274,8 @@ class _Facts:
             if who is None or not varies_within(self._table, column, who):
                 self.found.covariates[name] = column
                 self.found.used.add(column)
+            else:
+                self._varying.append(column)
         if who is None or len(texts(self._table, who)) * 2 > len(self._table.rows):
             return  # in one row each, everything is constant
         for column in self._roles.unknown:
@@ -257,7 +286,7 @@ class _Facts:
                 self.found.used.add(column)
 
     def _condition(self) -> None:
-        if "condition" in self._known.said:
+        if "condition" in self._known.said or "condition" in self.found.columns:
             return
         columns = self._roles.facts.get("condition", [])
         columns = [c for c in columns if texts(self._table, c)]
@@ -320,6 +349,9 @@ class _Facts:
             and varies_within(table, counted[0], who)
         ):
             self._join_condition([group, counted[0]])
+            self.found.covariates.setdefault("sequence", group)
+            if self._letters(group, counted[0]):
+                return
             a, b = self._heading(group), self._heading(counted[0])
             question = f"Which condition did each {a} have in each {b} (a crossover)?"
             assumed = (
@@ -340,6 +372,22 @@ class _Facts:
         else:
             self.found.draft.put("condition", {"constant": "all"})
             self._doubt("No column says the condition: was there but one?", "one, called `all`")
+
+    def _letters(self, sequence: int, number: int) -> bool:
+        """Take letters of sequences such as AB for the conditions, in their order."""
+        orders, numbers = texts(self._table, sequence), sorted(texts(self._table, number))
+        alike = {tuple(sorted(order)) for order in orders}
+        if len(alike) != 1 or any(len(order) != len(numbers) > 1 for order in orders):
+            return False
+        if len(numbers) < 2:
+            return False
+        values = {f"{o}_{n}": letter for o in orders for n, letter in zip(numbers, o, strict=True)}
+        names = [self._heading(sequence), self._heading(number)]
+        self.found.draft.put("condition", {"columns": names, "values": values})
+        a, b = names
+        question = f"Does {a!r} name the conditions in the order of {b!r}?"
+        self._doubt(question, ", ".join(f"{key} is {value}" for key, value in values.items()))
+        return True
 
     def _repetitions(self) -> None:
         """Have exposures numbered where somebody has one condition and moment twice."""

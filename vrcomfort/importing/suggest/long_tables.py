@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.importing.headings import is_number
-from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.source import Grid, SourceTable
 from vrcomfort.importing.suggest.headings import How, mentions, named_items, tokens
 from vrcomfort.importing.suggest.roles import texts
+from vrcomfort.importing.suggest.spellings import spellings
 from vrcomfort.importing.suggest.vocabulary import LONG_ITEM, LONG_RESPONSE, SEVERITY
 from vrcomfort.questionnaire import Instrument, plain, usual_instruments
 
@@ -58,6 +59,23 @@ def find_long(table: SourceTable) -> list[Long]:
         if found:
             return _best(found)
     return []
+
+
+def stands_on_its_side(grid: Grid) -> bool:
+    """Return whether items stand one below the other, and participants side by side."""
+    width = max(map(len, grid.rows))
+    if grid.named or width < 3 or any(plain(cell) in LONG_RESPONSE for cell in grid.rows[0]):
+        return False
+    first = [row[0] for row in grid.rows if row[0]]
+    others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
+    if len(set(first)) < len(first) or len(others) > 30:
+        return False
+    for instrument in INSTRUMENTS.values():
+        known = spellings(instrument)
+        named = {known[plain(text)] for text in first if plain(text) in known}
+        if len(named) >= 4 and len(named) * 2 >= len(first):
+            return True
+    return False
 
 
 def _best(found: list[Long]) -> list[Long]:

@@ -15,6 +15,8 @@ _COUNTED = {
 }
 _FACT_OF = {word: fact for fact, words in _COUNTED.items() for word in words}
 _NUMBERED_TIMES = ("t", "time", "timepoint", "tp", "messzeitpunkt", "mzp", "wave", "zeitpunkt")
+_KEPT = {*TIMEPOINTS, *_FACT_OF, *_NUMBERED_TIMES}
+"""Words that say something even where all headings have them."""
 _NOISE = frozenset(["ssq", "score", "item", "q", "question", "cond", "condition", "the", "vr"])
 
 
@@ -26,7 +28,7 @@ def moments(contexts: Sequence[tuple[str, ...]]) -> tuple[list[dict[str, str]], 
     facts: list[dict[str, str]] = []
     doubts: list[Doubt] = []
     for context in contexts:
-        rest = [w for w in context if w not in shared or w in TIMEPOINTS]
+        rest = [w for w in context if w not in shared or w in _KEPT]
         facts.append(_facts(rest))
     _numbered_times(facts, doubts)
     _two_unnamed(facts, doubts)
@@ -54,7 +56,7 @@ def _facts(words: Sequence[str]) -> dict[str, str]:
             place += 1
         elif word in TIMEPOINTS and "timepoint" not in facts:
             facts["timepoint"] = TIMEPOINTS[word]
-        else:
+        elif word not in _FACT_OF and word not in _NOISE:
             rest.append(word)
         place += 1
     if rest:

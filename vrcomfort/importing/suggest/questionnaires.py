@@ -124,8 +124,13 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
         if len(placed) > 1:
             question = f"Are {first} … {last} the {block.instrument.title} in published order?"
             doubts.append(Doubt(question, f"they are: {first} is {placed[0]}"))
-    unsure = [*by_how.get("near", ()), *by_how.get("abbreviation", ())]
-    return doubts + [Doubt(f"Is {headings[i]!r} the item {i}?", "it is") for i in unsure]
+    if near := by_how.get("near"):
+        shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
+        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are misspellings"))
+    if short := by_how.get("abbreviation"):
+        shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
+        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
+    return doubts
 
 
 def _coded(draft: Draft, coding: Coding) -> None:

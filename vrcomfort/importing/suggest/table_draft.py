@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import find_blocks
-from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
 from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.moments import moments
@@ -19,7 +19,7 @@ from vrcomfort.importing.suggest.questionnaires import (
     mend_items,
 )
 from vrcomfort.importing.suggest.ratings import find_ratings
-from vrcomfort.importing.suggest.roles import is_personal, roles_of, total_rows
+from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
 from vrcomfort.importing.suggest.scores import find_scores, kind_of
 from vrcomfort.importing.suspects import alike
 
@@ -43,9 +43,10 @@ class TableDraft:
         self._tables = tables
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
-        self._totals = self._total_rows()
         self.draft = Draft()
         self.doubts: list[Doubt] = []
+        self._totals = self._total_rows()
+        self._fill_down()
         self.gives = False
         """Whether there is anything to import."""
         self._files()
@@ -91,6 +92,10 @@ class TableDraft:
             values["heading_rows"] = list(read.heading_rows or ())
         if read.skip_rows:
             values["skip_rows"] = list(read.skip_rows)
+        if read.transpose:
+            values["transpose"] = True
+            question = "Do participants stand side by side, and items one below the other?"
+            self.doubts.append(Doubt(question, "they do; columns are read as rows"))
         if values:
             self.draft.put("read", values)
         if not read.heading_rows and "heading_rows" in values:
@@ -101,6 +106,9 @@ class TableDraft:
         contexts = self._contexts()
         facts, doubts = moments(contexts) if contexts else ([], [])
         self.doubts += doubts
+        when = self._roles.facts.get("timepoint", [])
+        if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
+            facts[0].pop("timepoint", None)  # a column says it better
         said = {name for each in facts for name in each}
         exposures = draft_facts(self._exposures(said))
         self.draft.values |= exposures.draft.values
@@ -144,6 +152,23 @@ class TableDraft:
                 return {column: list(dict.fromkeys(found))}
         return {}
 
+    def _fill_down(self) -> None:
+        """Let blank cells of a column of participants mean the one above, where they are many."""
+        for column in roles_of(self.table, range(min(4, len(self.table.headings)))).facts.get(
+            "participant", []
+        ):
+            cells = self.table.column(column)
+            if cells[0] and cells.count("") * 4 >= len(cells):
+                name, above, rows = self.table.headings[column], "", []
+                for row in self.table.rows:
+                    above = row[column] or above
+                    rows.append((*row[:column], above, *row[column + 1 :]))
+                self.table = replace(self.table, rows=tuple(rows))
+                self.draft.put("fill_down", [name])
+                question = f"Do the blank cells of {name!r} mean the participant above them?"
+                self.doubts.append(Doubt(question, "they do"))
+                return
+
     def _leave_out(self, participant: int | None) -> None:
         out = dict(self._totals)
         if participant is not None and not all(self.table.column(participant)):
@@ -151,9 +176,9 @@ class TableDraft:
         if not out:
             return
         names = self.table.headings
-        self.draft.put("leave_out", {names[c]: texts for c, texts in out.items()})
-        for column, texts in out.items():
-            shown = ", ".join(repr(text) if text else "nothing" for text in texts)
+        self.draft.put("leave_out", {names[c]: found for c, found in out.items()})
+        for column, found in out.items():
+            shown = ", ".join(repr(text) if text else "nothing" for text in found)
             question = (
                 f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
             )
@@ -191,6 +216,7 @@ class TableDraft:
         kept = [each for each in self._scores if each.instrument not in answered]
         self._made = [each for each in self._scores if each.instrument in answered]
         drafts = []
+        asked: dict[str, list[str]] = {}
         own = list(facts) if facts else [{} for _ in kept]
         for each, said in zip(kept, own, strict=False):
             kind = kind_of(self.table, each)
@@ -200,8 +226,9 @@ class TableDraft:
             draft.tables["scales"] = Draft(dict(scales))
             drafts.append(draft)
             what = "raw sums" if kind == "raw_sum" else "weighted scores"
-            names = ", ".join(scales.values())
-            question = f"{names}: are these {what} of the {each.instrument.upper()}?"
+            asked.setdefault(f"{what} of the {each.instrument.upper()}", []).extend(scales.values())
+        for what, names in asked.items():
+            question = f"{', '.join(names)}: are these {what}?"
             self.doubts.append(Doubt(question, f"they are {what}; the answers are not there"))
         if drafts:
             self.draft.lists["scores"] = drafts
@@ -211,11 +238,13 @@ class TableDraft:
             names = {n: self.table.headings[c] for n, c in exposures.covariates.items()}
             self.draft.put("participants", names)
         if exposures.participant is not None:
-            for group in alike(dict.fromkeys(self.table.column(exposures.participant))):
-                names_ = ", ".join(map(repr, group))
-                question = f"Are the participants {names_} one person?"
-                assumed = "they are not; participant values = { … } makes them one"
-                self.doubts.append(Doubt(question, assumed))
+            groups = alike(dict.fromkeys(self.table.column(exposures.participant)))
+            if groups:
+                shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
+                one = {other: group[0] for group in groups for other in group[1:]}
+                said = "they are not; `values` of participant make them one: "
+                question = f"Are these participants one person each: {shown}?"
+                self.doubts.append(Doubt(question, f"{said}values = {toml_value(one)}"))
 
     def _ignore(self, exposures: DraftedFacts) -> None:
         """List every column that nothing was said of, with the reason."""
