@@ -132,12 +132,11 @@ def mean_answers(
         for c in conditions
     }
     means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
-    first = scored.outcomes[0].instrument if scored.outcomes else ""
     return [
         {
-            "item": item.rpartition(".")[2],
-            "instrument": item.rpartition(".")[0] or first,
-            **{c: float(mean[item]) for c, mean in means.items()},
+            "item": item,
+            "instrument": instrument,
+            **{c: float(mean[column]) for c, mean in means.items()},
         }
-        for item in items
+        for column, (instrument, item) in scored.items.items()
     ]

@@ -10,7 +10,7 @@ from vrcomfort.importing.suggest.headings import How, mentions, named_items, tok
 from vrcomfort.importing.suggest.roles import texts
 from vrcomfort.importing.suggest.spellings import spellings
 from vrcomfort.importing.suggest.vocabulary import LONG_ITEM, LONG_RESPONSE, SEVERITY
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, usual_instruments
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def find_long(table: SourceTable) -> list[Long]:
         response = _response_column(table, column)
         if response is None:
             continue
-        for instrument in INSTRUMENTS.values():
+        for instrument in usual_instruments():
             named = _named(table, column, words, instrument)
             if named is not None:
                 items, hows = named
