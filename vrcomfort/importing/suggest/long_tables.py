@@ -70,7 +70,7 @@ def stands_on_its_side(grid: Grid) -> bool:
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
     if len(set(first)) < len(first) or len(others) > 30:
         return False
-    for instrument in INSTRUMENTS.values():
+    for instrument in usual_instruments():
         known = spellings(instrument)
         named = {known[plain(text)] for text in first if plain(text) in known}
         if len(named) >= 4 and len(named) * 2 >= len(first):
