@@ -7,6 +7,7 @@ import pytest
 
 from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign, write_csv
 from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import build_report
 from vrcomfort.report.build import choose_plan
 from vrcomfort.report.plan import find_plan, load_plan, plan_of, read_plan, shipped_plans
@@ -80,9 +81,8 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
 
 
 def _loads(item: str) -> list[str]:
-    from vrcomfort.report.outcomes import find_outcome
-
-    return [name for name in "NOD" if item in find_outcome(name).loadings]
+    scales = shipped_instruments()["ssq"].scales
+    return [s.name for s in scales if item in {term.item for term in s.terms}]
 
 
 def test_derived_timepoints_have_the_words_of_the_data(tmp_path):
@@ -311,7 +311,7 @@ def test_outcomes_of_several_instruments_are_analysed_together(tmp_path):
     assert [each["instrument"] for each in results["outcomes"]] == ["ssq", "fms"]
     assert "outcome_not_found" in kinds(results)
     alone = analysed(file, 'outcomes = ["fms"]\n')
-    assert [row["item"] for row in alone["items"]] == ["fms"]
+    assert [test["n"] for test in alone["tests"]] == [8]
 
 
 def test_a_plan_without_any_outcome_in_the_data_is_an_error(tmp_path):
