@@ -7,8 +7,10 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import ParticipantRow, QuestionnaireRow, TrialRow
+
+SSQ = shipped_instruments()["ssq"]
 
 ITEMS = tuple(item.name for item in SSQ.items)
 

@@ -53,6 +53,13 @@ def report(
             "--list-plans", callback=_list, is_eager=True, help="List the shipped plans and exit."
         ),
     ] = False,
+    instrument: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="Report the answers to this instrument alone; all that were asked without it.",
+        ),
+    ] = None,
     simulated: Annotated[
         bool,
         typer.Option(
@@ -74,7 +81,13 @@ def report(
     folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
         source = study_of(study, folder)
-        summary = build_report(source, plan=plan, out=folder, simulated=simulated or None)
+        summary = build_report(
+            source,
+            plan=plan,
+            instrument=instrument,
+            out=folder,
+            simulated=simulated or None,
+        )
     for warning in summary.warnings:
         warn(warning)
     if as_json:

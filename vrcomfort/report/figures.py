@@ -18,7 +18,6 @@ from scipy.stats import t as t_distribution
 
 from vrcomfort.report.descriptives import of_the_tested
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.report.pairs import Side, pair_up
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.web_page import visible
@@ -46,6 +45,8 @@ _STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",
     "text.parse_math": False,  # a name with two dollars is a name, not a formula
 }
+MOST_SUBSCALES = 6
+"""Beside each other in one figure."""
 LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
 """Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
 
@@ -104,7 +105,7 @@ def paired_figure(
         for mask, colour in ((up, COLOURS[0]), (down, COLOURS[1]), (~(up | down), FAINT)):
             if mask.any():
                 axes.plot(*_segments(scores[mask]), "-o", color=colour, lw=1, ms=3.5, alpha=0.75)
-        axes.set_ylabel(f"{find_outcome(outcome).title.lower()}, {score_label(scored.basis)}")
+        axes.set_ylabel(f"{scored.titles[outcome].lower()}, {score_label(scored.basis)}")
         _count_directions(axes, int(up.sum()), int(down.sum()), len(scores))
         _zero_line(axes, scored.basis)
     return text[0]
@@ -141,8 +142,11 @@ def _zero_line(axes: Axes, basis: str) -> None:
 def subscale_figure(
     table: pd.DataFrame, results: dict[str, Any], weights: dict[str, float]
 ) -> str | None:
-    """N, O and D by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
-    outcomes = [o for o in ("N", "O", "D") if o in results["plan"]["outcomes"]]
+    """Subscales by condition: everybody's score, the mean and its 95 % interval (Fig. 8)."""
+    first = results["outcomes"][0]
+    alike = [o for o in results["outcomes"] if o["instrument"] == first["instrument"]]
+    outcomes = [o["name"] for o in alike if not o["parts"]][:MOST_SUBSCALES]
+    titles = {o["name"]: o["title"] for o in alike}
     analysed = table[table["participant"].isin(results["participants"]["analysed"])]
     if analysed.empty or not outcomes:
         return None
@@ -155,7 +159,7 @@ def subscale_figure(
                 chosen = _of_condition(analysed, results, condition["name"], outcome)
                 means = chosen.groupby("participant")[outcome].mean() * weights[outcome]
                 _mean_and_points(axes, place, means.to_numpy(dtype=float))
-            axes.set_title(find_outcome(outcome).title, fontsize=9.5)
+            axes.set_title(titles[outcome], fontsize=9.5)
             _name_conditions(axes, conditions)
             _zero_line(axes, results["score_basis"])
         figure.axes[0].set_ylabel(score_label(results["score_basis"]))
@@ -194,7 +198,11 @@ def _mean_and_points(axes: Axes, place: int, scores: np.ndarray[Any, Any]) -> No
 
 def symptom_figure(results: dict[str, Any]) -> str | None:
     """Mean answer of each symptom by condition (Fig. 7), the largest first."""
-    conditions, items = results["conditions"], results["items"]
+    conditions = results["conditions"]
+    items = [i for i in results["items"] if i["instrument"] == results["items"][0]["instrument"]]
+    if not items:
+        return None
+    asked = next(i for i in results["instruments"] if i["name"] == items[0]["instrument"])
     names = [c["name"] for c in conditions if c["name"] in items[0]]
     if not names:
         return None
@@ -211,14 +219,12 @@ def symptom_figure(results: dict[str, Any]) -> str | None:
                           "osD^vP"[place % 6], color=COLOURS[place % len(COLOURS)], ms=6,
                           mec="white", mew=0.6, label=lines(condition["label"], LEGEND),
                           zorder=3)  # fmt: skip
-        wording = {
-            item["name"]: item["text"] for each in results["instruments"] for item in each["items"]
-        }
+        wording = {item["name"]: lines(item["text"], 44) for item in asked["items"]}
         axes.set_yticks(range(len(ranked)), [wording[i["item"]] for i in ranked])
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color="#eeeeee")
         axes.set_axisbelow(True)
-        axes.set_xlabel(f"mean answer (scale 0–3), {score_label(results['score_basis'])}")
+        axes.set_xlabel(f"mean answer ({asked['answers']}), {score_label(results['score_basis'])}")
         if results["score_basis"] == "difference_from_baseline":
             axes.axvline(0, color=FAINT, lw=0.8)
         axes.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))

@@ -31,7 +31,8 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
     return environment.get_template(TEMPLATE).render(
         r=results,
         labels=labels,
-        names={o["name"]: o["title"] for o in results["outcomes"]},
+        names=words.titles_of(results),
+        shorts=" and ".join(each["short"] for each in results["instruments"]),
         figures={
             name: inline_svg(svg, name, 'role="img" aria-hidden="true"')
             for name, svg in figures.items()

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -91,11 +91,33 @@ def _scoring(results: dict[str, Any]) -> str:
         else ""
     )
     return (
-        "The Simulator Sickness Questionnaire (SSQ; 16 items, 0–3) was scored after Kennedy et "
-        "al. (1993): N = 9.54 ΣN, O = 7.58 ΣO, D = 13.92 ΣD, total = 3.74 (ΣN + ΣO + ΣD). "
+        f"{' '.join(map(_instrument, results['instruments']))} "
         "Incomplete questionnaires were not scored. "
         f"{basis_sentence(results['score_basis'])}{repeated}"
     )
+
+
+def titles_of(results: dict[str, Any]) -> dict[str, str]:
+    """Return outcome → its title; with the instrument's name where two have the same one."""
+    outcomes = results["outcomes"]
+    count = Counter(each["title"] for each in outcomes)
+    short = {each["name"]: each["short"] for each in results["instruments"]}
+    return {
+        each["name"]: each["title"]
+        if count[each["title"]] == 1
+        else f"{short[each['instrument']]} {each['title'].lower()}"
+        for each in outcomes
+    }
+
+
+def _instrument(asked: dict[str, Any]) -> str:
+    """Say what was asked, after whom it was scored, and how."""
+    known = f"{asked['short']}; " if asked["short"] != asked["title"] else ""
+    count = len(asked["items"])
+    items = f"{count} items, {asked['answers']}" if count > 1 else asked["answers"]
+    after = f" after {asked['citation']}" if asked["citation"] else ""
+    rule = f": {asked['rule']}" if asked["rule"] else ""
+    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
 def _testing(results: dict[str, Any]) -> str:
@@ -114,17 +136,17 @@ def _testing(results: dict[str, Any]) -> str:
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}, on participants with "
         "every exposure of both conditions. Ranks were taken on integer raw sums, so ties are "
         f"exact; {zeros}; p is {_exactness(results)}; Z is "
-        f"tie-corrected, without continuity correction. {_families(plan)}"
+        f"tie-corrected, without continuity correction. {_families(plan, titles_of(results))}"
     )
 
 
-def _families(plan: dict[str, Any]) -> str:
+def _families(plan: dict[str, Any], titles: Mapping[str, str]) -> str:
     """Say over what p values were adjusted."""
     holm = [each for each in plan["families"] if each["method"] == "holm"]
     if not holm:
         return "p values are not adjusted."
     named = [
-        ", ".join(find_outcome(name).title for name in each["outcomes"])
+        ", ".join(titles.get(name, name) for name in each["outcomes"])
         + (" and every effect of its ANOVA" if "anova" in each["analyses"] else "")
         for each in holm
     ]
@@ -222,7 +244,7 @@ def _modelling(results: dict[str, Any]) -> str:
 
 def headline(test: dict[str, Any], results: dict[str, Any]) -> str:
     """Return the result of one test in a sentence that takes no side."""
-    labels, name = results["labels"], find_outcome(test["outcome"]).title
+    labels, name = results["labels"], titles_of(results)[test["outcome"]]
     a, b = labels[test["a"]], labels[test["b"]]
     if test["not_tested"]:
         return f"{name}: {a} and {b} could not be compared ({test['not_tested']})."
