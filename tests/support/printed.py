@@ -109,7 +109,7 @@ def _of_f(statement: str, df1: int, df2: int, f_value: float, p: float, *, holds
         p,
         lambda: float(f.sf(f_value, df1, df2)),
         holds=holds,
-        how=f"upper tail of F; as F is rounded, {low:.4f} to {high:.4f}",
+        how=f"upper tail of F; as F is rounded, {low:.3g} to {high:.3g}",
         more=lambda: _eta(f_value, df1, df2),
         span=span,
     )
