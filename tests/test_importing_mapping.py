@@ -160,7 +160,8 @@ def test_scores_that_cannot_be_are_refused(
     with pytest.raises(InputError, match=words) as refusal:
         imported([file], f"{TOP}{FACTS}{scores}")
     assert "row 2, column 'total'" in str(refusal.value)
-    other = imported([file], f"{TOP}{FACTS}{scores.replace(f'"{kind}"', '"other"')}")
+    as_they_are = scores.replace(f'"{kind}"', '"other"')
+    other = imported([file], f"{TOP}{FACTS}{as_they_are}")
     assert [s.answers for s in other.sheets.values()] == [{"total": float(cell)}]
 
 
