@@ -4,10 +4,9 @@ import json
 
 import pytest
 
-from tests.support.report import Study, foreign
+from tests.support.report import Study, build_report, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_ssq
-from vrcomfort.report import build_report
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
 from vrcomfort.resources import data_folder

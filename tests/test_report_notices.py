@@ -4,10 +4,9 @@ import json
 
 import pytest
 
-from tests.support.report import ITEMS, Study, foreign
+from tests.support.report import ITEMS, Study, build_report, foreign
 from tests.test_report_study import report, total_raw
 from vrcomfort.errors import InputError
-from vrcomfort.report import build_report
 
 
 def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple[int, ...] = ()):

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import Study, carnegie_like, foreign
-from vrcomfort.report import build_report
+from tests.support.report import Study, build_report, carnegie_like, foreign
 from vrcomfort.report.words import interval
 
 UNEQUAL = {

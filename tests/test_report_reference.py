@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.report import build_report
 from vrcomfort.questionnaire import SSQ
-from vrcomfort.report import build_report
 
 pytestmark = [
     pytest.mark.needs_reference_data,

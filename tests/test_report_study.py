@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign
+from tests.support.report import ITEMS, Study, answers, build_report, carnegie_like, foreign
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.questionnaire import score, score_ssq
-from vrcomfort.report import build_report
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
 

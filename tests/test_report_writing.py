@@ -5,9 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import carnegie_like, foreign
+from tests.support.report import build_report, carnegie_like, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.report import build_report
 from vrcomfort.report.writing import write_report
 
 SCORES = {f"P{i}": {"x": 3 + i, "y": 2 + i // 2} for i in range(4)}

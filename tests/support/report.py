@@ -5,10 +5,15 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
+import vrcomfort.report
 from vrcomfort.questionnaire import SSQ
 from vrcomfort.records import ParticipantRow, QuestionnaireRow, TrialRow
+
+build_report = partial(vrcomfort.report.build_report, forms=("svg",))
+"""A report whose figures are SVG alone: PNG and PDF take more time than all the rest."""
 
 ITEMS = tuple(item.name for item in SSQ.items)
 
