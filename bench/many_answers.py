@@ -17,7 +17,7 @@ import numpy as np
 
 from vrcomfort.questionnaire import SSQ
 from vrcomfort.report import build as report
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan import plan_of
 
 CONDITIONS, SCENES = ("off", "weak", "middle", "strong"), ("near", "far")
 SEED = 20150323
@@ -59,7 +59,7 @@ def main() -> None:
         times = [time.process_time()]
         study = report.read_study(file)
         times.append(time.process_time())
-        results, scored = report.analyse(study, load_plan(None))
+        results, scored = report.analyse(study, plan_of(study))
         times.append(time.process_time())
         figures = report.draw_figures(study, results, scored)
         times.append(time.process_time())

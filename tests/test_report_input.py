@@ -117,7 +117,7 @@ def test_nothing_but_incomplete_questionnaires_still_gives_a_report(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,condition,item,response\nP1,a,nausea,1\nP1,b,nausea,2\n")
     summary = build_report(file, out=tmp_path / "o")
-    assert (summary.analysed, len(summary.warnings)) == (0, 2)
+    assert (summary.analysed, len(summary.warnings)) == (0, 3)
 
 
 def write_plan(path, text):
@@ -128,8 +128,8 @@ def write_plan(path, text):
 def test_own_plan_changes_the_tests(tmp_path):
     plan = write_plan(
         tmp_path / "p.toml",
-        'outcomes = ["T"]\nfamily = ["T"]\nzeros = "wilcox"\nalternative = "less"\n'
-        'contrasts = [{ a = "b", b = "a" }]\n',
+        'outcomes = ["T"]\nzeros = "wilcox"\nalternative = "less"\n'
+        'contrasts = [{ a = "b", b = "a" }]\nfamilies = [{ name = "t", outcomes = ["T"] }]\n',
     )
     source = foreign(tmp_path / "questionnaires.csv", SCORES)
     (line,) = build_report(source, plan=plan, out=tmp_path / "o").headlines
@@ -146,11 +146,12 @@ def test_own_plan_changes_the_tests(tmp_path):
         ('zeros = "drop"\n', "zeros", 3),
         ('[[anova]]\nname = "x"\n', r"`column` is missing in \[anova\]", 3),
         ("zeros = \n", "not valid TOML", 3),
-        ('outcomes = ["X"]\n', "should be 'T', 'N', 'O' or 'D', got 'X'", 3),
+        ('outcomes = ["t"]\n', "`t` is no score of any instrument; did you mean `T`", 3),
         ('outcomes = "T"\n', "should be a list", 3),
         ('outcomes = ["T", "T"]\n', "`T` is there twice", 3),
-        ('outcomes = ["T"]\nfamily = ["N"]\n', "not among the outcomes", 4),
-        ("family = []\n", "`family`: needs at least 1", 3),
+        ('outcomes = ["T"]\n[[families]]\nname = "x"\noutcomes = ["N"]\n', "not among", 6),
+        ("families = [{ name = 'x', outcomes = [] }]\n", "`outcomes`: needs at least 1", 3),
+        ('family = ["T"]\n', r"`family` is now a list of tables, .* write \[\[families\]\]", 3),
         ('contrasts = [{ a = "b", b = "b" }]\n', "compared with itself", 3),
         ('[[anova]]\nname = "score"\ncolumn = "scene"\n', "cannot name a factor", 4),
         ('[[anova]]\nname = "x"\ncolumn = "scene"\n' * 2, "`x` is there twice", 6),

@@ -126,7 +126,7 @@ def ours_anova(name: str) -> Values:
     result = anova(
         table, value="score", participant="participant",
         within=[factor for factor in ("condition", "scene") if table[factor].notna().all()],
-        between="group" if table["group"].notna().all() else None,
+        between="group" if table["group"].notna().all() else (),
     )  # fmt: skip
     found = {
         "n": result.n,

@@ -17,6 +17,18 @@ def register(app: typer.Typer) -> None:
     app.command()(report)
 
 
+def _list(asked: bool) -> None:
+    """Print the shipped plans, one a line."""
+    if asked:
+        from vrcomfort.report.plan import shipped_plans
+
+        plans = shipped_plans()
+        width = max(len(each.name) for each in plans)
+        for each in plans:
+            typer.echo(f"{each.name:{width}}  {each.title}")
+        raise typer.Exit
+
+
 def report(
     study: Annotated[
         Path,
@@ -27,8 +39,19 @@ def report(
     ],
     out: Annotated[Path, output_option(help="Folder for the report.")],
     plan: Annotated[
-        Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
+        str | None,
+        typer.Option(
+            metavar="NAME|PLAN.toml",
+            help="Analysis plan: a shipped one, or a file. Without it, the protocol's own, or one "
+            "derived from the data; either way it is written beside the report.",
+        ),
     ] = None,
+    _list_plans: Annotated[
+        bool,
+        typer.Option(
+            "--list-plans", callback=_list, is_eager=True, help="List the shipped plans and exit."
+        ),
+    ] = False,
     simulated: Annotated[
         bool,
         typer.Option(
@@ -42,6 +65,7 @@ def report(
 
     - `vrcomfort report out/demo/study --out out/demo/report`
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
+    - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
     """
     from vrcomfort.report import build_report
 

@@ -20,7 +20,7 @@ def answers(results: dict[str, Any], words: Vocabulary) -> list[dict[str, Any]]:
 
     Of many questions those of other scores than the first are in the tables alone.
     """
-    tests, order = results["tests"], results["plan"]["outcomes"]
+    tests, order = results["tests"], list(words.outcomes)
     shown = order if len(tests) <= MOST_ANSWERS else order[:1]
     return [
         {

@@ -12,11 +12,11 @@ from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
-from vrcomfort.report.results import analyse, plain, to_json
+from vrcomfort.report.results import PLAN_FILE, analyse, plain, to_json
 from vrcomfort.report.study_data import of_one_kind, read_study
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
@@ -69,7 +69,7 @@ class ReportSummary:
 def build_report(
     source: Path,
     *,
-    plan: Path | None = None,
+    plan: str | Path | None = None,
     out: Path,
     simulated: bool | None = None,
     forms: Collection[Form] = FORMS,
@@ -81,16 +81,17 @@ def build_report(
     source
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
     plan
-        An analysis plan; without one, the shipped plan of the study's protocol or the default.
+        An analysis plan, or the name of a shipped one; without one, the shipped plan of the
+        study's protocol, or one that is derived from the data. It is written beside the report.
     simulated
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
     out
         Folder for ``index.html``, ``results.json``, ``reproduce.R``, ``tables/`` and ``figures/``;
         made if absent.
+        Tables and figures of an earlier report that this one does not have are removed.
     forms
         In which figures are written; PNG and PDF take most of the time of a small report.
-        Tables and figures of an earlier report that this one does not have are removed.
 
     Raises
     ------
@@ -99,24 +100,25 @@ def build_report(
         overwrite what is read.
     """
     study = _of_one_kind(read_study(Path(source)), simulated)
-    chosen = load_plan(plan, protocol=study.protocol)
+    chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))
     results["date"] = _today()
     words = Vocabulary.of(results)
     left = [
-        residuals_of(scored, chosen, results["tests"], outcome, words.unit(outcome))
-        for outcome in chosen.outcomes
+        residuals_of(scored, chosen, results["tests"], outcome["name"])
+        for outcome in results["outcomes"]
     ]
     figures = draw_figures(study, results, scored, left, words)
     files: dict[str, str | bytes] = {
+        PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures, words),
         "reproduce.R": r_script(),
         **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
-    spare([Path(source), plan], [Path(out) / name for name in results["files"]])
+    spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
     return _summary(Path(out), results, words)
 
@@ -140,6 +142,29 @@ def _figure_files(figures: dict[str, Drawing], forms: Collection[Form]) -> dict[
         if "pdf" in forms:
             files[f"{path}.pdf"] = drawing.pdf()
     return files
+
+
+def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
+    """Return the plan asked for; else the shipped one of the study's protocol; else a derived one.
+
+    Raises
+    ------
+    InputError
+        If the plan cannot be found or is wrong, with line and column.
+    """
+    if plan is not None:
+        return load_plan(find_plan(plan))
+    shipped = {each.name: each.file for each in shipped_plans()}
+    file = shipped.get(study.protocol or "")
+    return load_plan(file) if file else plan_of(study)
+
+
+def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:
+    """Return what is read and must stay; a report's own plan.toml is written again as it was."""
+    own = Path(out) / PLAN_FILE
+    file = None if plan is None else find_plan(plan)
+    again = file is None or (own.exists() and file.samefile(own))
+    return [Path(source), *([] if again or file is None else [file])]
 
 
 def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:

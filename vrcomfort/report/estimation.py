@@ -22,8 +22,7 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
-from vrcomfort.report.descriptives import of_the_tested
-from vrcomfort.report.pairs import pair_up
+from vrcomfort.report.pairs import Side, in_a_test, pair_up
 from vrcomfort.report.palette import colour_of, marker_of
 
 if TYPE_CHECKING:
@@ -59,8 +58,9 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
     if not made:
         return None
     outcome = made[0]["outcome"]
-    shown = [c for c in words.conditions if any(c in (t["a"], t["b"]) for t in made)]
-    scores = _scores(scored, made, shown, words)
+    sides = {s.name: s for t in made for s in (Side(**side) for side in t["sides"])}
+    shown = [name for name in words.labels if name in sides]
+    scores = _scores(scored, made, [sides[name] for name in shown])
     beside = len(made) <= MOST_BESIDE
     left, rows = 1.0 + 0.75 * len(shown), 0.42 * len(made) + 0.9
     size = (left + 0.9 + 1.1 * len(made), 3.7) if beside else (max(5.6, left + 0.6), 3.2 + rows)
@@ -71,28 +71,33 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
         else:
             raw, effect = figure.subplots(2, 1, height_ratios=[3.2, rows])
         _draw_scores(raw, scores, shown, words)
-        raw.set_ylabel(f"{words.outcome(outcome)}, {words.basis}")
+        moments = any(side.timepoint for side in sides.values())
+        basis = "score" if moments else words.bases[outcome]
+        raw.set_ylabel(lines(f"{words.outcome(outcome)}, {basis}", 40))
         draw = _draw_beside if beside else _draw_below
-        draw(effect, [(test, _differences(scored, test)) for test in made], words)
+        draw(effect, [(test, differences(scored, test)) for test in made], words)
     return drawing
 
 
-def _scores(scored: Exposures, tests: list[Test], shown: list[str], words: Vocabulary) -> Floats:
-    """Return the mean score per exposure, people × conditions; NaN where somebody is in no test."""
+def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
+    """Return the mean score per exposure, people × sides; NaN where somebody is in no test."""
     outcome = tests[0]["outcome"]
-    unit = words.unit(outcome)
     columns = []
-    for condition in shown:
-        part = of_the_tested(scored.table, tests, condition, outcome)
-        columns.append(part.groupby("participant")[outcome].mean() * unit)
+    for side in sides:
+        rows = side.rows(scored).dropna(subset=[outcome])
+        rows = rows[rows["participant"].isin(in_a_test(tests, side.name, outcome))]
+        columns.append(rows.groupby("participant")[outcome].mean() * scored.units[outcome])
     people = sorted(set().union(*(column.index for column in columns)))
     return np.column_stack([column.reindex(people).to_numpy(dtype=float) for column in columns])
 
 
-def _differences(scored: Exposures, test: Test) -> Floats:
-    planned = scored.planned
-    pairs = pair_up(scored.table, test["outcome"], test["a"], test["b"], complete=planned)
-    return np.asarray(pairs.differences * pairs.unit, dtype=float)
+def differences(scored: Exposures, test: Test) -> Floats:
+    """Return the differences of a test in points, of those who answered."""
+    sides = (Side(**side) for side in test["sides"])
+    found = pair_up(scored, test["outcome"], *sides, complete=False)
+    tested = set(test["participants"])
+    chosen = [place for place, who in enumerate(found.participants) if who in tested]
+    return np.asarray(found.differences[chosen] * found.unit, dtype=float)
 
 
 def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary) -> None:
@@ -115,11 +120,11 @@ def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary
 
 
 def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
-    for place, (test, differences) in enumerate(found):
-        thin = len(differences) > CROWD
-        across = place - 0.22 + spread(len(differences), 0.1)
-        dots(axes, across, differences, FAINT, size=2.2 if thin else 3.6, alpha=0.6, zorder=2)
-        low, high = _ends(test, differences)
+    for place, (test, each) in enumerate(found):
+        thin = len(each) > CROWD
+        across = place - 0.22 + spread(len(each), 0.1)
+        dots(axes, across, each, FAINT, size=2.2 if thin else 3.6, alpha=0.6, zorder=2)
+        low, high = _ends(test, each)
         _whisker(axes, (place + 0.12, place + 0.12), (low, high))
         _estimate(axes, place + 0.12, test["shift"])
     names = [_difference_of(test, words, 16) for test, _ in found]
@@ -130,8 +135,8 @@ def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary
 
 
 def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
-    for place, (test, differences) in enumerate(found):
-        low, high = _ends(test, differences)
+    for place, (test, each) in enumerate(found):
+        low, high = _ends(test, each)
         _whisker(axes, (low, high), (place, place))
         if test["shift"]:
             axes.plot(test["shift"]["estimate"], place, "D", color=INK, ms=5.5, mec=PAPER, mew=0.8)

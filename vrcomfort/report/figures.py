@@ -28,10 +28,9 @@ from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residual_figure import residual_figure
 from vrcomfort.report.study_data import trial_s
+from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
@@ -50,59 +49,75 @@ def draw_figures(
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
     drawn: dict[str, Drawing | None] = {}
-    for outcome in results["plan"]["outcomes"]:
-        tests = [test for test in results["tests"] if test["outcome"] == outcome]
-        drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
+    for place, outcome in enumerate(words.outcomes):
+        if _wanted(results, "subscales" if place else "paired"):
+            tests = [test for test in results["tests"] if test["outcome"] == outcome]
+            drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
     drawn["flow"] = flow_figure(results["flow"])
-    drawn["symptoms"] = symptom_figure(results, words)
-    drawn["recovery"] = recovery_figure(scored.table, scored.recovery, results, words)
+    for instrument in dict.fromkeys(row["instrument"] for row in results["symptoms"]):
+        rows = [row for row in results["symptoms"] if row["instrument"] == instrument]
+        drawn[f"symptoms_{instrument}"] = symptom_figure(rows, instrument, words)
+    drawn["recovery"] = recovery_figure(scored, results, words)
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
     drawn["residuals"] = residual_figure(residuals, words)
-    return {name: drawing for name, drawing in drawn.items() if drawing}
+    return {
+        name: drawing
+        for name, drawing in drawn.items()
+        if drawing and (name.startswith(_OTHERWISE) or _wanted(results, name))
+    }
 
 
-def symptom_figure(results: dict[str, Any], words: Vocabulary) -> Drawing | None:
+_OTHERWISE = ("estimation_", "flow")
+"""What no plan leaves out, or what was chosen before it was drawn."""
+
+
+def _wanted(results: dict[str, Any], name: str) -> bool:
+    """Return whether a plan wants a figure: every one, where it names none."""
+    wanted = results["plan"]["figures"]
+    return not wanted or name.partition("_")[0] in wanted
+
+
+def symptom_figure(
+    symptoms: list[dict[str, Any]], instrument: str, words: Vocabulary
+) -> Drawing | None:
     """Mean answer of each symptom by condition, the largest first."""
     means: dict[str, dict[str, float]] = {}
-    for row in results["symptoms"]:
+    for row in symptoms:
         means.setdefault(row["item"], {})[row["condition"]] = row["mean"]
     if not means:
         return None
     ranked = sorted(means, key=lambda item: max(means[item].values()))
     shown = [c for c in words.conditions if any(c in found for found in means.values())]
-    with canvas("symptoms", 6.4, 1.1 + 0.22 * len(ranked)) as (figure, drawing):
+    with canvas(f"symptoms-{instrument}", 6.4, 1.1 + 0.22 * len(ranked)) as (figure, drawing):
         axes = figure.add_subplot()
-        for row, item in enumerate(ranked):
+        for line, item in enumerate(ranked):
             values = list(means[item].values())
-            axes.plot([min(values), max(values)], [row, row], color=GRID, lw=2, zorder=1)
+            axes.plot([min(values), max(values)], [line, line], color=GRID, lw=2, zorder=1)
         for index, condition in enumerate(shown):
             rows = np.arange(len(ranked)) + 0.5 / len(shown) * ((len(shown) - 1) / 2 - index)
             place = words.place(condition)
             axes.plot([means[item].get(condition, np.nan) for item in ranked], rows,
                       marker_of(place), color=colour_of(place), ms=6, mec=PAPER, mew=0.6,
                       label=lines(words.condition(condition), LEGEND), zorder=3)  # fmt: skip
-        axes.set_yticks(range(len(ranked)), [lines(words.item(item), 40) for item in ranked])
+        wording = [lines(words.item(instrument, item), 44) for item in ranked]
+        axes.set_yticks(range(len(ranked)), wording)
         axes.tick_params(axis="y", length=0)
         axes.grid(axis="x", color=GRID)
         axes.set_axisbelow(True)
-        axes.set_xlabel(f"mean answer ({words.low} to {words.high}), {words.basis}")
+        axes.set_xlabel(f"mean answer ({words.answers(instrument)}), {words.basis}")
         axes.axvline(0, color=FAINT, lw=0.8, zorder=0)
         axes.legend(frameon=False, ncols=2, loc="lower left", bbox_to_anchor=(0, 1))
     return drawing
 
 
 def recovery_figure(
-    after: pd.DataFrame, recovered: pd.DataFrame, results: dict[str, Any], words: Vocabulary
+    scored: Exposures, results: dict[str, Any], words: Vocabulary
 ) -> Drawing | None:
     """Scores after a session's last exposure and after recovery; a line is a session."""
     if not results["recovery_course"]:
         return None
     outcome = results["recovery_course"][0]["outcome"]
-    keys = ["participant", "session"]
-    one = after.sort_values("position", kind="stable").groupby(keys)[outcome].last()
-    two = recovered.groupby(keys)[outcome].last()
-    both = one.index.intersection(two.index)
-    scores = np.column_stack([one.loc[both], two.loc[both]]).astype(float) * words.unit(outcome)
+    scores = np.column_stack(recovery_course(scored, outcome))
     with canvas("recovery", 3.4, 3.2) as (figure, drawing):
         axes = figure.add_subplot()
         threads(axes, np.array([0.0, 1.0]), scores, color=FAINT, lw=0.8, alpha=0.6)

@@ -13,15 +13,15 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Compared:
+class SameFigures:
     """The figures of one paper."""
 
     figures: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, protocol: str | None) -> Compared:
+    def of(cls, protocol: str | None) -> SameFigures:
         """Return those of the paper whose protocol this is; none for any other."""
-        file = data_folder("analysis") / "figures_of_sources.toml"
+        file = data_folder("analysis") / "report" / "figures_of_sources.toml"
         known = tomllib.loads(file.read_text(encoding="utf-8"))
         return cls(known.get(protocol or "", {}))
 

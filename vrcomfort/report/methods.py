@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from vrcomfort.report.references import is_known
+from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
 from vrcomfort.stats.ranks import fewest_for_interval
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
@@ -69,11 +71,27 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
         if several
         else ""
     )
+    incomplete = (
+        "Missing answers count as the mean of the others of their score where enough are given."
+        if results["plan"]["missing_items"] == "prorate"
+        else "Incomplete questionnaires were not scored."
+    )
     text = (
-        f"{words.scoring} Incomplete questionnaires were not scored. "
+        f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
         f"{basis_sentence(results['score_basis'])}{repeated}"
     )
-    return Method("Scores", text, words.cited)
+    cited = [f"instrument_{each['name']}" for each in words.instruments]
+    return Method("Scores", text, tuple(key for key in cited if is_known(key)))
+
+
+def _instrument(asked: Mapping[str, Any]) -> str:
+    """Say what was asked, after whom it was scored, and how."""
+    known = f"{short(asked)}; " if short(asked) != asked["title"] else ""
+    count, scale = len(asked["items"]), answers_in_words(asked)
+    items = f"{count} items, {scale}" if count > 1 else scale
+    after = f" after {asked['citation']}" if asked["citation"] else ""
+    rule = f": {asked['rule']}" if asked.get("rule") else ""
+    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
 def _people(results: Results) -> Method:
@@ -100,15 +118,31 @@ def _testing(results: Results, words: Vocabulary) -> Method:
         "greater": "one-sided (more discomfort under the first condition)",
         "less": "one-sided (less discomfort under the first condition)",
     }[plan["alternative"]]
-    family = words.family(plan)
-    holm = f" p values were adjusted with Holm’s (1979) method over {family}." if family else ""
     text = (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
         f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(results)} (Hollander et "
-        f"al., 2014); Z is tie-corrected, without continuity correction.{holm}"
+        f"al., 2014); Z is tie-corrected, without continuity correction. {_families(plan, words)}"
     )
     first = "pratt_1959" if pratt else "wilcoxon_1945"
-    return Method("Tests", text, (first, "wilcoxon_1945", "hollander_2014", "holm_1979"))
+    holm = ("holm_1979",) if any(each["method"] == "holm" for each in plan["families"]) else ()
+    return Method("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
+
+
+def _families(plan: Mapping[str, Any], words: Vocabulary) -> str:
+    """Say over what p values were adjusted."""
+    holm = [each for each in plan["families"] if each["method"] == "holm"]
+    if not holm:
+        return "p values are not adjusted."
+    named = [
+        ", ".join(map(words.outcome, each["outcomes"]))
+        + (" and every effect of its ANOVA" if "anova" in each["analyses"] else "")
+        for each in holm
+    ]
+    over = "; and, apart from these, ".join(named)
+    return (
+        f"p values were adjusted with Holm’s (1979) method over {over}; each time over all "
+        "comparisons."
+    )
 
 
 def _exactness(results: Results) -> str:
@@ -197,11 +231,11 @@ def _anova(results: Results) -> Method | None:
         return None
     return Method(
         "Analysis of variance",
-        "The repeated-measures ANOVA uses type III sums of squares (Maxwell et al., 2018) and "
-        "participants with a score in every cell. Sphericity: Mauchly’s (1940) test, and ε after "
-        "Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect sizes: generalised "
-        "η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval from the noncentral F "
-        "distribution (Steiger, 2004). Residuals were tested after Shapiro & Wilk (1965) and are "
+        f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
+        "al., 2018) and participants with a score in every cell. Sphericity: Mauchly’s (1940) "
+        "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
+        "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
+        "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro & Wilk (1965) and are "
         "plotted over normal quantiles at Blom’s (1958) positions.",
         ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
          "steiger_2004", "shapiro_1965", "blom_1958"),

@@ -6,6 +6,7 @@ import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
 
@@ -20,10 +21,15 @@ FEWEST_ANSWERS = 32
 """Of two questionnaires: fewer may all be above 0 by chance."""
 
 
-def notices(study: StudyData, scored: Exposures, tests: list[dict[str, Any]]) -> list[str]:
+def notices(
+    study: StudyData,
+    scored: Exposures,
+    tests: list[dict[str, Any]],
+    exclusions: list[dict[str, str]],
+) -> list[str]:
     """Return the sentences, without their full stops."""
     return [
-        *_losses(study, tests),
+        *_losses(study, tests, exclusions),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study),
@@ -37,10 +43,13 @@ def names(people: list[str]) -> str:
     return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
 
 
-def _losses(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+def _losses(
+    study: StudyData, tests: list[dict[str, Any]], exclusions: list[dict[str, str]]
+) -> list[str]:
     """Say where more than a tenth of those who met either condition are not in the test."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
     met = {(s.participant, s.condition) for s in study.sheets}
     met |= {(t["participant"], t["condition"]) for t in study.trials}
     for test in {(test["a"], test["b"]): test for test in tests}.values():
@@ -90,14 +99,21 @@ def _suspect_names(study: StudyData) -> list[str]:
 
 def _coded_from_one(study: StudyData) -> list[str]:
     """Ask where no answer is 0: all of them may be too high by one."""
-    answers = Counter(answer for sheet in study.sheets for answer in sheet.answers.values())
-    answered = sum(n for answer, n in answers.items() if answer is not None)
-    if answered < FEWEST_ANSWERS or answers[0]:
-        return []
-    return [
-        f"none of {answered} answers is 0: are they coded 1 to 4, with no 4 among them? Then every "
-        "score is too high; take 1 off each answer"
-    ]
+    answers: dict[str, Counter[int]] = defaultdict(Counter)
+    for sheet in study.sheets:
+        answers[sheet.keys["instrument"]].update(
+            answer for answer in sheet.answers.values() if answer is not None
+        )
+    found = []
+    for name, counts in answers.items():
+        instrument, answered = INSTRUMENTS[name], counts.total()
+        if instrument.low == 0 and answered >= FEWEST_ANSWERS and not counts[0]:
+            found.append(
+                f"none of {answered} answers to the {name.upper()} is 0: are they coded 1 to "
+                f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "
+                "score is too high; take 1 off each answer"
+            )
+    return found
 
 
 def _confounded(tests: list[dict[str, Any]]) -> list[str]:

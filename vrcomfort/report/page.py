@@ -49,7 +49,7 @@ def render_page(
         answers=answers(results, vocabulary),
         figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
         several=max(per_condition, default=0) > 1,
-        symptom_items=list(dict.fromkeys(row["item"] for row in results["symptoms"])),
+        symptoms=_by_instrument(results["symptoms"]),
         methods=paragraphs,
         references=entries(key for method in paragraphs for key in method.cited),
         basis=methods.basis_sentence(results["score_basis"]),
@@ -83,7 +83,7 @@ def _disagreements(results: dict[str, Any]) -> int:
 
 def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of who is tested under each condition; differences if one pair is."""
-    tests = results["tests"]
+    tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
     rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
     if len({(test["a"], test["b"]) for test in tests}) == 1:
         rows += [
@@ -91,4 +91,17 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
             for test in tests
             if not test["not_tested"]
         ]
-    return sorted(rows, key=lambda row: results["plan"]["outcomes"].index(row["outcome"]))
+    return sorted(rows, key=lambda row: order.index(row["outcome"]))
+
+
+def _by_instrument(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the answers by instrument: its conditions, and a line for each item."""
+    found = []
+    for instrument in dict.fromkeys(row["instrument"] for row in rows):
+        mine = [row for row in rows if row["instrument"] == instrument]
+        conditions = list(dict.fromkeys(row["condition"] for row in mine))
+        cells = {(row["item"], row["condition"]): row for row in mine}
+        items = dict.fromkeys(row["item"] for row in mine)
+        lines = [(item, [cells.get((item, name)) for name in conditions]) for item in items]
+        found.append({"instrument": instrument, "conditions": conditions, "lines": lines})
+    return found

@@ -25,13 +25,11 @@ def records(
     """Return the parts of results.json that are counted, not tested."""
     names = [condition["name"] for condition in results["conditions"]]
     analysed, tests = results["participants"]["analysed"], results["tests"]
-    units: dict[str, float] = {outcome: results["weights"][outcome] for outcome in plan.outcomes}
-    items = [row["item"] for row in results["items"]]
     withdrawn = find_withdrawals(study)
     return {
         "flow": participant_flow(study, scored, plan, withdrawn, tests, analysed),
-        "symptoms": symptom_rows(scored.table, items, names, tests),
-        "recovery_course": recovery_rows(scored.table, scored.recovery, units),
+        "symptoms": symptom_rows(scored, names, tests),
+        "recovery_course": recovery_rows(scored),
         "counterbalancing": counterbalancing(scored.table, names, analysed),
         "answering": answering(study, _files(source, "questionnaires.csv")),
         "stimulus_time": stimulus_time(study, names, _files(source, "frames.csv")),

@@ -1,4 +1,4 @@
-"""The literature of the methods section; the entries stand in ``analysis/references.toml``."""
+"""The literature of the methods section; its entries stand in `FILE`."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ if TYPE_CHECKING:
 FILE = "references.toml"
 
 
+def is_known(key: str) -> bool:
+    """Return whether there is such an entry."""
+    return key in _known()
+
+
 def entries(cited: Iterable[str]) -> list[str]:
     """Return the entries of these keys, in the order of the list.
 
@@ -21,9 +26,14 @@ def entries(cited: Iterable[str]) -> list[str]:
     KeyError
         If there is no such entry.
     """
-    text = (data_folder("analysis") / FILE).read_text(encoding="utf-8")
-    known: dict[str, str] = tomllib.loads(text)
+    known = _known()
     wanted = set(cited)
     if unknown := wanted - known.keys():
         raise KeyError(f"no reference {sorted(unknown)[0]}")
     return [entry for key, entry in known.items() if key in wanted]
+
+
+def _known() -> dict[str, str]:
+    text = (data_folder("analysis") / "report" / FILE).read_text(encoding="utf-8")
+    known: dict[str, str] = tomllib.loads(text)
+    return known

@@ -9,4 +9,4 @@ NAME = "reproduce.R"
 
 def r_script() -> str:
     """Return the script; it is the same for every study and reads what it needs from tables/."""
-    return (data_folder("analysis") / NAME).read_text(encoding="utf-8")
+    return (data_folder("analysis") / "report" / NAME).read_text(encoding="utf-8")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.report.pairs import pair_up
+from vrcomfort.report.estimation import differences
 
 if TYPE_CHECKING:
     from typing import Any
@@ -43,20 +43,18 @@ class Residuals:
 
 
 def residuals_of(
-    scored: Exposures, plan: Plan, tests: list[dict[str, Any]], outcome: str, unit: float
+    scored: Exposures, plan: Plan, tests: list[dict[str, Any]], outcome: str
 ) -> Residuals:
     """Take participants and cells off one score; complete participants alone."""
-    fitted, left = _of_cells(scored, plan, outcome, unit)
+    fitted, left = _of_cells(scored, plan, outcome)
     test = next((t for t in tests if t["outcome"] == outcome and not t["not_tested"]), None)
     if test is None:
         return Residuals(outcome, fitted, left, "", "", np.empty(0))
-    pairs = pair_up(scored.table, outcome, test["a"], test["b"], complete=scored.planned)
-    differences = np.asarray(pairs.differences * pairs.unit, dtype=float)
-    return Residuals(outcome, fitted, left, test["a"], test["b"], differences)
+    return Residuals(outcome, fitted, left, test["a"], test["b"], differences(scored, test))
 
 
-def _of_cells(scored: Exposures, plan: Plan, outcome: str, unit: float) -> tuple[Floats, Floats]:
-    table = scored.table
+def _of_cells(scored: Exposures, plan: Plan, outcome: str) -> tuple[Floats, Floats]:
+    table, unit = scored.table.dropna(subset=[outcome]), scored.units[outcome]
     factors = [
         factor.column
         for factor in plan.anova
@@ -64,7 +62,7 @@ def _of_cells(scored: Exposures, plan: Plan, outcome: str, unit: float) -> tuple
     ]
     if not factors:
         return np.empty(0), np.empty(0)
-    means = table.groupby(["participant", *factors])[outcome].mean() * unit
+    means = table.groupby(["participant", *factors])[outcome].mean().astype(float) * unit
     scores = means.unstack(factors).dropna().to_numpy(dtype=float)
     if len(scores) < 2:
         return np.empty(0), np.empty(0)

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import json
+from collections import Counter, defaultdict
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import SSQ, Sheet, read_long
+from vrcomfort.questionnaire import INSTRUMENTS, SSQ, Instrument, Sheet, read_long
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
 _KEYS = (
-    "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint"
+    "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint",
+    "group", "part",
 )  # fmt: skip
 NEEDED = ("participant", "condition", "item", "response")
 _NEEDED_ELSEWHERE = {
-    "participants.csv": ("participant", "status"),
+    "participants.csv": ("participant",),
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
 }
@@ -44,6 +46,40 @@ class StudyData:
     files: int
     warnings: tuple[str, ...]
 
+    @property
+    def planned_participants(self) -> int | None:
+        """Return how many participants the protocol plans, where a session's manifest says so."""
+        for manifest in reversed(self.manifests):
+            planned = (manifest.get("settings") or {}).get("participants")
+            if isinstance(planned, int) and planned > 0:
+                return planned
+        return None
+
+    def instruments_at(self, timepoint: str) -> tuple[str, ...]:
+        """Return the instruments asked at a timepoint, those with most questionnaires first."""
+        counts = Counter(s.keys["instrument"] for s in self.sheets if s.timepoint == timepoint)
+        return tuple(name for name, _ in counts.most_common())
+
+    def between(self, column: str) -> dict[str, str]:
+        """Return participant → value of a column, of those who have exactly one there.
+
+        The column may be one of participants.csv or, as `sequence`, of the questionnaires.
+        """
+        found: dict[str, set[str]] = defaultdict(set)
+        for person in self.participants:
+            found[person["participant"]].add(person.get(column, ""))
+        for sheet in self.sheets:
+            found[sheet.participant].add(sheet.keys.get(column, ""))
+        values = {who: those - {""} for who, those in found.items()}
+        return {who: next(iter(those)) for who, those in values.items() if len(those) == 1}
+
+
+def conditions_in(study: StudyData, timepoint: str) -> list[str]:
+    """Return the conditions asked about at a timepoint, in the protocol's order."""
+    order = {name: place for place, name in enumerate(study.labels)}
+    found = {sheet.condition for sheet in study.sheets if sheet.timepoint == timepoint} - {""}
+    return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
+
 
 def read_study(source: Path) -> StudyData:
     """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
@@ -59,7 +95,7 @@ def read_study(source: Path) -> StudyData:
     warnings: list[str] = []
     sheets = [sheet for file in files for sheet in _sheets(file, source, warnings)]
     if not sheets:
-        raise InputError("there is no answered SSQ in these questionnaires", file=source)
+        raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
@@ -149,6 +185,8 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
         else:
             found.require_numbers(_NUMBERS)
             rows += found.dicts()
+    if name == "participants.csv":
+        rows = [{"status": "", **row} for row in rows]
     return tuple(rows)
 
 
@@ -212,10 +250,36 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     if found.header:
         found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets = read_long(found, SSQ, _KEYS)
-    for sheet in sheets:
-        if not sheet.participant:
-            raise found.fault("a participant is missing", sheet.line, "participant")
-        sheet.keys["timepoint"] = sheet.timepoint or "post"
-        sheet.place = f"{name}, line {sheet.line}"
-    return sheets
+    sheets = []
+    for instrument in _instruments(found, name, warnings):
+        for sheet in read_long(found, instrument, _KEYS):
+            if not sheet.participant:
+                raise found.fault("a participant is missing", sheet.line, "participant")
+            sheet.keys["timepoint"] = sheet.timepoint or "post"
+            sheet.keys["instrument"] = instrument.name
+            sheet.place = f"{name}, line {sheet.line}"
+            sheets.append(sheet)
+    return sorted(sheets, key=lambda sheet: sheet.line)
+
+
+def _instruments(found: CsvTable, name: str, warnings: list[str]) -> list[Instrument]:
+    """Return the instruments of a table; answers of others are told and not used."""
+    columns = {heading.lower(): place for place, heading in enumerate(found.header)}
+    if "instrument" not in columns:
+        return [_of_the_items(found, columns)]
+    named = Counter(row[columns["instrument"]].strip().lower() for row in found.rows)
+    if blank := named.pop("", 0):
+        named[SSQ.name] += blank
+    for other in sorted(named.keys() - INSTRUMENTS.keys()):
+        known = ", ".join(INSTRUMENTS)
+        warnings.append(
+            f"{name}: {named[other]} answers of `{other}` are not used: known are {known}"
+        )
+    return [each for each in INSTRUMENTS.values() if each.name in named]
+
+
+def _of_the_items(found: CsvTable, columns: dict[str, int]) -> Instrument:
+    """Return the instrument that all items of a table are of; the SSQ if it may be it."""
+    items = {row[columns["item"]].strip() for row in found.rows} if found.rows else set()
+    may = [each for each in INSTRUMENTS.values() if all(each.item(item) for item in items)]
+    return SSQ if SSQ in may or not may else may[0]

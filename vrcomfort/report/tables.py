@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
+from vrcomfort.report.exposures import Exposures
 
 Row = dict[str, Any]
 
@@ -25,9 +25,9 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     exposures = [
         {
             **{c: row[c] for c in columns},
-            **{f"{o}_raw": int(row[o]) for o in OUTCOMES},
-            **{o: float(f"{row[o] * weights[o]:.12g}") for o in OUTCOMES},
-            **{item: int(row[item]) for item in ITEMS},
+            **{f"{o}_raw": _whole(row[o]) for o in weights},
+            **{o: _points(row[o], weights[o]) for o in weights},
+            **{item: _whole(row[item]) for item in scored.items},
         }
         for row in scored.table.to_dict("records")
     ]
@@ -51,6 +51,16 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def _whole(value: float | None) -> int | None:
+    """Return a whole number; None where there is none."""
+    return None if value is None or value != value else int(value)  # noqa: PLR0124 - NaN
+
+
+def _points(value: float | None, unit: float) -> float | None:
+    steps = _whole(value)
+    return None if steps is None else float(f"{steps * unit:.12g}")
 
 
 def to_csv(rows: list[Row]) -> str:
@@ -108,7 +118,7 @@ def _flat_test(test: Row, plan: Row) -> Row:
         "planned_b": planned[test["b"]],
         "confidence": plan["confidence"],
         "shift_interval": plan["shift_interval"],
-        "family": "primary" if test["p_holm"] is not None else None,
+        "family": test["family"],
         "not_tested": test["not_tested"],
     }
 

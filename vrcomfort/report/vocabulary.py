@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.questionnaire import INSTRUMENTS
-from vrcomfort.report.figures_of_sources import Compared
+from vrcomfort.report.figures_of_sources import SameFigures
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-NAMES = {"T": "Total severity", "N": "Nausea", "O": "Oculomotor", "D": "Disorientation"}
-SCORING = (
-    "The Simulator Sickness Questionnaire (SSQ; 16 items, 0–3) was scored after Kennedy et al. "
-    "(1993): N = 9.54 ΣN, O = 7.58 ΣO, D = 13.92 ΣD, total = 3.74 (ΣN + ΣO + ΣD)."
-)
 BASES = {"difference_from_baseline": "change from baseline", "raw_post": "score after exposure"}
 
 
@@ -27,69 +22,69 @@ class Vocabulary:
     ----------
     conditions
         Condition → label, in the one order that everything has.
-    outcomes, items
-        Score → what it is called; item → its wording.
-    units
-        Score → points per step of its raw sum.
-    basis
-        What a score says: a change, or the score itself.
-    questionnaire
-        How sentences call the instrument, such as SSQ.
+    labels
+        The same, and those of other sides of comparisons (a moment, a condition at a moment).
+    outcomes, units, bases
+        Score → what it is called, points per step of its raw sum, and what it says.
+    instruments
+        Those of the scores, as results have them.
+    same
+        Figures of the paper whose protocol this is.
     """
 
     conditions: Mapping[str, str]
+    labels: Mapping[str, str]
     outcomes: Mapping[str, str]
-    items: Mapping[str, str]
     units: Mapping[str, float]
-    basis: str
-    questionnaire: str
-    low: int
-    high: int
-    scoring: str
-    cited: tuple[str, ...]
-    compared: Compared
+    bases: Mapping[str, str]
+    instruments: tuple[Mapping[str, Any], ...]
+    same: SameFigures
 
     @classmethod
     def of(cls, results: Mapping[str, Any]) -> Vocabulary:
         """Return the words of a report's results."""
-        instrument = INSTRUMENTS[results["plan"]["instrument"]]
+        outcomes = results["outcomes"]
         return cls(
             conditions={c["name"]: c["label"] for c in results["conditions"]},
-            outcomes={o: NAMES[o] for o in results["plan"]["outcomes"]},
-            items={item.name: item.text for item in instrument.items},
-            units=results["weights"],
-            basis=BASES[results["score_basis"]],
-            questionnaire=instrument.name.upper(),
-            low=instrument.low,
-            high=instrument.high,
-            scoring=SCORING,
-            cited=("kennedy_1993",),
-            compared=Compared.of(results["study"]["protocol"]),
+            labels=results["labels"],
+            outcomes=_titles(results),
+            units={each["name"]: each["unit"] for each in outcomes},
+            bases={each["name"]: BASES[each["basis"]] for each in outcomes},
+            instruments=tuple(results["instruments"]),
+            same=SameFigures.of(results["study"]["protocol"]),
         )
 
     def condition(self, name: str) -> str:
-        """Return a condition's label."""
-        return self.conditions.get(name, name)
+        """Return the label of a condition, or of another side of a comparison."""
+        return self.labels.get(name, name)
 
-    def place(self, condition: str) -> int:
-        """Return a condition's place in the order of all, which gives its colour and shape."""
-        return list(self.conditions).index(condition)
+    def place(self, name: str) -> int:
+        """Return the place in the order of all, which gives colour and shape."""
+        return list(self.labels).index(name)
 
     def outcome(self, name: str) -> str:
         """Return what a score is called."""
         return self.outcomes.get(name, name)
 
-    def item(self, name: str) -> str:
+    @property
+    def basis(self) -> str:
+        """Return what the primary score says: a change, or the score itself."""
+        return next(iter(self.bases.values()), "")
+
+    @property
+    def questionnaire(self) -> str:
+        """Return how sentences call the instruments, such as SSQ."""
+        return " and ".join(short(each) for each in self.instruments)
+
+    def item(self, instrument: str, name: str) -> str:
         """Return a question's wording."""
-        return self.items.get(name, name)
+        found = next((i for i in self.instruments if i["name"] == instrument), {"items": ()})
+        return next((i["text"] for i in found["items"] if i["name"] == name), name)
 
-    def unit(self, outcome: str) -> float:
-        """Return the points of a score per step of its raw sum."""
-        return self.units[outcome]
-
-    def family(self, plan: Mapping[str, Any]) -> str:
-        """Return what p values are adjusted over; blank where they are not."""
-        return f"{', '.join(map(self.outcome, plan['family']))} and all comparisons"
+    def answers(self, instrument: str) -> str:
+        """Return the range of an instrument's answers, such as 0 to 3."""
+        found = next((i for i in self.instruments if i["name"] == instrument), None)
+        return answers_in_words(found) if found else ""
 
     def term(self, text: str) -> str:
         """Return a term of a model, such as ``condition: a − b``, with labels."""
@@ -99,3 +94,26 @@ class Vocabulary:
         if factor == "condition":
             levels = " − ".join(map(self.condition, levels.split(" − ")))
         return f"{factor}: {levels}"
+
+
+def short(instrument: Mapping[str, Any]) -> str:
+    """Return what sentences call an instrument."""
+    return str(instrument.get("short") or instrument["name"].upper())
+
+
+def answers_in_words(instrument: Mapping[str, Any]) -> str:
+    """Return the range of an instrument's answers."""
+    return str(instrument.get("answers") or f"{instrument['low']} to {instrument['high']}")
+
+
+def _titles(results: Mapping[str, Any]) -> dict[str, str]:
+    """Return score → title; with the instrument's name where two have the same one."""
+    outcomes = results["outcomes"]
+    count = Counter(each["title"] for each in outcomes)
+    shorts = {each["name"]: short(each) for each in results["instruments"]}
+    return {
+        each["name"]: each["title"]
+        if count[each["title"]] == 1
+        else f"{shorts[each['instrument']]} {each['title'].lower()}"
+        for each in outcomes
+    }

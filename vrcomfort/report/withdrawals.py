@@ -164,7 +164,12 @@ def everybody(study: StudyData) -> list[str]:
 
 
 def why_not(
-    study: StudyData, scored: Exposures, found: list[Withdrawal], *, in_every_test: set[str]
+    study: StudyData,
+    scored: Exposures,
+    found: list[Withdrawal],
+    exclusions: list[dict[str, str]],
+    *,
+    in_every_test: set[str],
 ) -> list[dict[str, str]]:
     """Return everybody else, who is in no test or not in all, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
@@ -176,6 +181,9 @@ def why_not(
         if person["status"] == "excluded":
             note = person.get("note") or "no reason noted"
             reasons[person["participant"]].append(f"excluded by the experimenter ({note})")
+    for row in exclusions:
+        what = "" if row["what"] == "participant" else f"{row['what']}: "
+        reasons[row["participant"]].append(f"{what}rule {row['rule']} ({row['reason']})")
     for row in scored.excluded:
         reasons[row["participant"]].append(f"{row['questionnaire']}: {row['reason']}")
     default = ["not every exposure has a questionnaire"]
