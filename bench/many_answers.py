@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import build as report
 from vrcomfort.report.plan import plan_of
 
@@ -26,7 +26,7 @@ SEED = 20150323
 def write_study(file: Path, people: int) -> int:
     """Write ``questionnaires.csv`` and return its number of answers."""
     random = np.random.default_rng(SEED)
-    items = [item.name for item in SSQ.items]
+    items = [item.name for item in shipped_instruments()["ssq"].items]
     rows = 0
     with file.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)

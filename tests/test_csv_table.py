@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.support.report import ITEMS, foreign
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_ssq
+from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.study_data import read_study
 from vrcomfort.traces.trace import read_trace
 
@@ -25,7 +25,7 @@ TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
         "participant,condition,item,response\nP1,a,nausea,1\nP1,a,fatigue,0\n",
     ),
     "answers.csv": (
-        score_ssq,
+        lambda file: score_file(file, shipped_instruments()["ssq"]),
         f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',2' * 16}\n",
     ),
 }

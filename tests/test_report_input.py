@@ -6,7 +6,7 @@ import pytest
 
 from tests.support.report import Study, build_report, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_ssq
+from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
 from vrcomfort.resources import data_folder
@@ -103,7 +103,7 @@ def test_semicolons_are_named(tmp_path):
     with pytest.raises(InputError, match="separated by `;`"):
         build_report(file, out=tmp_path / "o")
     with pytest.raises(InputError, match="separated by `;`"):
-        score_ssq(file)
+        score_file(file, shipped_instruments()["ssq"])
 
 
 @pytest.mark.parametrize("source", ["nothing", "empty"])

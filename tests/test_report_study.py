@@ -11,7 +11,7 @@ import pytest
 from tests.support.report import ITEMS, Study, answers, build_report, carnegie_like, foreign
 from tests.support.resume import go
 from tests.support.study import Scripted
-from vrcomfort.questionnaire import score, score_ssq
+from vrcomfort.questionnaire import score, score_file, shipped_instruments
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
 
@@ -25,9 +25,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def total_raw(total: int) -> int:
-    found = score(answers(total))
+    found = score(shipped_instruments()["ssq"], answers(total))["T"]
     assert found is not None
-    return found.total_raw
+    return found.raw
 
 
 @pytest.fixture(scope="module")
@@ -318,7 +318,9 @@ def test_what_is_reported_of_a_frozen_exposure_is_its_live_time(tmp_path):
 def test_scores_of_a_session_that_was_resumed_have_each_questionnaire_once(tmp_path):
     go(tmp_path, Scripted(interrupt_at_item="nausea"))
     go(tmp_path, Scripted(), resume=True)
-    rows = score_ssq(tmp_path / "S/sub-P01/ses-1/questionnaires.csv")
+    rows = score_file(
+        tmp_path / "S/sub-P01/ses-1/questionnaires.csv", shipped_instruments()["ssq"]
+    ).rows
     moments = [row["timepoint"] for row in rows]
     assert moments == ["baseline", "post", "baseline", "post", "recovery"]
     assert all(row["total"] is not None for row in rows)

@@ -9,9 +9,9 @@ import random
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 
-ITEMS = tuple(item.name for item in SSQ.items)
+ITEMS = tuple(item.name for item in shipped_instruments()["ssq"].items)
 PEOPLE = tuple(f"P{n:02d}" for n in range(1, 11))
 CONDITIONS = ("blur", "plain")
 TIMES = ("baseline", "post")
@@ -49,7 +49,7 @@ def write(
     return file
 
 
-ENGLISH = tuple(item.text for item in SSQ.items)
+ENGLISH = tuple(item.text for item in shipped_instruments()["ssq"].items)
 GERMAN = (
     "Allgemeines Unwohlsein", "Ermüdung", "Kopfschmerzen", "Überanstrengte Augen",
     "Schwierigkeiten beim Scharfsehen", "Erhöhter Speichelfluss", "Schwitzen", "Übelkeit",

@@ -52,6 +52,13 @@ def report(
             "--list-plans", callback=_list, is_eager=True, help="List the shipped plans and exit."
         ),
     ] = False,
+    instrument: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="Report the answers to this instrument alone; all that were asked without it.",
+        ),
+    ] = None,
     simulated: Annotated[
         bool,
         typer.Option(
@@ -71,7 +78,11 @@ def report(
 
     with progress_bar("analysing", None, quiet=quiet):
         summary = build_report(
-            study, plan=plan, out=output_folder(out), simulated=simulated or None
+            study,
+            plan=plan,
+            instrument=instrument,
+            out=output_folder(out),
+            simulated=simulated or None,
         )
     for warning in summary.warnings:
         warn(warning)

@@ -41,10 +41,12 @@ class AnswerReader:
         self._table = table
         self._item = item
         self._name = instrument.name
-        self._low, self._high = instrument.low, instrument.high
+        found = instrument.item(item)
+        answers = instrument.answers if found is None else found.answers
+        self._low, self._high = int(answers.low), int(answers.high)
         coded_from = source.coded_from if own.coded_from is None else own.coded_from
         self._coded_from = coded_from
-        self._offset = instrument.low - coded_from if coded_from is not None else 0
+        self._offset = self._low - coded_from if coded_from is not None else 0
         self._words = {" ".join(word.split()): answer for word, answer in words.items()}
         self._folded = {word.casefold(): answer for word, answer in self._words.items()}
         self._missing = {"", *missing, *source.missing, *own.missing}

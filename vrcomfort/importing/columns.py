@@ -9,7 +9,7 @@ from difflib import get_close_matches
 
 from vrcomfort.importing.mapping import FACTS, Questionnaire, Scores, Table, template_pattern
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 
 
 @dataclass(frozen=True)
@@ -219,10 +219,10 @@ def instrument_named(name: str, table: SourceTable) -> Instrument:
     InputError
         If there is none of this name.
     """
-    if name not in INSTRUMENTS:
-        known = ", ".join(INSTRUMENTS)
+    if name not in shipped_instruments():
+        known = ", ".join(shipped_instruments())
         raise table.fault(f"the mapping's instrument {name!r} is not known; there are {known}")
-    return INSTRUMENTS[name]
+    return shipped_instruments()[name]
 
 
 def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:

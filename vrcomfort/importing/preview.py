@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 
 from vrcomfort.importing.rows import Imported, Moment
-from vrcomfort.questionnaire.instruments import INSTRUMENTS
+from vrcomfort.questionnaire import shipped_instruments
 
 FIRST = 8
 
@@ -39,7 +39,7 @@ def _shown(m: Moment) -> list[str]:
 
 def _in_order(instrument: str, answers: dict[str, int | None]) -> str:
     """Return the answers in the instrument's order, ``.`` where one is missing."""
-    items = [item.name for item in INSTRUMENTS[instrument].items]
+    items = [item.name for item in shipped_instruments()[instrument].items]
     return " ".join(_cell(answers[item]) for item in items if item in answers)
 
 

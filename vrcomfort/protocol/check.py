@@ -105,5 +105,3 @@ def _ratings(protocol: Protocol) -> Iterator[Problem]:
     if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
         message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
         yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
-    if ratings and ratings.instrument == "misc" and (ratings.stop_at or 0) > 10:
-        yield Problem(("ratings", "stop_at"), "MISC ends at 10; choose a stop rule within 1 to 10")

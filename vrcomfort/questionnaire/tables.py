@@ -6,13 +6,15 @@ error and not a missing value.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire.instruments import SSQ, Instrument, Item
+from vrcomfort.questionnaire.answers import Answer, exact
+from vrcomfort.questionnaire.instruments import Instrument, Item
 
 LONG_KEYS = ("participant", "session", "trial", "condition", "timepoint")
 
@@ -37,7 +39,7 @@ class Sheet:
 
     line: int
     keys: dict[str, str]
-    answers: dict[str, int | None] = field(default_factory=dict)
+    answers: dict[str, Answer | None] = field(default_factory=dict)
     place: str = ""
     run: int = 0
 
@@ -95,9 +97,7 @@ class Sheet:
             raise table.fault(f"`{item.name}` is answered twice in one questionnaire", line, "item")
 
 
-def read_sheets(
-    file: Path, instrument: Instrument = SSQ, *, allow_blank: bool = False
-) -> list[Sheet]:
+def read_sheets(file: Path, instrument: Instrument, *, allow_blank: bool = False) -> list[Sheet]:
     """Read a wide or a long CSV file, whichever it is.
 
     Long files have columns `item` and `response` (as ``questionnaires.csv``); in wide ones every
@@ -135,8 +135,8 @@ def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list
         }
         sheet = Sheet(line, keys)
         for index, item in columns.items():
-            answer = _answer(table, instrument, cells[index], line, table.header[index])
-            if answer is None and not allow_blank:
+            answer = _answer(table, item, cells[index], line, table.header[index])
+            if answer is None and not allow_blank and not instrument.may_miss(item):
                 message = "this answer is missing; `score --skip-incomplete` leaves such rows out"
                 raise table.fault(message, line, table.header[index])
             sheet.answers[item.name] = answer
@@ -154,13 +154,13 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
             raise table.fault(f"a second column for `{item.name}`; keep one", 1, heading)
         columns[index] = item
     _require_one_candidate(table, instrument, columns)
-    missing = [item for item in instrument.items if item not in columns.values()]
+    missing = [item for item in instrument.asked if item not in columns.values()]
     if missing:
         others = [heading for heading in table.header if instrument.item(heading) is None]
         near = next((each for each in others if instrument.nearest(each) == missing[0].name), None)
         hint = f"; is it `{near}`?" if near else ""
         names = ", ".join(item.name for item in missing)
-        raise table.fault(f"no column for {instrument.name.upper()} item {names}{hint}", 1)
+        raise table.fault(f"no column for {instrument.short} item {names}{hint}", 1)
     return columns
 
 
@@ -179,23 +179,24 @@ def _require_one_candidate(
             raise table.fault(message, 1, heading)
 
 
-def _answer(
-    table: CsvTable, instrument: Instrument, cell: str, line: int, column: str
-) -> int | None:
+def _answer(table: CsvTable, item: Item, cell: str, line: int, column: str) -> Answer | None:
     text = cell.strip()
-    if text in instrument.plain_answers:
-        return int(text)
+    answers = item.answers
+    if text in answers.plain:
+        return answers.plain[text]
     if not text:
         return None
     number = _number(text)
-    if not number.is_integer():
-        raise table.fault(f"`{text}` is not a whole number", line, column)
-    answer = int(number)
-    if not instrument.low <= answer <= instrument.high:
-        hint = "; answers coded from 1 need 1 taken off" if answer == instrument.high + 1 else ""
-        limits = f"{instrument.low} to {instrument.high}"
-        raise table.fault(f"{answer} is out of range, answers are {limits}{hint}", line, column)
-    return answer
+    if not math.isfinite(number) or (exact(number) / answers.resolution).denominator != 1:
+        what = "a whole number" if answers.resolution == 1 else f"one of {answers.in_words}"
+        raise table.fault(f"`{text}` is not {what}", line, column)
+    if not answers.low <= number <= answers.high:
+        hint = "; answers coded from 1 need 1 taken off" if number == answers.high + 1 else ""
+        message = f"{number:g} is out of range, answers are {answers.in_words}{hint}"
+        raise table.fault(message, line, column)
+    if not answers.has(number):
+        raise table.fault(f"`{text}` is not one of {answers.in_words}", line, column)
+    return int(number) if number.is_integer() else number
 
 
 def _number(text: str) -> float:
@@ -206,7 +207,9 @@ def _number(text: str) -> float:
         return float("nan")
 
 
-def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> list[Sheet]:
+def read_long(
+    table: CsvTable, instrument: Instrument, keys: Sequence[str], *, nameless: bool = True
+) -> list[Sheet]:
     """Read a table with a row for each answer, in the order in which they were given.
 
     Rows of other instruments are left alone. What a session asked again after it had been resumed
@@ -216,6 +219,8 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     ----------
     keys
         Columns that say whose a sheet is; one that the table does not have is blank.
+    nameless
+        Whether rows that name no instrument are of this one.
 
     Raises
     ------
@@ -227,7 +232,8 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     names = [heading.lower() for heading in table.header]
     for line, cells in zip(table.lines, table.rows, strict=True):
         row = dict(zip(names, map(str.strip, cells), strict=True))
-        if (row.get("instrument") or instrument.name).lower() == instrument.name:
+        name = row.get("instrument", "").lower()
+        if name == instrument.name or (nameless and not name):
             sheets.add(row, line)
     return list(sheets.found.values())
 
@@ -254,7 +260,7 @@ class _LongSheets:
             sheet = Sheet(line, dict(zip(self._keys, whose, strict=True)), run=run)
             self.found[*whose, run] = sheet
         sheet.require_unanswered(item, self._table, line)
-        answer = _answer(self._table, self._instrument, row["response"], line, "response")
+        answer = _answer(self._table, item, row["response"], line, "response")
         sheet.answers[item.name] = answer
 
     def _run(self, row: Mapping[str, str], whose: tuple[str, ...], item: str) -> int:
@@ -274,4 +280,4 @@ class _LongSheets:
 def _unknown_item(instrument: Instrument, heading: str) -> str:
     near = instrument.nearest(heading)
     hint = f"; did you mean `{near}`?" if near else ""
-    return f"`{heading}` is not an item of the {instrument.name.upper()}{hint}"
+    return f"`{heading}` is not an item of the {instrument.short}{hint}"

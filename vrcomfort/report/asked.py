@@ -6,13 +6,14 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from vrcomfort.questionnaire import score_all
 from vrcomfort.report.baselines import Values, moment_of
-from vrcomfort.report.outcomes import Outcome, outcomes_in
+from vrcomfort.report.outcomes import Outcome, item_column, items_of
 
 if TYPE_CHECKING:
-    from fractions import Fraction
-
-    from vrcomfort.questionnaire import Sheet
+    from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
@@ -80,48 +81,60 @@ def left_out(sheet: Sheet, reason: str) -> dict[str, str]:
 class Scorer:
     """Scores the questionnaires of one instrument as a plan has it."""
 
+    instrument: Instrument
     outcomes: tuple[Outcome, ...]
-    items: tuple[str, ...]
-    """That scores are made of, of the instrument; all of them are needed, or most."""
     prorate: bool
     fewest: float
     """Share of the items that must be answered to prorate."""
 
     @classmethod
-    def of(cls, instrument: str, outcomes: tuple[Outcome, ...], plan: Plan) -> Scorer:
+    def of(cls, instrument: Instrument, outcomes: tuple[Outcome, ...], plan: Plan) -> Scorer:
         """Return the scorer of an instrument's outcomes."""
-        loaded = [item for each in outcomes_in([instrument]) for item in each.loadings]
         return cls(
-            tuple(each for each in outcomes if each.instrument == instrument),
-            tuple(dict.fromkeys(loaded)),
+            instrument,
+            tuple(each for each in outcomes if each.instrument == instrument.name),
             plan.missing_items == "prorate",
             plan.min_answered,
         )
 
-    def values(self, sheet: Sheet) -> Values | None:
+    @property
+    def items(self) -> tuple[str, ...]:
+        """Return the columns of the answers that scores are made of."""
+        return tuple(item_column(self.instrument, i) for i in items_of(self.instrument))
+
+    def values_of(self, sheets: list[Sheet]) -> list[Values | None]:
         """Return raw scores and answers; None of a questionnaire with too few answers."""
-        answers = sheet.answers
-        absent = self.absent(sheet)
-        if absent and not self._enough(len(absent)):
+        found = score_all(self.instrument, [sheet.answers for sheet in sheets])
+        needed = {*self.instrument.needed, *(each.scale.name for each in self.outcomes)}
+        whole = np.logical_and.reduce([found.known[name] for name in sorted(needed)]).tolist()
+        names = [each.name for each in self.outcomes]
+        raw = [found.raw[each.scale.name].tolist() for each in self.outcomes]
+        columns = list(zip(items_of(self.instrument), self.items, strict=True))
+        return [
+            {column: sheet.answers.get(item) for item, column in columns}
+            | dict(zip(names, scores, strict=True))
+            if complete
+            else self._prorated(sheet, columns)
+            for sheet, complete, scores in zip(sheets, whole, zip(*raw, strict=True), strict=True)
+        ]
+
+    def _prorated(self, sheet: Sheet, columns: list[tuple[str, str]]) -> Values | None:
+        absent, count = len(self.absent(sheet)), len(self.instrument.asked)
+        if not self.prorate or count - absent < self.fewest * count:
             return None
-        found: Values = {item: answers.get(item) for item in self.items}
+        found: Values = {column: sheet.answers.get(item) for item, column in columns}
         for outcome in self.outcomes:
-            found[outcome.name] = self._score(outcome, sheet)
+            found[outcome.name] = outcome.prorated(sheet.answers, self.instrument)
         return None if any(found[each.name] is None for each in self.outcomes) else found
 
-    def _score(self, outcome: Outcome, sheet: Sheet) -> int | Fraction | None:
-        whole = outcome.raw(sheet.answers)
-        return outcome.prorated(sheet.answers) if whole is None and self.prorate else whole
-
     def absent(self, sheet: Sheet) -> list[str]:
-        """Return the items without an answer."""
-        return [item for item in self.items if sheet.answers.get(item) is None]
-
-    def _enough(self, absent: int) -> bool:
-        return self.prorate and len(self.items) - absent >= self.fewest * len(self.items)
+        """Return the asked items without an answer."""
+        return [i.name for i in self.instrument.asked if sheet.answers.get(i.name) is None]
 
     def refusal(self, sheet: Sheet) -> str:
         """Say why a questionnaire is not scored."""
         absent = self.absent(sheet)
+        if not absent:
+            return "incomplete: no weights are given"
         names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
         return f"incomplete: no answer to {names}"

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.questionnaire import Sheet
 
-Values = dict[str, int | Fraction | None]
+Values = dict[str, int | float | Fraction | None]
 """Outcome or item → raw score or answer."""
 Moment = tuple[str, str, str, str]
 """Participant, session, number of the exposure, condition; blank where it is not said."""

@@ -70,6 +70,7 @@ def build_report(
     source: Path,
     *,
     plan: str | Path | None = None,
+    instrument: str | None = None,
     out: Path,
     simulated: bool | None = None,
     forms: Collection[Form] = FORMS,
@@ -83,6 +84,8 @@ def build_report(
     plan
         An analysis plan, or the name of a shipped one; without one, the shipped plan of the
         study's protocol, or one that is derived from the data. It is written beside the report.
+    instrument
+        The name or the file of the only instrument to report; all that were asked without it.
     simulated
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
@@ -99,7 +102,7 @@ def build_report(
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    study = _of_one_kind(read_study(Path(source)), simulated)
+    study = _of_one_kind(read_study(Path(source), instrument), simulated)
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))
@@ -153,10 +156,10 @@ def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
         If the plan cannot be found or is wrong, with line and column.
     """
     if plan is not None:
-        return load_plan(find_plan(plan))
+        return load_plan(find_plan(plan), study.instruments.values())
     shipped = {each.name: each.file for each in shipped_plans()}
     file = shipped.get(study.protocol or "")
-    return load_plan(file) if file else plan_of(study)
+    return load_plan(file, study.instruments.values()) if file else plan_of(study)
 
 
 def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:

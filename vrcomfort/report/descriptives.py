@@ -132,12 +132,11 @@ def mean_answers(
         for c in conditions
     }
     means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
-    instrument = {i: o.instrument for o in scored.outcomes for i in o.loadings}
     return [
         {
             "item": item,
-            "instrument": instrument.get(item, scored.outcomes[0].instrument),
-            **{c: float(mean[item]) for c, mean in means.items()},
+            "instrument": instrument,
+            **{c: float(mean[column]) for c, mean in means.items()},
         }
-        for item in items
+        for column, (instrument, item) in scored.items.items()
     ]

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.outcomes import find_outcome
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.settings import did_you_mean
 
@@ -47,12 +48,12 @@ def apply_rules(scored: Exposures, study: StudyData, plan: Plan) -> tuple[Exposu
     return _without(scored, gone), found
 
 
-def rules_in_words(plan: Plan, found: list[Found]) -> list[dict[str, Any]]:
+def rules_in_words(plan: Plan, scored: Exposures, found: list[Found]) -> list[dict[str, Any]]:
     """Return each rule, and how many rows of `apply_rules` are due to it."""
     return [
         {
             "name": rule.name,
-            "text": _in_words(rule, plan),
+            "text": _in_words(rule, plan, scored),
             "reason": rule.reason,
             "excluded": sum(row["rule"] == rule.name for row in found),
         }
@@ -98,7 +99,7 @@ def _hits(
 def _by_score(rule: Exclusion, scored: Exposures, plan: Plan) -> Iterator[tuple[Key, str]]:
     timepoint = rule.timepoint or plan.exposure_timepoint
     rows = scored.moments[scored.moments["timepoint"] == timepoint].dropna(subset=[rule.score])
-    title = find_outcome(rule.score).title
+    title = scored.titles[rule.score]
     for row in rows.to_dict("records"):
         value = float(row[rule.score]) * scored.units[rule.score]
         if _outside(rule, value):
@@ -135,7 +136,7 @@ def _without(scored: Exposures, gone: set[Key]) -> Exposures:
     def left(table: pd.DataFrame) -> pd.DataFrame:
         keys = zip(table["participant"], table["session"], table["number"], strict=True)
         keep = [key not in gone and (key[0], "", "") not in gone for key in keys]
-        return table[keep].reset_index(drop=True)
+        return table[np.array(keep, dtype=bool)].reset_index(drop=True)
 
     if not gone:
         return scored
@@ -147,12 +148,12 @@ def _without(scored: Exposures, gone: set[Key]) -> Exposures:
     )
 
 
-def _in_words(rule: Exclusion, plan: Plan) -> str:
+def _in_words(rule: Exclusion, plan: Plan, scored: Exposures) -> str:
     what = "participants" if rule.removes == "participant" else "exposures"
     if rule.participants:
         return f"participants {', '.join(rule.participants)}"
     if rule.score:
-        by = f"{find_outcome(rule.score).title} at {rule.timepoint or plan.exposure_timepoint}"
+        by = f"{scored.titles[rule.score]} at {rule.timepoint or plan.exposure_timepoint}"
     else:
         by = rule.trial or rule.column
     limits = [f"above {rule.above:g}"] if rule.above is not None else []

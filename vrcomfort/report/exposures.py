@@ -19,13 +19,13 @@ from vrcomfort.report.asked import (
 )
 from vrcomfort.report.baselines import Baselines, Values
 from vrcomfort.report.facts import Facts
-from vrcomfort.report.outcomes import Outcome, find_outcome
+from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, unknown_outcome
 from vrcomfort.report.planned import planned_exposures
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from vrcomfort.questionnaire import Sheet
+    from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
@@ -53,7 +53,7 @@ class Exposures:
     bases
         Outcome → what its scores are.
     items
-        Items that the scores are made of; columns as well.
+        Column of an item that scores are made of → its instrument, and its name.
     table
         One row per exposure with a usable questionnaire: `COLUMNS` (position in the session, or
         among all if sessions have one exposure each; early is 1 if the exposure was not finished),
@@ -77,13 +77,18 @@ class Exposures:
     absent: tuple[str, ...]
     units: dict[str, float]
     bases: dict[str, Basis]
-    items: tuple[str, ...]
+    items: dict[str, tuple[str, str]]
     table: pd.DataFrame
     recovery: pd.DataFrame
     moments: pd.DataFrame
     excluded: tuple[dict[str, str], ...]
     planned_of: dict[str, dict[str, int]]
     people: dict[str, dict[str, str]]
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """Return outcome → what readers call it."""
+        return {outcome.name: outcome.title for outcome in self.outcomes}
 
     @property
     def basis(self) -> Basis:
@@ -109,7 +114,7 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     kept = kept_by_the_experimenter(study)
     check_timepoints(kept, plan)
     there = set(study.instruments_at(plan.exposure_timepoint))
-    wanted = tuple(find_outcome(name) for name in plan.outcomes)
+    wanted = outcomes_of_plan(study, plan)
     outcomes = tuple(each for each in wanted if each.instrument in there)
     if not outcomes and study.sheets:
         have = ", ".join(sorted({sheet.keys["instrument"] for sheet in study.sheets}))
@@ -121,8 +126,25 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
         )
     work = _Work(study, plan, Facts.of(study, plan), outcomes)
     for instrument in dict.fromkeys(each.instrument for each in outcomes):
-        work.add([s for s in kept if s.keys["instrument"] == instrument], instrument)
+        work.add(
+            [s for s in kept if s.keys["instrument"] == instrument], study.instruments[instrument]
+        )
     return work.done(tuple(each.name for each in wanted if each not in outcomes))
+
+
+def outcomes_of_plan(study: StudyData, plan: Plan) -> tuple[Outcome, ...]:
+    """Return the outcomes that a plan names.
+
+    Raises
+    ------
+    InputError
+        If no instrument of the study, and no shipped one, has one of them.
+    """
+    known = known_outcomes(study.instruments.values())
+    for index, name in enumerate(plan.outcomes):
+        if name not in known:
+            raise plan.fault(unknown_outcome(name, known), "outcomes", index)
+    return tuple(known[name] for name in plan.outcomes)
 
 
 class _Work:
@@ -133,20 +155,20 @@ class _Work:
     ) -> None:
         self._study, self._plan, self._facts = study, plan, facts
         self._outcomes = outcomes
-        self._items: list[str] = []
+        self._items: dict[str, tuple[str, str]] = {}
         self._excluded: list[dict[str, str]] = []
         self._bases: dict[str, Basis] = {}
         self._planned: dict[str, dict[str, int]] = {}
         self._after: dict[tuple[Any, ...], Row] = {}
         self._moments: dict[tuple[Any, ...], Row] = {}
 
-    def add(self, kept: list[Sheet], instrument: str) -> None:
+    def add(self, kept: list[Sheet], instrument: Instrument) -> None:
         """Score the sheets of one instrument."""
         plan = self._plan
         named = timepoints_of(plan)
         sheets = last_runs([s for s in kept if s.timepoint in named], plan, self._excluded)
         scorer = Scorer.of(instrument, self._outcomes, plan)
-        scored = [(sheet, scorer.values(sheet)) for sheet in sheets]
+        scored = list(zip(sheets, scorer.values_of(sheets), strict=True))
         for sheet, values in scored:
             if values is None:
                 self._excluded.append(left_out(sheet, scorer.refusal(sheet)))
@@ -161,11 +183,12 @@ class _Work:
             if values is not None and sheet.timepoint != plan.baseline_timepoint:
                 self._row(sheet, values, baselines, subtract=subtract, conditions=conditions)
         met = [sheet for sheet in posts if sheet.condition or not conditions]
-        planned = planned_exposures(self._study, plan, met, instrument)
+        planned = planned_exposures(self._study, plan, met, instrument.name)
         for outcome in scorer.outcomes:
             self._bases[outcome.name] = "difference_from_baseline" if subtract else "raw_post"
             self._planned[outcome.name] = planned
-        self._items += scorer.items
+        names = items_of(instrument)
+        self._items |= {c: (instrument.name, i) for c, i in zip(scorer.items, names, strict=True)}
 
     def _row(
         self,
@@ -205,7 +228,7 @@ class _Work:
             absent=absent,
             units={o.name: o.unit / steps[o.name] for o in self._outcomes if o.name in names},
             bases={name: self._bases[name] for name in names},
-            items=tuple(self._items),
+            items=dict(self._items),
             table=table[posts].reset_index(drop=True),
             recovery=table[~posts].reset_index(drop=True),
             moments=pd.DataFrame(_whole(moments, steps), columns=[*COLUMNS, *names]),

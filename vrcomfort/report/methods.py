@@ -90,7 +90,7 @@ def _instrument(asked: Mapping[str, Any]) -> str:
     count, scale = len(asked["items"]), answers_in_words(asked)
     items = f"{count} items, {scale}" if count > 1 else scale
     after = f" after {asked['citation']}" if asked["citation"] else ""
-    rule = f": {asked['rule']}" if asked.get("rule") else ""
+    rule = f": {asked['rule']}" if asked["rule"] else ""
     return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
 
 
@@ -235,8 +235,8 @@ def _anova(results: Results) -> Method | None:
         "al., 2018) and participants with a score in every cell. Sphericity: Mauchly’s (1940) "
         "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
         "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
-        "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro & Wilk (1965) and are "
-        "plotted over normal quantiles at Blom’s (1958) positions.",
+        "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro "
+        "& Wilk (1965) and are plotted over normal quantiles at Blom’s (1958) positions.",
         ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
          "steiger_2004", "shapiro_1965", "blom_1958"),
     )  # fmt: skip

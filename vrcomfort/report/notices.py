@@ -6,11 +6,11 @@ import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
 
 if TYPE_CHECKING:
+    from vrcomfort.questionnaire import Answer
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
 
@@ -99,17 +99,17 @@ def _suspect_names(study: StudyData) -> list[str]:
 
 def _coded_from_one(study: StudyData) -> list[str]:
     """Ask where no answer is 0: all of them may be too high by one."""
-    answers: dict[str, Counter[int]] = defaultdict(Counter)
+    answers: dict[str, Counter[Answer]] = defaultdict(Counter)
     for sheet in study.sheets:
         answers[sheet.keys["instrument"]].update(
             answer for answer in sheet.answers.values() if answer is not None
         )
     found = []
     for name, counts in answers.items():
-        instrument, answered = INSTRUMENTS[name], counts.total()
+        instrument, answered = study.instruments[name], counts.total()
         if instrument.low == 0 and answered >= FEWEST_ANSWERS and not counts[0]:
             found.append(
-                f"none of {answered} answers to the {name.upper()} is 0: are they coded 1 to "
+                f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
                 f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "
                 "score is too high; take 1 off each answer"
             )

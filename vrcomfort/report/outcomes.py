@@ -8,84 +8,124 @@ from difflib import get_close_matches
 from fractions import Fraction
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import INSTRUMENTS, LOADINGS, WEIGHTS, Instrument
+from vrcomfort.questionnaire import Answer, Instrument, Scale, shipped_instruments
+from vrcomfort.questionnaire.answers import exact
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A score of an instrument: a weighted sum of integer answers, times points per step.
+    """A score of an instrument, in whole steps of one size.
 
     Parameters
     ----------
-    loadings
-        Item → whole number by which its answer counts.
+    name
+        As plans and tables call it.
+    title
+        As readers know it; with the instrument's name where scores of several have one title.
+    instrument
+        Name of the instrument.
+    scale
+        How it is scored.
     unit
-        Points per step of that sum.
+        Points per step.
     parts
-        Names of the outcomes that it is summed from; blank for a score of its own.
+        Names of the outcomes that it is made of; blank for a score of its own.
+    sums
+        Item → (slope, intercept) of what it adds in steps of its answer; blank where a person's
+        weights decide.
     """
 
     name: str
     title: str
     instrument: str
-    loadings: Mapping[str, int]
+    scale: Scale
     unit: float
     parts: tuple[str, ...] = ()
+    sums: Mapping[str, tuple[Fraction, Fraction]] | None = None
 
-    def raw(self, answers: Mapping[str, int | None]) -> int | None:
-        """Return the sum of the answers; None where one that counts is missing."""
-        total = 0
-        for item, times in self.loadings.items():
-            answer = answers.get(item)
-            if answer is None:
-                return None
-            total += times * answer
-        return total
-
-    def prorated(self, answers: Mapping[str, int | None]) -> Fraction | None:
-        """Return the sum that the answered items give if the missing ones are like them."""
-        given = {item: answers.get(item) for item in self.loadings}
-        counted = sum(self.loadings[item] for item, answer in given.items() if answer is not None)
-        if not counted:
+    def prorated(
+        self, answers: Mapping[str, Answer | None], instrument: Instrument
+    ) -> Fraction | None:
+        """Return the steps that the answered items give if the missing ones are like them."""
+        if self.sums is None:
             return None
-        total = sum(self.loadings[i] * answer for i, answer in given.items() if answer is not None)
-        return Fraction(total * sum(self.loadings.values()), counted)
-
-
-_SSQ_TITLES = {"T": "Total severity", "N": "Nausea", "O": "Oculomotor", "D": "Disorientation"}
-
-
-def _of_the_ssq() -> Iterable[Outcome]:
-    total = {item: len(loads) for item, loads in LOADINGS.items()}
-    yield Outcome("T", _SSQ_TITLES["T"], "ssq", total, WEIGHTS["T"], ("N", "O", "D"))
-    for part in "NOD":
-        loadings = {item: 1 for item, loads in LOADINGS.items() if part in loads}
-        yield Outcome(part, _SSQ_TITLES[part], "ssq", loadings, WEIGHTS[part])
+        added, counted = Fraction(0), Fraction(0)
+        for item in instrument.items:
+            answer = answers.get(item.name)
+            if item.name in self.sums and answer is not None:
+                slope, intercept = self.sums[item.name]
+                added += slope * exact(answer) / item.answers.resolution + intercept
+                counted += abs(slope)
+        whole = sum((abs(slope) for slope, _ in self.sums.values()), Fraction(0))
+        return added * whole / counted if counted else None
 
 
 def outcomes_of(instrument: Instrument) -> tuple[Outcome, ...]:
-    """Return the scores of an instrument; of a single-item scale, the answer."""
-    if instrument.name == "ssq":
-        return tuple(_of_the_ssq())
-    loadings = {item.name: 1 for item in instrument.items}
-    return (Outcome(instrument.name, instrument.title, instrument.name, loadings, 1.0),)
+    """Return the scores of an instrument, the primary one first."""
+    names = {scale.name: _name(instrument, scale) for scale in instrument.scales}
+    sums: dict[str, dict[str, tuple[Fraction, Fraction]] | None] = {}
+    for scale in instrument.scales:
+        sums[scale.name] = _sums(scale, sums)
+    scales = {scale.name: scale for scale in instrument.scales}
+    return tuple(
+        Outcome(
+            name=names[name],
+            title=scales[name].title if len(scales) > 1 else instrument.title,
+            instrument=instrument.name,
+            scale=scales[name],
+            unit=scales[name].weight,
+            parts=tuple(names[part] for part, _ in scales[name].parts),
+            sums=sums[name],
+        )
+        for name in instrument.outcomes
+    )
 
 
-def known_outcomes() -> dict[str, Outcome]:
-    """Return every score that a plan may name."""
-    return {
-        outcome.name: outcome
-        for instrument in INSTRUMENTS.values()
-        for outcome in outcomes_of(instrument)
-    }
+def _name(instrument: Instrument, scale: Scale) -> str:
+    if len(instrument.scales) == 1:
+        return instrument.name
+    return f"{instrument.name}.{scale.column}" if instrument.prefixed else scale.name
 
 
-def outcomes_in(instruments: Iterable[str]) -> tuple[Outcome, ...]:
-    """Return the scores of instruments, in the order given."""
-    return tuple(outcome for name in instruments for outcome in outcomes_of(INSTRUMENTS[name]))
+def _sums(
+    scale: Scale, before: Mapping[str, dict[str, tuple[Fraction, Fraction]] | None]
+) -> dict[str, tuple[Fraction, Fraction]] | None:
+    """Return what each item adds to a scale, in its steps."""
+    if scale.weights:
+        return None
+    if not scale.parts:
+        times = scale.stretch[len(scale.terms)]
+        return {t.item: (Fraction(t.slope * times), Fraction(t.intercept * times))
+                for t in scale.terms}  # fmt: skip
+    found: dict[str, tuple[Fraction, Fraction]] = {}
+    for part, times in scale.parts:
+        inner = before[part]
+        if inner is None:
+            return None
+        for item, (slope, intercept) in inner.items():
+            one, two = found.get(item, (Fraction(0), Fraction(0)))
+            found[item] = one + times * slope, two + times * intercept
+    return found
 
 
-def find_outcome(name: str) -> Outcome:
+def items_of(instrument: Instrument) -> tuple[str, ...]:
+    """Return the items that scales count; one that is a score of its own is among the outcomes."""
+    alone = {scale.name for scale in instrument.scales if scale.alone}
+    return tuple(item.name for item in instrument.asked if item.name not in alone)
+
+
+def item_column(instrument: Instrument, item: str) -> str:
+    """Return the column of an item's answers: two instruments may have items of one name."""
+    return f"{instrument.name}.{item}" if instrument.prefixed else item
+
+
+def known_outcomes(instruments: Iterable[Instrument] | None = None) -> dict[str, Outcome]:
+    """Return every score that a plan may name: of these instruments, or of the shipped ones."""
+    known = shipped_instruments().values() if instruments is None else instruments
+    return {outcome.name: outcome for each in known for outcome in outcomes_of(each)}
+
+
+def find_outcome(name: str, instruments: Iterable[Instrument]) -> Outcome:
     """Return the score of that name.
 
     Raises
@@ -93,7 +133,7 @@ def find_outcome(name: str) -> Outcome:
     InputError
         If no instrument has it, with the nearest one.
     """
-    known = known_outcomes()
+    known = known_outcomes(instruments)
     if name not in known:
         raise InputError(unknown_outcome(name, known))
     return known[name]

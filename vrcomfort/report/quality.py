@@ -71,7 +71,7 @@ def _never_asked(study: StudyData, plan: Plan) -> list[dict[str, str]]:
 
 def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
     """Return (participant, session) of those whose protocol asks after each exposure."""
-    instrument = find_outcome(plan.outcomes[0]).instrument
+    instrument = find_outcome(plan.outcomes[0], study.instruments.values()).instrument
     asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
     return {
         (str(manifest.get("participant")), str(manifest.get("session")))

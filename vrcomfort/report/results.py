@@ -8,7 +8,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
-from vrcomfort.questionnaire import INSTRUMENTS
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests, sensitivity
 from vrcomfort.report.descriptives import describe_all, describe_recovery, mean_answers
@@ -47,7 +46,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("numpy", "scipy", "pandas")
+SOFTWARE = ("numpy", "scipy", "pandas", "pingouin")
 SCHEMA = 2
 """Version of the layout of results.json."""
 PLAN_FILE = "plan.toml"
@@ -85,7 +84,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "deviations": [],
         "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
         "seeds": [{"what": "bootstrap-t of means", "seed": SEED, "resamples": RESAMPLES}],
-        **_what_was_asked(scored),
+        **_what_was_asked(scored, study),
         "score_basis": scored.basis,
         "weights": dict(scored.units),
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
@@ -98,7 +97,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
             "exposures_per_condition": scored.planned,
             "sequences": sequences(study, analysed, found),
         },
-        "exclusion_rules": rules_in_words(plan, exclusions),
+        "exclusion_rules": rules_in_words(plan, scored, exclusions),
         "exclusions": exclusions,
         "notices": notices(study, scored, tests, exclusions),
         "families": families,
@@ -115,7 +114,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     return plain(results), scored
 
 
-def _what_was_asked(scored: Exposures) -> dict[str, Any]:
+def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
     """Describe the outcomes and the instruments that they are of."""
     instruments = dict.fromkeys(each.instrument for each in scored.outcomes)
     return {
@@ -133,13 +132,16 @@ def _what_was_asked(scored: Exposures) -> dict[str, Any]:
         "instruments": [
             {
                 "name": each.name,
+                "short": each.short,
                 "title": each.title,
                 "citation": each.citation,
+                "rule": each.rule,
+                "answers": each.answers.in_words,
                 "low": each.low,
                 "high": each.high,
-                "items": [{"name": item.name, "text": item.text} for item in each.items],
+                "items": [{"name": item.name, "text": item.text} for item in each.asked],
             }
-            for each in map(INSTRUMENTS.__getitem__, instruments)
+            for each in map(study.instruments.__getitem__, instruments)
         ],
     }
 

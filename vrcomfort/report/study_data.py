@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import INSTRUMENTS, SSQ, Instrument, Sheet, read_long
+from vrcomfort.questionnaire import (
+    FOLDER,
+    Instrument,
+    Sheet,
+    find_instrument,
+    guess,
+    instruments_in,
+    read_long,
+    shipped_instruments,
+)
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
@@ -38,6 +48,8 @@ class StudyData:
     protocol: str | None
     labels: dict[str, str]
     """Condition → label, in the protocol's order; empty without a study description."""
+    instruments: Mapping[str, Instrument]
+    """Name → shipped instruments, and those of the study's own."""
     sheets: tuple[Sheet, ...]
     participants: tuple[dict[str, str], ...]
     trials: tuple[dict[str, str], ...]
@@ -81,8 +93,13 @@ def conditions_in(study: StudyData, timepoint: str) -> list[str]:
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def read_study(source: Path) -> StudyData:
+def read_study(source: Path, instrument: str | None = None) -> StudyData:
     """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
+
+    Parameters
+    ----------
+    instrument
+        The name or the file of the only instrument to read; what rows without one are answers to.
 
     Raises
     ------
@@ -93,7 +110,13 @@ def read_study(source: Path) -> StudyData:
     if not files:
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     warnings: list[str] = []
-    sheets = [sheet for file in files for sheet in _sheets(file, source, warnings)]
+    known = _known_instruments(source)
+    only = None if instrument is None else find_instrument(instrument, known=known)
+    if only is not None:
+        known[only.name] = only
+    sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
+    if not sheets and only is not None:
+        raise InputError(f"no {only.short} is answered in this table", file=source)
     if not sheets:
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
@@ -101,6 +124,7 @@ def read_study(source: Path) -> StudyData:
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
         labels=_labels(description.get("conditions")),
+        instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
@@ -245,14 +269,32 @@ def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
     return tuple(ours)
 
 
-def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
+def _known_instruments(source: Path) -> dict[str, Instrument]:
+    """Return the shipped instruments and those that lie in folders ``instruments`` of the study."""
+    folder = source if source.is_dir() else source.parent
+    files = folder.rglob(f"{FOLDER}/*.toml") if source.is_dir() else folder.glob(f"{FOLDER}/*.toml")
+    own = instruments_in(sorted({file.parent.parent for file in files}))
+    return {**shipped_instruments(), **own}
+
+
+def _sheets(
+    file: Path,
+    source: Path,
+    known: Mapping[str, Instrument],
+    only: Instrument | None,
+    warnings: list[str],
+) -> list[Sheet]:
     found = _read(file, source, warnings)
     if found.header:
         found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
     sheets = []
-    for instrument in _instruments(found, name, warnings):
-        for sheet in read_long(found, instrument, _KEYS):
+    guessed = only or _of_the_items(found, known)
+    for instrument in _instruments(found, name, known, guessed, warnings):
+        if only is not None and instrument.name != only.name:
+            continue
+        nameless = guessed is not None and guessed.name == instrument.name
+        for sheet in read_long(found, instrument, _KEYS, nameless=nameless):
             if not sheet.participant:
                 raise found.fault("a participant is missing", sheet.line, "participant")
             sheet.keys["timepoint"] = sheet.timepoint or "post"
@@ -262,24 +304,41 @@ def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
     return sorted(sheets, key=lambda sheet: sheet.line)
 
 
-def _instruments(found: CsvTable, name: str, warnings: list[str]) -> list[Instrument]:
+def _instruments(
+    found: CsvTable,
+    name: str,
+    known: Mapping[str, Instrument],
+    guessed: Instrument | None,
+    warnings: list[str],
+) -> list[Instrument]:
     """Return the instruments of a table; answers of others are told and not used."""
     columns = {heading.lower(): place for place, heading in enumerate(found.header)}
-    if "instrument" not in columns:
-        return [_of_the_items(found, columns)]
-    named = Counter(row[columns["instrument"]].strip().lower() for row in found.rows)
+    if not found.rows:
+        return []
+    place = columns.get("instrument")
+    cells = Counter("" if place is None else row[place] for row in found.rows)
+    named: Counter[str] = Counter()
+    for cell, count in cells.items():
+        named[cell.strip().lower()] += count
     if blank := named.pop("", 0):
-        named[SSQ.name] += blank
-    for other in sorted(named.keys() - INSTRUMENTS.keys()):
-        known = ", ".join(INSTRUMENTS)
-        warnings.append(
-            f"{name}: {named[other]} answers of `{other}` are not used: known are {known}"
-        )
-    return [each for each in INSTRUMENTS.values() if each.name in named]
+        if guessed is None:
+            message = "the items are of no instrument that is known, or of several"
+            hint = "name it in a column `instrument`, or give --instrument"
+            raise found.fault(f"{message}; {hint}", found.lines[0], "item")
+        named[guessed.name] += blank
+    warnings += [
+        f"{name}: {named[other]} answers of `{other}` are not used: known are "
+        f"{', '.join(known)}; give the file of yours as --instrument"
+        for other in sorted(named.keys() - known.keys())
+    ]
+    return [each for each in known.values() if each.name in named]
 
 
-def _of_the_items(found: CsvTable, columns: dict[str, int]) -> Instrument:
-    """Return the instrument that all items of a table are of; the SSQ if it may be it."""
-    items = {row[columns["item"]].strip() for row in found.rows} if found.rows else set()
-    may = [each for each in INSTRUMENTS.values() if all(each.item(item) for item in items)]
-    return SSQ if SSQ in may or not may else may[0]
+def _of_the_items(found: CsvTable, known: Mapping[str, Instrument]) -> Instrument | None:
+    """Return the instrument that rows without a name are of, by their items."""
+    columns = {heading.lower(): place for place, heading in enumerate(found.header)}
+    if not found.rows or "item" not in columns:
+        return None
+    item, instrument = columns["item"], columns.get("instrument")
+    items = {row[item] for row in found.rows if instrument is None or not row[instrument].strip()}
+    return guess(sorted(items), known) if items else None

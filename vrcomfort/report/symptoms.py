@@ -31,21 +31,20 @@ def symptom_rows(scored: Exposures, conditions: Iterable[str], tests: list[Row])
         above 0 (with a baseline: above that of the baseline).
     """
     tested = any(in_a_test(tests, condition) for condition in conditions)
-    first, table = scored.outcomes[0].instrument if scored.outcomes else "", scored.table
+    table = scored.table
     found = []
     for condition in conditions:
         if tested:
             part = of_the_tested(table, tests, condition)
         else:
             part = table[table["condition"] == condition]
-        for column in scored.items:
+        for column, (instrument, item) in scored.items.items():
             values = part[column].dropna().to_numpy(dtype=float)
             if not values.size:
                 continue
-            instrument, _, item = column.rpartition(".")
             deviation = float(np.std(values, ddof=1)) if values.size > 1 else None
             found.append({
-                "instrument": instrument or first, "item": item, "condition": condition,
+                "instrument": instrument, "item": item, "condition": condition,
                 "n": int(values.size), "mean": float(values.mean()), "sd": deviation,
                 "above": int((values > 0).sum()),
             })  # fmt: skip

@@ -98,12 +98,12 @@ class Vocabulary:
 
 def short(instrument: Mapping[str, Any]) -> str:
     """Return what sentences call an instrument."""
-    return str(instrument.get("short") or instrument["name"].upper())
+    return str(instrument["short"])
 
 
 def answers_in_words(instrument: Mapping[str, Any]) -> str:
     """Return the range of an instrument's answers."""
-    return str(instrument.get("answers") or f"{instrument['low']} to {instrument['high']}")
+    return str(instrument["answers"])
 
 
 def _titles(results: Mapping[str, Any]) -> dict[str, str]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import Named, mentions, named_items, tokens
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import Instrument, usual_instruments
 
 FEWEST = 4
 """So many items of an instrument, or all it has, make a questionnaire."""
@@ -49,10 +49,10 @@ def find_blocks(table: SourceTable) -> list[Found]:
     By the names of the items, else by their numbers, else (where there are no headings) by where
     the answers stand.
     """
-    by_name = [b for i in INSTRUMENTS.values() for b in _by_name(table, i)]
+    by_name = [b for i in usual_instruments() for b in _by_name(table, i)]
     found = _best(table, by_name)
     taken = {column for block in found for column in block.columns}
-    by_number = [b for i in INSTRUMENTS.values() for b in _by_number(table, i, taken)]
+    by_number = [b for i in usual_instruments() for b in _by_number(table, i, taken)]
     found += _best(table, by_number)
     if not found and not table.reading.heading_rows:
         found = _by_position(table)
@@ -203,10 +203,10 @@ def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
 def _by_position(table: SourceTable) -> list[Found]:
     """Take the last columns of a table without headings, if they hold small whole numbers."""
     width = len(table.headings)
-    for instrument in INSTRUMENTS.values():
+    for instrument in usual_instruments():
         count = len(instrument.items)
         columns = list(range(width - count, width))
-        answers = {str(n) for n in range(instrument.low, instrument.high + 2)} | {""}
+        answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
         if FEWEST <= count < width and all(set(table.column(c)) <= answers for c in columns):
             items = {
                 item.name: Named(column, instrument.name, item.name, "position", (), ())

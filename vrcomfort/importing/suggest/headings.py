@@ -9,7 +9,7 @@ from difflib import SequenceMatcher
 from typing import Literal
 
 from vrcomfort.importing.suggest.spellings import spellings
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
 
 How = Literal["name", "near", "abbreviation", "number", "position"]
 
@@ -129,6 +129,6 @@ def mentions(text: str) -> set[str]:
     joined = plain(text)
     return {
         name
-        for name in INSTRUMENTS
+        for name in shipped_instruments()
         if plain(name) in words or (len(plain(name)) > 4 and plain(name) in joined)
     }

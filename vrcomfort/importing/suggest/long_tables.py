@@ -10,7 +10,7 @@ from vrcomfort.importing.suggest.headings import How, mentions, named_items, tok
 from vrcomfort.importing.suggest.roles import texts
 from vrcomfort.importing.suggest.spellings import spellings
 from vrcomfort.importing.suggest.vocabulary import LONG_ITEM, LONG_RESPONSE, SEVERITY
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, usual_instruments
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def find_long(table: SourceTable) -> list[Long]:
         response = _response_column(table, column)
         if response is None:
             continue
-        for instrument in INSTRUMENTS.values():
+        for instrument in usual_instruments():
             named = _named(table, column, words, instrument)
             if named is not None:
                 items, hows = named
@@ -70,7 +70,7 @@ def stands_on_its_side(grid: Grid) -> bool:
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
     if len(set(first)) < len(first) or len(others) > 30:
         return False
-    for instrument in INSTRUMENTS.values():
+    for instrument in usual_instruments():
         known = spellings(instrument)
         named = {known[plain(text)] for text in first if plain(text) in known}
         if len(named) >= 4 and len(named) * 2 >= len(first):

@@ -17,7 +17,7 @@ from vrcomfort.importing.suggest.ratings import FoundRating
 from vrcomfort.importing.suggest.roles import Roles, texts
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import SEVERITY
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, shipped_instruments, usual_instruments
 
 
 def mend_items(table: SourceTable, block: Found, roles: Roles) -> tuple[Found, list[Doubt]]:
@@ -99,7 +99,7 @@ def _instrument_doubts(table: SourceTable, block: Found) -> list[Doubt]:
     found = set(block.items)
     others = [
         other.name.upper()
-        for other in INSTRUMENTS.values()
+        for other in usual_instruments()
         if other.name != block.instrument.name and found <= {item.name for item in other.items}
     ]
     if not others:
@@ -203,7 +203,7 @@ def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
 
 def _other_instruments(table: SourceTable, column: int) -> list[Doubt]:
     """Ask whether the rows of questionnaires that we do not know may be left out."""
-    others = [text for text in texts(table, column) if plain(text) not in INSTRUMENTS]
+    others = [text for text in texts(table, column) if plain(text) not in shipped_instruments()]
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"

@@ -9,7 +9,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import tokens
 from vrcomfort.importing.suggest.vocabulary import ELAPSED_S
-from vrcomfort.questionnaire.instruments import INSTRUMENTS, Instrument, plain
+from vrcomfort.questionnaire import Instrument, plain, usual_instruments
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ def find_ratings(table: SourceTable, columns: Sequence[int]) -> list[FoundRating
     """Return the columns that are called by the name of a scale of one item."""
     time = next((c for c in columns if plain(table.headings[c]) in ELAPSED_S), None)
     found = []
-    for instrument in INSTRUMENTS.values():
+    for instrument in usual_instruments():
         if len(instrument.items) == 1:
             named = [c for c in columns if _is_named(table, c, instrument)]
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}

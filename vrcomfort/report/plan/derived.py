@@ -7,7 +7,10 @@ from collections import Counter
 from itertools import combinations
 from typing import TYPE_CHECKING
 
-from vrcomfort.report.outcomes import Outcome, outcomes_in
+import numpy as np
+
+from vrcomfort.questionnaire import score_all
+from vrcomfort.report.outcomes import Outcome, outcomes_of
 from vrcomfort.report.plan.reading import read_plan
 from vrcomfort.report.study_data import conditions_in
 
@@ -33,13 +36,14 @@ def plan_of(study: StudyData) -> Plan:
 
     Its text, read again, is the same plan.
     """
-    return read_plan(_HEAD + "".join(f"{line}\n" for line in _lines(study)), None)
+    text = _HEAD + "".join(f"{line}\n" for line in _lines(study))
+    return read_plan(text, None, study.instruments.values())
 
 
 def _lines(study: StudyData) -> Iterator[str]:
     moments = _moments(study)
     conditions = conditions_in(study, moments["exposure_timepoint"])
-    outcomes = outcomes_in(study.instruments_at(moments["exposure_timepoint"]))
+    outcomes = _outcomes(study, moments["exposure_timepoint"])
     yield 'name = "derived"'
     yield f"title = {_text(_title(conditions))}"
     yield f"note = {_text('The plan was derived from the data, because none was given.')}"
@@ -61,6 +65,24 @@ def _lines(study: StudyData) -> Iterator[str]:
     yield from _families(outcomes)
     for column in factors:
         yield from ("", "[[anova]]", f"name = {_text(column)}", f"column = {_text(column)}")
+
+
+def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
+    """Return the scores of what was asked then, that everybody who answered all of it has."""
+    found: list[Outcome] = []
+    for name in study.instruments_at(timepoint):
+        instrument = study.instruments[name]
+        sheets = [s.answers for s in study.sheets if s.keys["instrument"] == name]
+        known = score_all(instrument, sheets).known
+        needed = [known[scale] for scale in instrument.needed]
+        complete = np.logical_and.reduce([np.ones(len(sheets), dtype=bool), *needed])
+        found += [
+            each
+            for each in outcomes_of(instrument)
+            if each.scale.name in instrument.needed
+            or (complete.any() and known[each.scale.name][complete].all())
+        ]
+    return tuple(found)
 
 
 def _title(conditions: list[str]) -> str:

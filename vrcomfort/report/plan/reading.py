@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
 
 from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.plan.model import Plan
 from vrcomfort.report.plan.rules import problems
 from vrcomfort.resources import data_folder
@@ -25,8 +27,15 @@ class ShippedPlan:
     file: Path
 
 
-def read_plan(text: str, file: Path | None) -> Plan:
+def read_plan(
+    text: str, file: Path | None, instruments: Iterable[Instrument] | None = None
+) -> Plan:
     """Return the plan that is written in a text.
+
+    Parameters
+    ----------
+    instruments
+        Those that the study has, whose scores may be named; the shipped ones without it.
 
     Raises
     ------
@@ -41,21 +50,21 @@ def read_plan(text: str, file: Path | None) -> Plan:
             line=text.count("\n", 0, found.start()) + 1,
         )
     plan = parse_settings(Plan, text, file)
-    if faults := list(problems(plan)):
+    if faults := list(problems(plan, instruments)):
         raise first_problem(faults, text, file)
     plan._text, plan._file = text, file
     return plan
 
 
-def load_plan(file: Path) -> Plan:
-    """Read a plan from a file.
+def load_plan(file: Path, instruments: Iterable[Instrument] | None = None) -> Plan:
+    """Read a plan from a file; see `read_plan`.
 
     Raises
     ------
     InputError
         If the file is missing or wrong, with line and column.
     """
-    return read_plan(read_text(file, "analysis plan"), file)
+    return read_plan(read_text(file, "analysis plan"), file, instruments)
 
 
 def shipped_plans() -> tuple[ShippedPlan, ...]:

@@ -2,23 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
-from vrcomfort.report.outcomes import known_outcomes, unknown_outcome
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.report.outcomes import Outcome, known_outcomes, unknown_outcome
 from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
 from vrcomfort.settings import Problem, did_you_mean, repeated
 
 _TAKEN = {"participant", "score"}
 
 
-def problems(plan: Plan) -> Iterator[Problem]:
-    """Yield every fault of a plan."""
+def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Iterator[Problem]:
+    """Yield every fault of a plan whose scores are those of instruments, or of shipped ones."""
+    known = known_outcomes(instruments)
     yield from repeated(("outcomes",), plan.outcomes)
     yield from repeated(("mixed_model",), plan.mixed_model)
     yield from repeated(("covariates",), plan.covariates)
     yield from repeated(("figures",), plan.figures)
     yield from _named_twice(plan)
-    yield from _outcomes(plan)
+    yield from _outcomes(plan, known)
     yield from _families(plan)
     for index, contrast in enumerate(plan.contrasts):
         yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
@@ -27,7 +29,9 @@ def problems(plan: Plan) -> Iterator[Problem]:
             message = f"`{factor.name}` cannot name a factor; choose another word"
             yield Problem(("anova", index, "name"), message)
     for index, rule in enumerate(plan.exclusions):
-        yield from (Problem(("exclusions", index), said) for said in _of_exclusion(rule, plan))
+        yield from (
+            Problem(("exclusions", index), said) for said in _of_exclusion(rule, plan, known)
+        )
 
 
 def _named_twice(plan: Plan) -> Iterator[Problem]:
@@ -36,8 +40,7 @@ def _named_twice(plan: Plan) -> Iterator[Problem]:
     yield from repeated(("exclusions",), [rule.name for rule in plan.exclusions])
 
 
-def _outcomes(plan: Plan) -> Iterator[Problem]:
-    known = known_outcomes()
+def _outcomes(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
     for index, name in enumerate(plan.outcomes):
         if name not in known:
             yield Problem(("outcomes", index), unknown_outcome(name, known))
@@ -74,7 +77,7 @@ def _of_contrast(contrast: Contrast, plan: Plan) -> Iterator[str]:
         yield f"`{absent}` is missing; name a condition, or another timepoint"
 
 
-def _of_exclusion(rule: Exclusion, plan: Plan) -> Iterator[str]:
+def _of_exclusion(rule: Exclusion, plan: Plan, known: Mapping[str, Outcome]) -> Iterator[str]:
     given = [
         name
         for name, value in (
@@ -96,8 +99,8 @@ def _of_exclusion(rule: Exclusion, plan: Plan) -> Iterator[str]:
         return
     if not limits and not rule.equals:
         yield f"rule `{rule.name}` has no limit; give above, below or equals"
-    if rule.score and rule.score not in known_outcomes():
-        yield unknown_outcome(rule.score, known_outcomes())
+    if rule.score and rule.score not in known:
+        yield unknown_outcome(rule.score, known)
     if rule.removes == "exposure" and (
         rule.column or (rule.score and rule.timepoint not in {"", plan.exposure_timepoint})
     ):
