@@ -4,15 +4,12 @@ One test is one quantity of one data set. Nothing here needs R.
 """
 
 import hashlib
-import re
 from fractions import Fraction
-from functools import cache
 
-import pandas as pd
 import pytest
 
 from tests.support.oracles import DATA, OURS, SECOND_AUTHORITY, r_output
-from vrcomfort.stats.anova import anova
+from tests.support.published import NIST_TOLERANCES, QUANTITIES, certified, nist_data, ours_of_nist
 from vrcomfort.stats.signed_rank import signed_rank
 
 
@@ -56,42 +53,6 @@ def test_no_pairs_give_no_test():
 
 
 # --- NIST ----------------------------------------------------------------------------------------
-
-NIST_TOLERANCES = {
-    "SiRstv": 1e-12,
-    "SmLs03": 1e-12,
-    "SmLs06": 1e-9,
-    # Steps between doubles are 1e-4 there, where values differ by 0.1: digits are lost in reading.
-    "SmLs09": 2e-4,
-}
-QUANTITIES = ("df_effect", "sum_of_squares", "f", "df_error", "error_sum_of_squares", "r_squared")
-
-
-@cache
-def certified(name: str) -> dict[str, float]:
-    lines = (DATA / "nist" / f"{name}.dat").read_text("ascii").splitlines()
-    numbers = [re.findall(r"(?<= )\d\S*", line) for line in lines[40:47]]
-    between, within, r_squared, _residual_sd = (found for found in numbers if found)
-    values = (between[0], between[1], between[3], within[0], within[1], r_squared[0])
-    return dict(zip(QUANTITIES, map(float, values), strict=True))
-
-
-@cache
-def nist_data(name: str) -> pd.DataFrame:
-    lines = (DATA / "nist" / f"{name}.dat").read_text("ascii").splitlines()[60:]
-    rows = [(group, float(y)) for group, y in map(str.split, lines)]
-    table = pd.DataFrame(rows, columns=["group", "y"])
-    return table.assign(person=[f"P{i:05d}" for i in range(len(table))])
-
-
-@cache
-def ours_of_nist(name: str) -> dict[str, float]:
-    effect = anova(nist_data(name), value="y", participant="person", between="group").effects[0]
-    total = effect.sum_of_squares + effect.error_sum_of_squares
-    return {
-        **{name: getattr(effect, name) for name in QUANTITIES[:-1]},
-        "r_squared": effect.sum_of_squares / total,
-    }
 
 
 @pytest.mark.parametrize("quantity", QUANTITIES)

@@ -65,7 +65,8 @@ one <- function(fit, type, design) {
     ))
     if (effect %in% rownames(sphere)) {
       add("obk.long", label, c(
-        mauchly_w = sphere[effect, 1], mauchly_p = sphere[effect, 2],
+        # not its p: car puts the number of cells where that of contrasts belongs
+        mauchly_w = sphere[effect, 1],
         greenhouse_geisser = corrected[effect, "GG eps"], p_gg = corrected[effect, "Pr(>F[GG])"],
         huynh_feldt = corrected[effect, "HF eps"], p_hf = corrected[effect, "Pr(>F[HF])"]
       ))
