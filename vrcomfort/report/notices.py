@@ -6,6 +6,7 @@ import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
 
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
-FEWEST_ANSWERS = 32
-"""Of two questionnaires: fewer may all be above 0 by chance."""
 
 
 def notices(
@@ -106,8 +105,8 @@ def _coded_from_one(study: StudyData) -> list[str]:
         )
     found = []
     for name, counts in answers.items():
-        instrument, answered = study.instruments[name], counts.total()
-        if instrument.low == 0 and answered >= FEWEST_ANSWERS and not counts[0]:
+        instrument = study.instruments[name]
+        if answered := never_zero(instrument, counts):
             found.append(
                 f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
                 f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "

@@ -11,7 +11,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import Doubt
 from vrcomfort.importing.suggest.vocabulary import MISSING, SEVERITY
-from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
+from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
 _CODES = frozenset(
     {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
@@ -182,15 +182,10 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
         doubt = Doubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
         found.doubts.append(doubt)
-    elif (
-        inside
-        and high - low <= 6
-        and low not in values
-        and sum(values[v] for v in inside) >= 16
-        and not found.answers
+    elif not found.answers and (
+        count := never_zero(instrument, {value: values[value] for value in inside})
     ):
         found.coded_from = low + 1
-        count = sum(values[v] for v in inside)
         question = (
             f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
             f"{high + 1} among them), or was {low} never answered?"
