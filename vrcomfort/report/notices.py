@@ -56,11 +56,13 @@ def _losses(
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
-            several = ", ".join(f"{n} of {c}" for c, n in needed.items() if n > 1)
+            label = study.labels
+            several = ", ".join(f"{n} of {label.get(c, c)}" for c, n in needed.items() if n > 1)
+            of_each = f" ({several})" if several else ""
+            pair = " and ".join(label.get(name, name) for name in (test["a"], test["b"]))
             found.append(
-                f"{len(lost)} of {len(people)} participants are not in the tests of {test['a']} "
-                f"and {test['b']}, for which a score of every planned exposure"
-                f"{f' ({several})' if several else ''} is needed: {names(lost)}"
+                f"{len(lost)} of {len(people)} participants are not in the tests of {pair}, for "
+                f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
 
