@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 
 from vrcomfort.importing.rows import Imported, Moment
-from vrcomfort.questionnaire import shipped_instruments
 
 FIRST = 8
 
@@ -18,12 +17,8 @@ def preview(imported: Imported) -> list[str]:
 def _first_rows(imported: Imported) -> list[str]:
     sheets = list(imported.sheets.items())[:FIRST]
     rows = [
-        [*_shown(m), instrument, _in_order(instrument, sheet.answers)]
+        [*_shown(m), instrument, " ".join(map(_cell, sheet.answers.values()))]
         for (instrument, m), sheet in sheets
-    ]
-    rows += [
-        [*_shown(each.moment), each.instrument, f"{each.scale} = {_cell(each.value)} ({each.kind})"]
-        for each in imported.scores[: max(0, FIRST - len(rows))]
     ]
     rows += [
         [*_shown(r.moment), r.instrument, f"{_cell(r.response)} at {r.onset_s:g} s"]
@@ -35,12 +30,6 @@ def _first_rows(imported: Imported) -> list[str]:
 
 def _shown(m: Moment) -> list[str]:
     return [m.participant, m.session, m.trial or m.period, m.condition, m.timepoint]
-
-
-def _in_order(instrument: str, answers: dict[str, int | None]) -> str:
-    """Return the answers in the instrument's order, ``.`` where one is missing."""
-    items = [item.name for item in shipped_instruments()[instrument].items]
-    return " ".join(_cell(answers[item]) for item in items if item in answers)
 
 
 def _cell(value: float | None) -> str:
@@ -64,15 +53,8 @@ def _counts(imported: Imported) -> list[str]:
         what["items", *key] = max(what["items", *key], len(sheet.answers))
     lines = [
         f"{key[0]}: {key[1]}, {key[2]}: {len(found)} participants, {what[key]} questionnaires, "
-        f"{what['items', *key]} items"
+        f"{what['items', *key]} {'scores' if key[0] in imported.scores else 'items'}"
         for key, found in people.items()
-    ]
-    scored = Counter(
-        (s.instrument, s.scale, s.kind) for s in imported.scores if s.value is not None
-    )
-    lines += [
-        f"{name}: {scale}: {count} values ({kind}), without the answers they were made of"
-        for (name, scale, kind), count in scored.items()
     ]
     rated = Counter((r.instrument, r.moment.condition) for r in imported.ratings)
     lines += [

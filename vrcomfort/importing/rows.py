@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from vrcomfort.questionnaire import Answer, Instrument
+
 
 class Moment(NamedTuple):
     """Whose a questionnaire is, and when it was asked; blank where that is not said."""
@@ -45,7 +47,7 @@ class Sheet:
     """The answers to one questionnaire at one moment."""
 
     place: Place
-    answers: dict[str, int | None] = field(default_factory=dict)
+    answers: dict[str, Answer | None] = field(default_factory=dict)
 
 
 class Rating(NamedTuple):
@@ -54,23 +56,7 @@ class Rating(NamedTuple):
     moment: Moment
     instrument: str
     onset_s: float
-    response: int | None
-
-
-class Score(NamedTuple):
-    """A score of which the answers are not there.
-
-    Parameters
-    ----------
-    kind
-        ``score`` or ``raw_sum``, as the file has it.
-    """
-
-    moment: Moment
-    instrument: str
-    scale: str
-    kind: str
-    value: float | None
+    response: Answer | None
 
 
 @dataclass
@@ -83,6 +69,10 @@ class Imported:
         (instrument, moment) → answers, in the order of the files.
     participants
         Participant → covariate → text, in the order in which they were met.
+    instruments
+        Those that the answers need and that are not shipped, by name.
+    scores
+        Names of those among them that stand for scores without answers.
     not_asked
         Instrument → items that the mapping says were left out by design.
     notes
@@ -90,9 +80,10 @@ class Imported:
     """
 
     sheets: dict[tuple[str, Moment], Sheet] = field(default_factory=dict)
-    scores: list[Score] = field(default_factory=list)
     ratings: list[Rating] = field(default_factory=list)
     participants: dict[str, dict[str, str]] = field(default_factory=dict)
+    instruments: dict[str, Instrument] = field(default_factory=dict)
+    scores: list[str] = field(default_factory=list)
     not_asked: dict[str, tuple[str, ...]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -100,7 +91,6 @@ class Imported:
     def conditions(self) -> list[str]:
         """Return the conditions in the order in which they were met."""
         moments = [moment for _, moment in self.sheets]
-        moments += [score.moment for score in self.scores]
         moments += [rating.moment for rating in self.ratings]
         return list(dict.fromkeys(m.condition for m in moments if m.condition))
 
