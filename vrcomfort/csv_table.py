@@ -149,7 +149,7 @@ class _Text:
             reader = csv.reader(self._lines(stream))
             try:
                 for cells in reader:
-                    if any(map(str.strip, cells)):
+                    if cells and (cells[0].strip() or any(map(str.strip, cells))):
                         yield reader.line_num, cells
             except csv.Error as error:
                 message = f"not a CSV table: {error}"
