@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.layouts import ITEMS, LAYOUTS, Truth
+from tests.support.odd_layouts import ODD_LAYOUTS
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
@@ -25,18 +26,24 @@ def answered(text: str) -> str:
 def answers_of(imported: Imported) -> Truth:
     return {
         (m.participant, m.condition, m.timepoint): tuple(
-            -1 if sheet.answers.get(item) is None else int(sheet.answers[item] or 0)
-            for item in ITEMS
+            _code(sheet.answers.get(item)) for item in ITEMS
         )
         for (_, m), sheet in imported.sheets.items()
     }
 
 
-@pytest.fixture(params=LAYOUTS)
+ALL = {**LAYOUTS, **ODD_LAYOUTS}
+
+
+def _code(answer: float | None) -> int:
+    return -1 if answer is None else int(answer)
+
+
+@pytest.fixture(params=ALL)
 def layout(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[list[Path], Truth]:
     folder = tmp_path / "lab"
     folder.mkdir()
-    return LAYOUTS[request.param](folder)
+    return ALL[request.param](folder)
 
 
 def test_suggested_mapping_reads_every_answer(
@@ -51,7 +58,7 @@ def test_suggested_mapping_reads_every_answer(
     study = tmp_path / "study"
     write_study(study, imported, mapping, files)
     read = {
-        (s.participant, s.condition, s.timepoint): tuple(s.answers[i] for i in ITEMS)
+        (s.participant, s.condition, s.timepoint): tuple(_code(s.answers[i]) for i in ITEMS)
         for s in read_study(study).sheets
     }
     assert read == truth
@@ -76,13 +83,21 @@ DOUBTS = {
     "named_files": ["names of the files"],
     "long_numbers": ["published order", "IPQ"],
     "misspelt": ["salivaton", "Fullnes of head", "Stomach awarness", "Diff. concentrating"],
+    "melted": ["Which moments are T0, T1?"],
+    "asked_twice": ["asked twice in a row"],
+    "with_codes": ["999"],
+    "side_by_side": ["side by side"],
+    "baseline_once": ["'baseline' in 'Phase'"],
+    "name_once": ["blank cells of 'Participant'"],
+    "item_called_otherwise": ["'Nausea' is exactly the sum of"],
+    "from_one_without_the_highest": ["None of 320 answers is 0"],
     "excel_sheets": ["names of the sheets", "'Mean'", "Notes"],
 }
 
 
 @pytest.mark.parametrize("name", DOUBTS)
 def test_what_is_not_certain_is_asked(name: str, tmp_path: Path) -> None:
-    files, _ = LAYOUTS[name](tmp_path)
+    files, _ = ALL[name](tmp_path)
     doubts = suggest_mapping(files).doubts
     for words in DOUBTS[name]:
         assert any(words in doubt for doubt in doubts), words

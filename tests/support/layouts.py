@@ -250,3 +250,22 @@ LAYOUTS: dict[str, Callable[[Path], tuple[list[Path], Truth]]] = {
         headerless, named_files, long_numbers, two_row_heading, misspelt,
     )
 }  # fmt: skip
+
+
+def example(file: Path) -> Path:
+    """Write the file of docs/import.md: eight people, two displays, before and after, in words."""
+    texts = [text.replace("Fullness", "Fullnes") for text in ENGLISH]
+    head = ["Zeitstempel", "VP-Code", "Age", "Display"]
+    head += [f"{time}: {text}" for time in ("Pre", "Post") for text in texts]
+    draw = random.Random(13)  # noqa: S311
+    rows: list[Sequence[object]] = [[*head, "Total post"]]
+    for number in range(1, 9):
+        for display in ("60 Hz", "120 Hz"):
+            before = draw.choices(range(3), (8, 2, 1), k=16)
+            after = draw.choices(
+                range(4), (5, 4, 2, 1) if display == "60 Hz" else (8, 3, 1, 0), k=16
+            )
+            words = [WORDS[answer].casefold() for answer in (*before, *after)]
+            when = f"2026-03-{number:02d} 10:{number:02d}"
+            rows.append([when, f"VP{number:02d}", 20 + number, display, *words, sum(after)])
+    return write(file, rows, separator=";", encoding="windows-1252")

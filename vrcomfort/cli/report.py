@@ -34,7 +34,8 @@ def report(
         Path,
         typer.Argument(
             metavar="STUDY",
-            help="A study folder, any folder that holds questionnaires.csv files, or one file.",
+            help="A study folder, any folder that holds questionnaires.csv files, or one file: "
+            "tidy, or one that `import --suggest` has no doubts about.",
         ),
     ],
     out: Annotated[Path, output_option(help="Folder for the report.")],
@@ -74,14 +75,17 @@ def report(
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
     - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
     """
+    from vrcomfort.cli.report_file import study_of
     from vrcomfort.report import build_report
 
+    folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
+        source = study_of(study, folder)
         summary = build_report(
-            study,
+            source,
             plan=plan,
             instrument=instrument,
-            out=output_folder(out),
+            out=folder,
             simulated=simulated or None,
         )
     for warning in summary.warnings:

@@ -13,6 +13,7 @@ from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
 from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
 
@@ -61,7 +62,7 @@ def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
         If one has the name of a column that stands beside those of the conditions.
     """
     order = {name: place for place, name in enumerate(labels)}
-    found = {str(name) for name in scored.table["condition"].unique()}
+    found = {str(name) for name in scored.table["condition"].unique()} - {""}
     if TAKEN in found:
         message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
         raise InputError(f"{message}; give it another name")
@@ -151,8 +152,10 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         **result,
         **describe_test(test),
         **worst,
+        "n": result["n"],
         "descriptives": describe_pairs(pairs, contrast, plan.confidence),
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
+        "t_test": _t_test(pairs, plan, contrast.alternative),
     }
 
 
@@ -224,6 +227,14 @@ def _other_zeros(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str
         intervals=False,
     )
     return describe_test(test)
+
+
+def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str, Any] | None:
+    """Return the t test of the same pairs; None where no difference varies."""
+    found = paired_t(
+        pairs.differences, pairs.unit, alternative=alternative, confidence=plan.confidence
+    )
+    return None if found is None else asdict(found)
 
 
 def describe_test(test: SignedRank) -> dict[str, Any]:

@@ -103,6 +103,11 @@ def _models(results: dict[str, Any]) -> Iterator[Deviation]:
         for reason in dict.fromkeys(f["not_tested"] for f in results[key] if f["not_tested"]):
             whose = [f["outcome"] for f in results[key] if f["not_tested"] == reason]
             yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
+    wanted = {factor["name"] for factor in results["plan"]["anova"]}
+    made = [set(found["factors"]) for found in results["anova"] if not found["not_tested"]]
+    if made and (absent := sorted(wanted - set.union(*made))):
+        text = f"{', '.join(absent)} has one level in the data and is not in the ANOVA"
+        yield _deviation("factor_left_out", text)
     left = {name for found in results["mixed_models"] for name in found.get("left_out", ())}
     if left:
         text = (

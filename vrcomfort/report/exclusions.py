@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.settings import did_you_mean
@@ -134,7 +136,7 @@ def _without(scored: Exposures, gone: set[Key]) -> Exposures:
     def left(table: pd.DataFrame) -> pd.DataFrame:
         keys = zip(table["participant"], table["session"], table["number"], strict=True)
         keep = [key not in gone and (key[0], "", "") not in gone for key in keys]
-        return table[keep].reset_index(drop=True)
+        return table[np.array(keep, dtype=bool)].reset_index(drop=True)
 
     if not gone:
         return scored

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("numpy", "scipy", "pandas")
+SOFTWARE = ("numpy", "scipy", "pandas", "pingouin")
 SCHEMA = 2
 """Version of the layout of results.json."""
 PLAN_FILE = "plan.toml"

@@ -57,6 +57,13 @@ def _values(table: SourceTable, column: int) -> list[float | None]:
     return [number(cell, table.reading.decimal or ".") for cell in table.column(column)]
 
 
+def _coded_values(table: SourceTable, column: int, instrument: Instrument) -> list[float | None]:
+    """Return the answers of a column, those in words as numbers."""
+    words = coding_of(table, [column], instrument).answers
+    decimal = table.reading.decimal or "."
+    return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
+
+
 def _may_answer(table: SourceTable, column: int, instrument: Instrument) -> bool:
     """Return whether a column holds nothing but answers of an instrument."""
     words = texts(table, column)
@@ -230,11 +237,13 @@ def leftovers(
     """Return why columns are ignored, as far as that is known, and ask about answers in them."""
     reasons: dict[int, str] = {}
     doubts = []
-    items = {
-        table.headings[named.column]: _values(table, named.column)
+    items = [
+        {
+            table.headings[named.column]: _coded_values(table, named.column, block.instrument)
+            for named in block.items.values()
+        }
         for block in blocks
-        for named in block.items.values()
-    }
+    ]
     for column in columns:
         words = texts(table, column)
         heading = table.headings[column]
@@ -242,9 +251,11 @@ def leftovers(
             reasons[column] = "empty"
             continue
         numeric = all(map(is_number, words))
-        parts = parts_of(_values(table, column), items) if numeric and blocks else None
+        sums = (parts_of(_values(table, column), each) for each in items) if numeric else ()
+        parts = next((found for found in sums if found), None)
         if parts is not None:
-            reasons[column] = f"the exact (weighted) sum of {', '.join(parts)}"
+            shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
+            reasons[column] = f"the exact (weighted) sum of {shown}"
         elif blocks and _may_answer(table, column, blocks[0].instrument):
             question = f"{heading!r} holds what may be answers: is it an item?"
             doubts.append(Doubt(question, "it is not, and is ignored"))
