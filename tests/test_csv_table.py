@@ -26,7 +26,7 @@ TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
     ),
     "answers.csv": (
         lambda file: score_file(file, shipped_instruments()["ssq"]),
-        f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',2' * 16}\n",
+        f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',0' * 16}\n",
     ),
 }
 

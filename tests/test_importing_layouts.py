@@ -15,6 +15,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
+from vrcomfort.questionnaire import score, shipped_instruments
 from vrcomfort.report.study_data import read_study
 
 
@@ -133,3 +134,16 @@ def test_command_line_from_files_to_report(tmp_path: Path) -> None:
     shown = run.invoke(app, ["report", str(study), "--out", str(report), "--quiet"])
     assert shown.exit_code == 0, shown.output
     assert (report / "index.html").exists()
+
+
+def test_real_answers_in_words_give_the_scores_that_are_known() -> None:
+    file = Path("tests/data/vrsq/answers.csv")
+    suggested = suggest_mapping([file])
+    assert any("Items of VRSQ are items of SSQ, too" in doubt for doubt in suggested.doubts)
+    imported = suggested.imported
+    assert imported is not None
+    vrsq = shipped_instruments()["vrsq"]
+    scores = [score(vrsq, sheet.answers) for sheet in imported.sheets.values()]
+    points = [[found[name].points for name in ("O", "D", "T")] for found in scores]
+    means = [sum(column) / len(points) for column in zip(*points, strict=True)]
+    assert means == pytest.approx([15.5556, 7.1111, 11.3333], abs=5e-5)

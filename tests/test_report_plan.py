@@ -5,10 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign, write_csv
+from tests.support.report import (
+    ITEMS,
+    Study,
+    answers,
+    build_report,
+    carnegie_like,
+    foreign,
+    write_csv,
+)
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.report import build_report
 from vrcomfort.report.build import choose_plan
 from vrcomfort.report.plan import find_plan, load_plan, plan_of, read_plan, shipped_plans
 from vrcomfort.report.results import analyse

@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.report import build_report
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.report import build_report
 
 SSQ = shipped_instruments()["ssq"]
 

@@ -210,3 +210,38 @@ def test_two_headings_for_one_item_are_both_named(tmp_path, own):
 def test_other_columns_are_no_second_heading(tmp_path, other):
     file = wide(tmp_path, "P1" + ",1" * 16 + ",7", headings=[*HEADINGS, other])
     assert score_ssq(file)[0]["total_raw"] == 21
+
+
+def coded_from_one(folder: Path) -> Path:
+    rows = [f"P{n}" + ",1" * (16 - n) + ",3" * n for n in range(4)]
+    return wide(folder, *rows)
+
+
+def test_answers_of_which_none_is_0_are_asked_about(tmp_path):
+    file = coded_from_one(tmp_path)
+    with pytest.raises(InputError, match=r"none of 64 answers is 0: are they 1 to 4.*--coded-from"):
+        score_file(file, SSQ)
+    one, zero = (score_file(file, SSQ, coded_from=n).rows for n in (1, 0))
+    assert [row["total_raw"] for row in one] == [0, 2, 4, 6]
+    assert [row["total_raw"] for row in zero] == [21, 23, 25, 27]
+
+
+def test_few_answers_without_a_0_are_taken_as_they_are(tmp_path):
+    assert score_ssq(wide(tmp_path, "P1" + ",1" * 16))[0]["total_raw"] == 21
+
+
+def test_a_sum_in_the_column_of_an_item_is_found(tmp_path):
+    headings = ["Feeling unwell" if heading == "Nausea" else heading for heading in HEADINGS]
+    subscale = [NAMES.index(item) for item in LOADINGS["N"]]
+    rows = []
+    for n in range(6):
+        answers = [0] * 16
+        answers[subscale[n % 7]] = n % 3
+        answers[3] = 1
+        rows.append(",".join(map(str, [f"P{n}", *answers, sum(answers[i] for i in subscale)])))
+    file = wide(tmp_path, *rows, headings=[*headings, "Nausea"])
+    with pytest.raises(InputError, match="sum of Nausea, with `Feeling unwell` as nausea") as found:
+        score_ssq(file)
+    assert found.value.column == "Nausea"
+    file = wide(tmp_path, *rows, headings=[*HEADINGS, "Nausea sum"])
+    assert len(score_ssq(file)) == 6

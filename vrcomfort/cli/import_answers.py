@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -36,6 +37,10 @@ def import_answers(
     suggest: Annotated[
         bool, typer.Option("--suggest", help="Write a mapping from the files, with its doubts.")
     ] = False,
+    instrument: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE.toml", help="With --suggest: an instrument of your own."),
+    ] = None,
     preview: Annotated[
         bool, typer.Option("--preview", help="Print what would be imported; write nothing.")
     ] = False,
@@ -51,7 +56,7 @@ def import_answers(
     if suggest == (mapping is not None):
         raise InputError("give either --suggest or --mapping MAP.toml; start with --suggest")
     if mapping is None:
-        _suggest(files, None if preview else out, quiet)
+        _suggest(files, None if preview else out, instrument or [], quiet)
     elif out is None and not preview:
         raise InputError("--out is missing: the study folder to make (or give --preview)")
     else:
@@ -62,7 +67,7 @@ def _import(files: list[Path], mapping: Path, out: Path | None, quiet: bool) -> 
     from vrcomfort.importing import import_files, load_mapping, preview, write_study
 
     loaded = load_mapping(mapping)
-    imported = import_files(files, loaded.mapping)
+    imported = import_files(files, loaded.mapping, loaded.instruments)
     for note in imported.notes:
         warn(note)
     for line in preview(imported):
@@ -72,12 +77,15 @@ def _import(files: list[Path], mapping: Path, out: Path | None, quiet: bool) -> 
         console(quiet).print(f"\nStudy: {out}")
 
 
-def _suggest(files: list[Path], out: Path | None, quiet: bool) -> None:
+def _suggest(files: list[Path], out: Path | None, own: list[Path], quiet: bool) -> None:
     """Write a mapping, or print it; what people read beside it goes to stderr then."""
     from vrcomfort.importing import preview
     from vrcomfort.importing.suggest import suggest_mapping
+    from vrcomfort.questionnaire import find_instrument
 
-    found = suggest_mapping(files)
+    beside = out.parent if out is not None else Path()
+    known = {os.path.relpath(file, beside): find_instrument(file) for file in own}
+    found = suggest_mapping(files, known)
     for note in found.notes:
         warn(note)
     if found.imported is not None and (out is not None or not quiet):

@@ -39,6 +39,12 @@ def score(
             "--skip-incomplete", help="Leave out questionnaires without all answers; list them."
         ),
     ] = False,
+    coded_from: Annotated[
+        int | None,
+        typer.Option(
+            help="The number that stands for the lowest answer: 1 where 1 to 4 are 0 to 3."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Score questionnaires: a CSV (or JSON) of scores on standard output.
@@ -58,7 +64,7 @@ def score(
     file = Path(answers[-1])
     name = answers[0] if len(answers) == 2 else instrument
     asked = find_instrument(name) if name is not None else guess_for_file(file)
-    rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete)
+    rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
     if left_out:
         count, lines = len(rows) + len(left_out), ", ".join(map(str, left_out))
         warn(

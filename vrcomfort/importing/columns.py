@@ -9,7 +9,8 @@ from difflib import get_close_matches
 
 from vrcomfort.importing.mapping import FACTS, Questionnaire, Scores, Table, template_pattern
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
+from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.settings import did_you_mean
 
 
 @dataclass(frozen=True)
@@ -44,8 +45,9 @@ class Block:
 class Columns:
     """The columns of a table, by what the mapping says of them."""
 
-    def __init__(self, table: SourceTable, mapping: Table) -> None:
+    def __init__(self, table: SourceTable, mapping: Table, known: Mapping[str, Instrument]) -> None:
         self._table = table
+        self._known = known
         self._index = {heading: index for index, heading in enumerate(table.headings)}
         self._mapping = mapping
         self._used: dict[int, str] = {}
@@ -77,6 +79,12 @@ class Columns:
         self._used.setdefault(self._index[name], key)
         return self._index[name]
 
+    def _instrument(self, name: str) -> Instrument:
+        if name not in self._known:
+            hint = did_you_mean(name, self._known)
+            raise self._table.fault(f"there is no instrument {name!r} in vrcomfort; {hint}")
+        return self._known[name]
+
     def _take(self, index: int, what: str) -> None:
         """Note that a column holds answers, which no other questionnaire may take."""
         if index in self._used:
@@ -85,7 +93,7 @@ class Columns:
         self._used[index] = what
 
     def _blocks(self, source: Questionnaire | Scores) -> list[Block]:
-        instrument = instrument_named(source.instrument, self._table)
+        instrument = self._instrument(source.instrument)
         where = {
             self.index(column, "where"): _texts(texts) for column, texts in source.where.items()
         }
@@ -168,7 +176,7 @@ class Columns:
             if isinstance(source, Questionnaire):
                 silent = [
                     item.name
-                    for item in instrument.items
+                    for item in instrument.asked
                     if item.name not in columns.values() and item.name not in source.not_asked
                 ]
                 if silent:
@@ -209,20 +217,6 @@ class _Pieces:
             found = self._instrument.item(text)
             return found.name if found else None
         return self._exact.get(text) or self._plain.get(plain(text))
-
-
-def instrument_named(name: str, table: SourceTable) -> Instrument:
-    """Return an instrument.
-
-    Raises
-    ------
-    InputError
-        If there is none of this name.
-    """
-    if name not in shipped_instruments():
-        known = ", ".join(shipped_instruments())
-        raise table.fault(f"the mapping's instrument {name!r} is not known; there are {known}")
-    return shipped_instruments()[name]
 
 
 def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:

@@ -17,10 +17,18 @@ from vrcomfort.importing.mapping import Mapping, Questionnaire, Scores, Table
 from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Score, Sheet, moment_of
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suspects import suspects
+from vrcomfort.questionnaire import Answer, Instrument, shipped_instruments
 
 
-def import_files(files: Sequence[Path], mapping: Mapping) -> Imported:
+def import_files(
+    files: Sequence[Path], mapping: Mapping, own: Sequence[Instrument] = ()
+) -> Imported:
     """Read files as a mapping says.
+
+    Parameters
+    ----------
+    own
+        Instruments that are not shipped.
 
     Raises
     ------
@@ -30,6 +38,7 @@ def import_files(files: Sequence[Path], mapping: Mapping) -> Imported:
     """
     imported = Imported()
     numbers = Numbers()
+    known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()
     for file in files:
@@ -40,7 +49,10 @@ def import_files(files: Sequence[Path], mapping: Mapping) -> Imported:
         taken = []
         for index in found:
             table = mapping.tables[index]
-            taken += [_import(each, table, imported, numbers) for each in _sheets(file, table)]
+            taken += [
+                _Import(each, table, known, imported, numbers).run()
+                for each in _sheets(file, table)
+            ]
         _require_sheets(file, mapping, [sheet for sheet in taken if sheet])
     for index, table in enumerate(mapping.tables):
         if index not in used:
@@ -77,12 +89,7 @@ def _require_sheets(file: Path, mapping: Mapping, taken: Sequence[str]) -> None:
             raise InputError(f"{message}; add it, or list it under ignore_sheets", file=file)
 
 
-def _import(source: SourceTable, mapping: Table, imported: Imported, numbers: Numbers) -> str:
-    """Import one table; return the name of its sheet."""
-    _Import(source, mapping, imported, numbers).run()
-    return source.sheet
-
-
+KnownInstruments = dict[str, Instrument]
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
@@ -90,12 +97,17 @@ class _Import:
     """The import of one table."""
 
     def __init__(
-        self, table: SourceTable, mapping: Table, imported: Imported, numbers: Numbers
+        self,
+        table: SourceTable,
+        mapping: Table,
+        known: KnownInstruments,
+        imported: Imported,
+        numbers: Numbers,
     ) -> None:
         self._table = table
         self._mapping = mapping
         self._imported = imported
-        self._columns = Columns(table, mapping)
+        self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
         self._left_out = 0
         self._blank: Counter[str] = Counter()
@@ -103,8 +115,8 @@ class _Import:
         self._elsewhere: Counter[str] = Counter()
         self._readers: dict[tuple[int, str], AnswerReader] = {}
 
-    def run(self) -> None:
-        """Import every row, and note what was left out."""
+    def run(self) -> str:
+        """Import every row, and note what was left out; return the name of the sheet."""
         filled = [self._columns.index(name, "fill_down") for name in self._mapping.fill_down]
         above: dict[int, str] = {}
         for found, row in zip(self._table.rows, self._table.numbers, strict=True):
@@ -115,6 +127,7 @@ class _Import:
             else:
                 self._row(cells, row)
         self._note()
+        return self._table.sheet
 
     def _row(self, cells: tuple[str, ...], row: int) -> None:
         of_row = self._facts.of_row(cells, row)
@@ -171,7 +184,7 @@ class _Import:
 
     def _read(
         self, place: int, block: Block, item: str, text: str, row: int, column: int
-    ) -> int | None:
+    ) -> Answer | None:
         reader = self._readers.get((place, item))
         if reader is None:
             if not isinstance(block.source, Questionnaire):

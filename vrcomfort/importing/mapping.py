@@ -13,6 +13,7 @@ from pydantic import Field
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Reading
+from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import Problem, Settings, first_problem, parse_settings, read_text
 
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
@@ -64,10 +65,12 @@ class Read(Settings):
 class AnswerCoding(Settings):
     """How answers stand in the file."""
 
-    answers: dict[str, int] = Field(default_factory=dict)
+    answers: dict[str, int | float] = Field(default_factory=dict)
     """The file's word → the number of the instrument."""
     coded_from: int | None = None
     """The number that stands for the lowest answer, where that is not the instrument's own."""
+    times: Annotated[float, Field(gt=0)] | None = None
+    """What the file's numbers are multiplied by: 5 for marks of 0 to 20 in place of 0 to 100."""
     missing: tuple[str, ...] = ()
     """Texts that mean that there is no answer, beside the blank."""
 
@@ -180,6 +183,8 @@ class Mapping(Settings):
     """The study's title."""
     condition_labels: dict[str, str] = Field(default_factory=dict)
     """Condition → label in the report, in the order in which they are to stand there."""
+    instruments: tuple[str, ...] = ()
+    """A lab's own instruments: their TOML files, beside the mapping."""
     ignore_sheets: tuple[str, ...] = ()
     tables: Annotated[tuple[Table, ...], Field(min_length=1)]
     doubts: tuple[Doubt, ...] = ()
@@ -187,11 +192,12 @@ class Mapping(Settings):
 
 @dataclass(frozen=True)
 class MappingFile:
-    """A mapping and the text that it was read from."""
+    """A mapping, the text that it was read from, and the instruments that it brings."""
 
     mapping: Mapping
     file: Path
     text: str
+    instruments: tuple[Instrument, ...] = ()
 
     @property
     def sha256(self) -> str:
@@ -215,7 +221,8 @@ def load_mapping(file: Path) -> MappingFile:
         count = "a doubt is" if len(open_doubts) == 1 else f"{len(open_doubts)} doubts are"
         message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
         raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
-    return MappingFile(mapping, file, text)
+    own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
+    return MappingFile(mapping, file, text, own)
 
 
 def parse_mapping(text: str, file: Path | None) -> Mapping:

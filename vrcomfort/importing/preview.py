@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 
 from vrcomfort.importing.rows import Imported, Moment
-from vrcomfort.questionnaire import shipped_instruments
 
 FIRST = 8
 
@@ -18,7 +17,7 @@ def preview(imported: Imported) -> list[str]:
 def _first_rows(imported: Imported) -> list[str]:
     sheets = list(imported.sheets.items())[:FIRST]
     rows = [
-        [*_shown(m), instrument, _in_order(instrument, sheet.answers)]
+        [*_shown(m), instrument, " ".join(map(_cell, sheet.answers.values()))]
         for (instrument, m), sheet in sheets
     ]
     rows += [
@@ -35,12 +34,6 @@ def _first_rows(imported: Imported) -> list[str]:
 
 def _shown(m: Moment) -> list[str]:
     return [m.participant, m.session, m.trial or m.period, m.condition, m.timepoint]
-
-
-def _in_order(instrument: str, answers: dict[str, int | None]) -> str:
-    """Return the answers in the instrument's order, ``.`` where one is missing."""
-    items = [item.name for item in shipped_instruments()[instrument].items]
-    return " ".join(_cell(answers[item]) for item in items if item in answers)
 
 
 def _cell(value: float | None) -> str:

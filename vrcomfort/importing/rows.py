@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from vrcomfort.questionnaire import Answer
+
 
 class Moment(NamedTuple):
     """Whose a questionnaire is, and when it was asked; blank where that is not said."""
@@ -45,7 +47,7 @@ class Sheet:
     """The answers to one questionnaire at one moment."""
 
     place: Place
-    answers: dict[str, int | None] = field(default_factory=dict)
+    answers: dict[str, Answer | None] = field(default_factory=dict)
 
 
 class Rating(NamedTuple):
@@ -54,7 +56,7 @@ class Rating(NamedTuple):
     moment: Moment
     instrument: str
     onset_s: float
-    response: int | None
+    response: Answer | None
 
 
 class Score(NamedTuple):

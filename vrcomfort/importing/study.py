@@ -12,6 +12,7 @@ from vrcomfort import __version__
 from vrcomfort.errors import InputError, spare
 from vrcomfort.importing.mapping import MappingFile
 from vrcomfort.importing.rows import Imported, Moment
+from vrcomfort.questionnaire import FOLDER
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
 from vrcomfort.records.names import check_study
 from vrcomfort.records.rows import (
@@ -51,6 +52,7 @@ def write_study(
         PROVENANCE: _json(_provenance(imported, mapping, files)),
         MAPPING: mapping.text,
     }
+    texts |= {f"{FOLDER}/{each.name}.toml": each.text for each in mapping.instruments}
     if imported.sheets:
         texts[QuestionnaireRow.FILE] = _questionnaires(imported)
     if imported.ratings:
@@ -59,6 +61,8 @@ def write_study(
         texts[SCORES] = _scores(imported)
     spare([mapping.file, *files], [folder / name for name in texts])
     make_folders(folder, folder, OWNER)
+    if mapping.instruments:
+        make_folders(folder, folder / FOLDER, OWNER)
     for stale in _ALL - texts.keys():
         (folder / stale).unlink(missing_ok=True)
     for name, text in texts.items():
@@ -79,7 +83,7 @@ def _require_room(folder: Path) -> None:
     if there and PROVENANCE not in there:
         message = "holds files that are no import; choose another --out, a new folder"
         raise InputError(message, file=folder)
-    others = sorted(there - _ALL)
+    others = sorted(there - _ALL - {FOLDER})
     if others:
         message = f"holds {others[0]} beside an import; choose another --out, or move it away"
         raise InputError(message, file=folder)

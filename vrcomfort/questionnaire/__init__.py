@@ -13,6 +13,7 @@ from vrcomfort.questionnaire.library import (
 )
 from vrcomfort.questionnaire.scales import Scale
 from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
+from vrcomfort.questionnaire.suspects import never_zero
 from vrcomfort.questionnaire.tables import Sheet, read_long, read_sheets
 
 __all__ = [
@@ -29,6 +30,7 @@ __all__ = [
     "guess",
     "guess_for_file",
     "instruments_in",
+    "never_zero",
     "parse_instrument",
     "plain",
     "read_instrument",

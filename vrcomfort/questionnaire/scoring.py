@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
@@ -12,6 +13,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.questionnaire.instruments import Instrument
 from vrcomfort.questionnaire.scales import AnswerTable, RawScores, Scale, raw_scores
+from vrcomfort.questionnaire.suspects import never_zero
 from vrcomfort.questionnaire.tables import Sheet, read_sheets
 
 Cell: TypeAlias = str | int | float | None
@@ -96,13 +98,22 @@ def _score(scale: Scale, raw: int) -> Score:
     return Score(raw, scale.points(raw))
 
 
-def score_file(file: Path, instrument: Instrument, *, skip_incomplete: bool = False) -> ScoredFile:
+def score_file(
+    file: Path,
+    instrument: Instrument,
+    *,
+    skip_incomplete: bool = False,
+    coded_from: Answer | None = None,
+) -> ScoredFile:
     """Score every questionnaire of a CSV file (wide or long; see `read_sheets`).
 
     Parameters
     ----------
     skip_incomplete
         Leave out questionnaires in which a score is missing that every complete one has.
+    coded_from
+        The number that stands for the lowest answer. Without it, that is the instrument's own, and
+        answers of which none is 0 are refused.
 
     Returns
     -------
@@ -116,7 +127,9 @@ def score_file(file: Path, instrument: Instrument, *, skip_incomplete: bool = Fa
     InputError
         If a column or an answer is wrong, with line and column.
     """
-    sheets = read_sheets(Path(file), instrument, allow_blank=skip_incomplete)
+    sheets = read_sheets(Path(file), instrument, allow_blank=skip_incomplete, coded_from=coded_from)
+    if coded_from is None:
+        _require_zeros(file, instrument, sheets)
     for sheet in sheets:
         if wrong := wrong_weights(instrument, sheet.answers):
             raise InputError(wrong, file=file, line=sheet.line)
@@ -131,6 +144,17 @@ def score_file(file: Path, instrument: Instrument, *, skip_incomplete: bool = Fa
         else:
             kept.append(_row(sheet, scores, there))
     return ScoredFile(kept, left_out)
+
+
+def _require_zeros(file: Path, instrument: Instrument, sheets: Sequence[Sheet]) -> None:
+    """Raise `InputError` where no answer is 0: all of them may be too high by one."""
+    given = (answer for sheet in sheets for answer in sheet.answers.values())
+    answered = never_zero(instrument, Counter(a for a in given if a is not None))
+    if answered:
+        high = instrument.high + 1
+        message = f"none of {answered} answers is 0: are they 1 to {high}, with no {high} among"
+        hint = "give --coded-from 1 to take 1 off each, or --coded-from 0 if they are right"
+        raise InputError(f"{message} them? {hint}", file=file)
 
 
 def _row(sheet: Sheet, scores: Mapping[str, Score | None], scales: list[Scale]) -> dict[str, Cell]:

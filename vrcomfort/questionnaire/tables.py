@@ -15,6 +15,7 @@ from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.answers import Answer, exact
 from vrcomfort.questionnaire.instruments import Instrument, Item
+from vrcomfort.questionnaire.suspects import sum_in_place_of
 
 LONG_KEYS = ("participant", "session", "trial", "condition", "timepoint")
 
@@ -97,7 +98,13 @@ class Sheet:
             raise table.fault(f"`{item.name}` is answered twice in one questionnaire", line, "item")
 
 
-def read_sheets(file: Path, instrument: Instrument, *, allow_blank: bool = False) -> list[Sheet]:
+def read_sheets(
+    file: Path,
+    instrument: Instrument,
+    *,
+    allow_blank: bool = False,
+    coded_from: Answer | None = None,
+) -> list[Sheet]:
     """Read a wide or a long CSV file, whichever it is.
 
     Long files have columns `item` and `response` (as ``questionnaires.csv``); in wide ones every
@@ -107,12 +114,15 @@ def read_sheets(file: Path, instrument: Instrument, *, allow_blank: bool = False
     ----------
     allow_blank
         A blank answer in a wide file is None, as it is in a long one.
+    coded_from
+        The number that stands for the lowest answer; the instrument's own without it.
 
     Raises
     ------
     InputError
-        If a column is missing or there twice, or an answer is no integer or out of range; in wide
-        files also if an answer is missing. With line and column.
+        If a column is missing or there twice, or is named like an item and holds a sum; if an
+        answer is no integer or out of range; in wide files also if an answer is missing. With line
+        and column.
     """
     table = CsvTable.read(file)
     if not table.header:
@@ -120,12 +130,15 @@ def read_sheets(file: Path, instrument: Instrument, *, allow_blank: bool = False
     names = {heading.lower() for heading in table.header}
     if {"item", "response"} <= names:
         keys = [name for name in LONG_KEYS if name in names]
-        return read_long(table, instrument, keys)
-    return _wide(table, instrument, allow_blank=allow_blank)
+        return read_long(table, instrument, keys, coded_from=coded_from)
+    return _wide(table, instrument, allow_blank=allow_blank, coded_from=coded_from)
 
 
-def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list[Sheet]:
+def _wide(
+    table: CsvTable, instrument: Instrument, *, allow_blank: bool, coded_from: Answer | None
+) -> list[Sheet]:
     columns = _item_columns(table, instrument)
+    _require_no_sums(table, instrument, columns)
     sheets = []
     for line, cells in zip(table.lines, table.rows, strict=True):
         keys = {
@@ -135,7 +148,7 @@ def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list
         }
         sheet = Sheet(line, keys)
         for index, item in columns.items():
-            answer = _answer(table, item, cells[index], line, table.header[index])
+            answer = _answer(table, item, cells[index], line, table.header[index], coded_from)
             if answer is None and not allow_blank and not instrument.may_miss(item):
                 message = "this answer is missing; `score --skip-incomplete` leaves such rows out"
                 raise table.fault(message, line, table.header[index])
@@ -179,19 +192,57 @@ def _require_one_candidate(
             raise table.fault(message, 1, heading)
 
 
-def _answer(table: CsvTable, item: Item, cell: str, line: int, column: str) -> Answer | None:
+def _require_no_sums(table: CsvTable, instrument: Instrument, columns: Mapping[int, Item]) -> None:
+    """Raise `InputError` where the column of an item is exactly the sum of others."""
+    texts = list(zip(*table.rows, strict=True))
+    read = {i: [_plain_answer(cell) for cell in texts[i]] for i in range(len(texts))}
+    sheets = [
+        {item.name: read[index][row] for index, item in columns.items()}
+        for row in range(len(table.rows))
+    ]
+    others = {
+        heading: read[index]
+        for index, heading in enumerate(table.header)
+        if index not in columns
+        and index in read
+        and all(each is not None and instrument.answers.has(each) for each in read[index])
+    }
+    for index, item in columns.items():
+        found = sum_in_place_of(instrument, item.name, sheets, others)
+        if found is not None:
+            heading, (other, scale) = table.header[index], found
+            message = f"`{heading}` is exactly the sum of {scale}, with `{other}` as {item.name}"
+            hint = f"rename `{heading}` to `{heading} sum`, and `{other}` to `{item.name}`"
+            raise table.fault(f"{message}; {hint}", 1, heading)
+
+
+def _plain_answer(cell: str) -> Answer | None:
+    number = _number(cell)
+    return number if math.isfinite(number) else None
+
+
+def _answer(
+    table: CsvTable,
+    item: Item,
+    cell: str,
+    line: int,
+    column: str,
+    coded_from: Answer | None = None,
+) -> Answer | None:
     text = cell.strip()
     answers = item.answers
-    if text in answers.plain:
+    if coded_from is None and text in answers.plain:
         return answers.plain[text]
     if not text:
         return None
-    number = _number(text)
+    number = _number(text) + (0 if coded_from is None else answers.low - coded_from)
     if not math.isfinite(number) or (exact(number) / answers.resolution).denominator != 1:
         what = "a whole number" if answers.resolution == 1 else f"one of {answers.in_words}"
         raise table.fault(f"`{text}` is not {what}", line, column)
     if not answers.low <= number <= answers.high:
-        hint = "; answers coded from 1 need 1 taken off" if number == answers.high + 1 else ""
+        one_more = coded_from is None and number == answers.high + 1
+        hint = f"; if they are counted from {answers.low + 1}, 1 is taken off" if one_more else ""
+        hint = f"{hint} by `score --coded-from {answers.low + 1}` or an import" if hint else ""
         message = f"{number:g} is out of range, answers are {answers.in_words}{hint}"
         raise table.fault(message, line, column)
     if not answers.has(number):
@@ -208,7 +259,12 @@ def _number(text: str) -> float:
 
 
 def read_long(
-    table: CsvTable, instrument: Instrument, keys: Sequence[str], *, nameless: bool = True
+    table: CsvTable,
+    instrument: Instrument,
+    keys: Sequence[str],
+    *,
+    nameless: bool = True,
+    coded_from: Answer | None = None,
 ) -> list[Sheet]:
     """Read a table with a row for each answer, in the order in which they were given.
 
@@ -221,6 +277,8 @@ def read_long(
         Columns that say whose a sheet is; one that the table does not have is blank.
     nameless
         Whether rows that name no instrument are of this one.
+    coded_from
+        As in `read_sheets`.
 
     Raises
     ------
@@ -228,7 +286,9 @@ def read_long(
         If an item is none or is answered twice, or an answer is no integer or out of range. With
         line and column.
     """
-    sheets = _LongSheets(table, instrument, keys)
+    if not table.rows:
+        return []
+    sheets = _LongSheets(table, instrument, keys, coded_from)
     own = {instrument.name, ""} if nameless else {instrument.name}
     name = sheets.column("instrument")
     mine: dict[str, bool] = {}
@@ -244,8 +304,15 @@ def read_long(
 class _LongSheets:
     """The sheets of a long table."""
 
-    def __init__(self, table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> None:
+    def __init__(
+        self,
+        table: CsvTable,
+        instrument: Instrument,
+        keys: Sequence[str],
+        coded_from: Answer | None,
+    ) -> None:
         self._table = table
+        self._coded_from = coded_from
         self._instrument = instrument
         self._keys = keys
         names = [name.lower() for name in table.header]
@@ -277,7 +344,8 @@ class _LongSheets:
         if item is None:
             message = _unknown_item(self._instrument, heading.strip())
             raise self._table.fault(message, line, "item")
-        return item, _answer(self._table, item, response, line, "response")
+        answer = _answer(self._table, item, response, line, "response", self._coded_from)
+        return item, answer
 
     def _sheet(self, cells: Sequence[str], line: int, item: str) -> Sheet:
         """Return the sheet of a row: mostly that of the row before."""

@@ -2,29 +2,35 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.errors import spare
-from vrcomfort.report.figures import (
-    exposure_figure,
-    paired_figure,
-    subscale_figure,
-    symptom_figure,
-)
+from vrcomfort.report.answers import answer
+from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
-from vrcomfort.report.pairs import Side
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
-from vrcomfort.report.results import PLAN_FILE, analyse, to_json
+from vrcomfort.report.records import records
+from vrcomfort.report.reproduce import r_script
+from vrcomfort.report.residuals import residuals_of
+from vrcomfort.report.results import PLAN_FILE, analyse, plain, to_json
 from vrcomfort.report.study_data import of_one_kind, read_study
 from vrcomfort.report.tables import all_tables
-from vrcomfort.report.words import headline
+from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, write_report
 
 if TYPE_CHECKING:
-    from vrcomfort.report.exposures import Exposures
+    from collections.abc import Collection
+
+    from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.study_data import StudyData
+
+
+Form = Literal["svg", "png", "pdf"]
+FORMS: tuple[Form, ...] = ("svg", "png", "pdf")
 
 
 @dataclass(frozen=True)
@@ -36,7 +42,7 @@ class ReportSummary:
     index, results
         ``index.html`` and ``results.json``.
     tables, figures
-        The CSV and SVG files beside them.
+        The CSV files beside them; the figures as SVG, PNG and PDF.
     plan
         Name of the analysis plan.
     participants, analysed, withdrawn
@@ -67,6 +73,7 @@ def build_report(
     instrument: str | None = None,
     out: Path,
     simulated: bool | None = None,
+    forms: Collection[Form] = FORMS,
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -83,8 +90,11 @@ def build_report(
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
     out
-        Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
+        Folder for ``index.html``, ``results.json``, ``reproduce.R``, ``tables/`` and ``figures/``;
+        made if absent.
         Tables and figures of an earlier report that this one does not have are removed.
+    forms
+        In which figures are written; PNG and PDF take most of the time of a small report.
 
     Raises
     ------
@@ -95,17 +105,46 @@ def build_report(
     study = _of_one_kind(read_study(Path(source), instrument), simulated)
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
-    figures = draw_figures(study, results, scored)
-    files = {
+    results |= plain(records(study, scored, chosen, results, Path(source)))
+    results["date"] = _today()
+    words = Vocabulary.of(results)
+    left = [
+        residuals_of(scored, chosen, results["tests"], outcome["name"])
+        for outcome in results["outcomes"]
+    ]
+    figures = draw_figures(study, results, scored, left, words)
+    files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
-        "index.html": render_page(results, figures),
+        "index.html": render_page(results, figures, words),
+        "reproduce.R": r_script(),
         **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
-        **{f"figures/{file_name(name)}.svg": text for name, text in figures.items()},
+        **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
     spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
-    return _summary(Path(out), results)
+    return _summary(Path(out), results, words)
+
+
+def _today() -> str:
+    """Return the day of the report; SOURCE_DATE_EPOCH makes it another, for equal bytes."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
+    return moment.date().isoformat()
+
+
+def _figure_files(figures: dict[str, Drawing], forms: Collection[Form]) -> dict[str, str | bytes]:
+    """Return the path of each figure in each of the forms wanted."""
+    files: dict[str, str | bytes] = {}
+    for name, drawing in figures.items():
+        path = f"figures/{file_name(name)}"
+        if "svg" in forms:
+            files[f"{path}.svg"] = drawing.svg
+        if "png" in forms:
+            files[f"{path}.png"] = drawing.png()
+        if "pdf" in forms:
+            files[f"{path}.pdf"] = drawing.pdf()
+    return files
 
 
 def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
@@ -139,31 +178,7 @@ def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
     return of_one_kind(study, simulated=simulated)
 
 
-def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
-    """Return name → SVG text of every figure that the data allow."""
-    labels, wanted = results["labels"], results["plan"]["figures"]
-    drawn: dict[str, str | None] = {}
-    for test in results["tests"]:
-        if test["outcome"] == results["outcomes"][0]["name"]:
-            name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
-            drawn[name] = paired_figure(
-                scored,
-                *(Side(**side) for side in test["sides"]),
-                labels=labels,
-                outcome=test["outcome"],
-                complete=results["plan"]["withdrawals"] != "available_pairs",
-            )
-    drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
-    drawn["symptoms"] = symptom_figure(results)
-    drawn["exposures"] = exposure_figure(list(study.trials), results)
-    return {
-        name: svg
-        for name, svg in drawn.items()
-        if svg and (not wanted or name.partition("_")[0] in wanted)
-    }
-
-
-def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
+def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSummary:
     quality = results["quality"]
     excluded = [
         f"{row['place']}: {row['participant']}, {row['questionnaire']}: {row['reason']}"
@@ -178,7 +193,7 @@ def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(headline(test, results) for test in results["tests"]),
+        headlines=tuple(answer(test, words)["text"] for test in results["tests"]),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

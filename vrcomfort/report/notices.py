@@ -6,6 +6,7 @@ import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
 
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
-FEWEST_ANSWERS = 32
-"""Of two questionnaires: fewer may all be above 0 by chance."""
 
 
 def notices(
@@ -58,11 +57,13 @@ def _losses(
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
-            several = ", ".join(f"{n} of {c}" for c, n in needed.items() if n > 1)
+            label = study.labels
+            several = ", ".join(f"{n} of {label.get(c, c)}" for c, n in needed.items() if n > 1)
+            of_each = f" ({several})" if several else ""
+            pair = " and ".join(label.get(name, name) for name in (test["a"], test["b"]))
             found.append(
-                f"{len(lost)} of {len(people)} participants are not in the tests of {test['a']} "
-                f"and {test['b']}, for which a score of every planned exposure"
-                f"{f' ({several})' if several else ''} is needed: {names(lost)}"
+                f"{len(lost)} of {len(people)} participants are not in the tests of {pair}, for "
+                f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
 
@@ -105,8 +106,8 @@ def _coded_from_one(study: StudyData) -> list[str]:
         )
     found = []
     for name, counts in answers.items():
-        instrument, answered = study.instruments[name], counts.total()
-        if instrument.low == 0 and answered >= FEWEST_ANSWERS and not counts[0]:
+        instrument = study.instruments[name]
+        if answered := never_zero(instrument, counts):
             found.append(
                 f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
                 f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "

@@ -174,7 +174,7 @@ def why_not(
     """Return everybody else, who is in no test or not in all, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for each in found:
-        reasons[each.participant].append(_in_words(each))
+        reasons[each.participant].append(_in_words(each, study.labels))
     for person in study.participants:
         if person["status"] == "withdrawn" and person.get("note"):
             reasons[person["participant"]].append(f"note: {person['note']}")
@@ -194,10 +194,11 @@ def why_not(
     ]
 
 
-def _in_words(each: Withdrawal) -> str:
+def _in_words(each: Withdrawal, labels: dict[str, str]) -> str:
     if not each.condition:
         return "withdrew before the first exposure"
-    where = f"{each.condition}, session {each.session}, exposure {each.position}"
+    label = labels.get(each.condition, each.condition)
+    where = f"{label}, session {each.session}, exposure {each.position}"
     return f"withdrew after {where}" if each.how == AFTER else f"{each.how} in {where}"
 
 

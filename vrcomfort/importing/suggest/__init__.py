@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from vrcomfort.importing.source import Reading, SourceTable
 from vrcomfort.importing.suggest.draft import Doubt, Draft
 from vrcomfort.importing.suggest.long_tables import stands_on_its_side
 from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.questionnaire import Instrument, usual_instruments
 
 _TOP = (
     "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
@@ -46,27 +47,38 @@ class Suggestion:
     imported: Imported | None
 
 
-def suggest_mapping(files: Sequence[Path]) -> Suggestion:
+def suggest_mapping(
+    files: Sequence[Path], own: Mapping[str, Instrument] | None = None
+) -> Suggestion:
     """Write a mapping from files.
+
+    Parameters
+    ----------
+    own
+        File → instrument that is not shipped, and may be meant as well.
 
     Raises
     ------
     InputError
         If a file cannot be read.
     """
-    read = [table for file in files for table in _tables(file)]
+    own = own or {}
+    known = (*own.values(), *usual_instruments())
+    read = [table for file in files for table in _tables(file, known)]
     groups: dict[tuple[object, ...], list[SourceTable]] = {}
     for table in read:
         groups.setdefault((table.headings, table.reading.heading_rows), []).append(table)
-    drafts = [TableDraft(tables) for tables in groups.values()]
+    drafts = [TableDraft(tables, known) for tables in groups.values()]
     useful = [draft for draft in drafts if draft.gives] or drafts
     doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
     top = Draft({"format_version": 1, "name": files[0].stem})
+    if own:
+        top.put("instruments", list(own))
     for line in _TOP:
         top.note(line, "format_version")
     doubts += _ignored_sheets(top, drafts, useful)
     top.lists["tables"] = [draft.draft for draft in useful]
-    imported, refusal = _tried(top, files)
+    imported, refusal = _tried(top, files, [*own.values()])
     if refusal:
         doubts.append(Doubt("As it stands, the import refuses the files; mend this:", refusal))
     top.lists["doubts"] = [
@@ -78,10 +90,10 @@ def suggest_mapping(files: Sequence[Path]) -> Suggestion:
     )
 
 
-def _tables(file: Path) -> list[SourceTable]:
+def _tables(file: Path, known: Sequence[Instrument]) -> list[SourceTable]:
     grids = read_grids(file, Reading())
     return [
-        as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g))))
+        as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g, known))))
         for g in grids
         if g.rows
     ]
@@ -96,9 +108,11 @@ def _ignored_sheets(top: Draft, drafts: list[TableDraft], useful: list[TableDraf
     return [Doubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")]
 
 
-def _tried(top: Draft, files: Sequence[Path]) -> tuple[Imported | None, str]:
+def _tried(
+    top: Draft, files: Sequence[Path], own: Sequence[Instrument]
+) -> tuple[Imported | None, str]:
     """Return what the mapping makes of the files, or why it is refused."""
     try:
-        return import_files(files, parse_mapping(top.text(), None)), ""
+        return import_files(files, parse_mapping(top.text(), None), own), ""
     except InputError as error:
         return None, str(error)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import Named, mentions, named_items, tokens
-from vrcomfort.questionnaire import Instrument, usual_instruments
+from vrcomfort.questionnaire import Instrument
 
 FEWEST = 4
 """So many items of an instrument, or all it has, make a questionnaire."""
@@ -40,27 +40,27 @@ class Found:
     @property
     def absent(self) -> list[str]:
         """Return the items that have no column."""
-        return [item.name for item in self.instrument.items if item.name not in self.items]
+        return [item.name for item in self.instrument.asked if item.name not in self.items]
 
 
-def find_blocks(table: SourceTable) -> list[Found]:
+def find_blocks(table: SourceTable, known: Sequence[Instrument]) -> list[Found]:
     """Return the questionnaires that the headings of a table name, no column twice.
 
     By the names of the items, else by their numbers, else (where there are no headings) by where
     the answers stand.
     """
-    by_name = [b for i in usual_instruments() for b in _by_name(table, i)]
-    found = _best(table, by_name)
+    by_name = [b for i in known for b in _by_name(table, i)]
+    found = _best(table, by_name, known)
     taken = {column for block in found for column in block.columns}
-    by_number = [b for i in usual_instruments() for b in _by_number(table, i, taken)]
-    found += _best(table, by_number)
+    by_number = [b for i in known for b in _by_number(table, i, taken)]
+    found += _best(table, by_number, known)
     if not found and not table.reading.heading_rows:
-        found = _by_position(table)
+        found = _by_position(table, known)
     return sorted(found, key=lambda block: block.columns)
 
 
 def _by_name(table: SourceTable, instrument: Instrument) -> list[Found]:
-    if len(instrument.items) == 1:
+    if len(instrument.asked) == 1:
         return []
     named = [
         each
@@ -136,13 +136,13 @@ def _item_numbers(named: Sequence[Named]) -> set[tuple[str, int]]:
     }
 
 
-def _best(table: SourceTable, found: Sequence[Found]) -> list[Found]:
+def _best(table: SourceTable, found: Sequence[Found], known: Sequence[Instrument]) -> list[Found]:
     """Return the questionnaires that explain most, none with a column of another."""
 
     def merit(block: Found) -> tuple[float, ...]:
-        whole = len(block.items) / len(block.instrument.items)
+        whole = len(block.items) / len(block.instrument.asked)
         text = " ".join(table.headings[c] for c in block.columns)
-        said = block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}")
+        said = block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}", known)
         exact = sum(named.how in {"name", "number"} for named in block.items.values())
         return (said, whole == 1.0, exact + whole)
 
@@ -150,7 +150,7 @@ def _best(table: SourceTable, found: Sequence[Found]) -> list[Found]:
     taken: set[int] = set()
     for block in sorted(found, key=merit, reverse=True):
         items = {i: named for i, named in block.items.items() if named.column not in taken}
-        enough = min(FEWEST, len(block.instrument.items))
+        enough = min(FEWEST, len(block.instrument.asked))
         if len(items) >= enough and _is_worth(block, items):
             kept.append(replace(block, items=items))
             taken.update(named.column for named in items.values())
@@ -166,7 +166,7 @@ def _is_worth(block: Found, items: dict[str, Named]) -> bool:
 
 def _by_number(table: SourceTable, instrument: Instrument, taken: set[int]) -> list[Found]:
     """Find ``SSQ1`` … ``SSQ16``: headings that differ in a number alone, from 1 (or 0) on."""
-    count = len(instrument.items)
+    count = len(instrument.asked)
     if count < FEWEST or not table.reading.heading_rows:
         return []
     groups: dict[tuple[Context, Context], dict[int, int]] = defaultdict(dict)
@@ -183,7 +183,7 @@ def _by_number(table: SourceTable, instrument: Instrument, taken: set[int]) -> l
         if whole and _are_answers(table, list(columns.values())):
             items = {
                 item.name: Named(columns[n], instrument.name, item.name, "number", before, after)
-                for n, item in enumerate(instrument.items, start=first)
+                for n, item in enumerate(instrument.asked, start=first)
             }
             own = set(tokens(instrument.name)) | _NUMBERED
             context = tuple(word for word in (*before, *after) if word not in own)
@@ -200,17 +200,17 @@ def _are_answers(table: SourceTable, columns: Sequence[int]) -> bool:
     return 0 < len(texts) <= 30 and max(map(len, texts)) <= 40
 
 
-def _by_position(table: SourceTable) -> list[Found]:
+def _by_position(table: SourceTable, known: Sequence[Instrument]) -> list[Found]:
     """Take the last columns of a table without headings, if they hold small whole numbers."""
     width = len(table.headings)
-    for instrument in usual_instruments():
-        count = len(instrument.items)
+    for instrument in known:
+        count = len(instrument.asked)
         columns = list(range(width - count, width))
         answers = {*instrument.answers.plain, str(instrument.high + 1), ""}
         if FEWEST <= count < width and all(set(table.column(c)) <= answers for c in columns):
             items = {
                 item.name: Named(column, instrument.name, item.name, "position", (), ())
-                for item, column in zip(instrument.items, columns, strict=True)
+                for item, column in zip(instrument.asked, columns, strict=True)
             }
             return [Found(instrument, (), items)]
     return []

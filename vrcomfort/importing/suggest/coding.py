@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.draft import Doubt
 from vrcomfort.importing.suggest.vocabulary import MISSING, SEVERITY
-from vrcomfort.questionnaire.instruments import Instrument, plain
+from vrcomfort.questionnaire import Instrument, never_zero, plain, shipped_instruments
 
 _CODES = frozenset(
     {-1, -2, -7, -8, -9, -77, -88, -99, -999, -9999, 9, 77, 88, 99, 777, 888, 999, 9999}
@@ -29,10 +29,16 @@ class Coding:
         Word → number of the instrument.
     coded_from
         The number of the lowest answer, where it is not the instrument's.
+    times
+        What the file's numbers are multiplied by.
+    variant
+        The instrument that has these answers, where the one that was looked for has not.
     """
 
     answers: dict[str, int] = field(default_factory=dict)
     coded_from: int | None = None
+    times: int | None = None
+    variant: Instrument | None = None
     missing: list[str] = field(default_factory=list)
     doubts: list[Doubt] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -44,6 +50,18 @@ def coding_of(table: SourceTable, columns: Sequence[int], instrument: Instrument
     return coding_of_texts(cells, instrument, table.reading.decimal or ".")
 
 
+def _variant(instrument: Instrument, values: Iterable[int]) -> Instrument | None:
+    """Return the shipped variant of an instrument that has all of these answers."""
+    return next(
+        (
+            each
+            for each in shipped_instruments().values()
+            if each.variant_of == instrument.name and all(map(each.answers.has, values))
+        ),
+        None,
+    )
+
+
 def coding_of_texts(cells: Sequence[str], instrument: Instrument, decimal: str) -> Coding:
     """Return how some answers are to be read, with what is doubtful."""
     counts = Counter(cell for cell in cells if cell)
@@ -53,6 +71,8 @@ def coding_of_texts(cells: Sequence[str], instrument: Instrument, decimal: str) 
     broken: list[str] = []
     for text, count in counts.items():
         value = number(text, decimal)
+        if value is not None and not value.is_integer() and instrument.answers.has(value):
+            continue
         if value is not None and value.is_integer():
             values[int(value)] = values.get(int(value), 0) + count
         elif value is not None:
@@ -97,12 +117,10 @@ def _words(words: list[str], values: dict[int, int], instrument: Instrument, fou
 def _labels(instrument: Instrument) -> dict[str, int]:
     """Return word → answer, of the instrument's own words and of none to severe."""
     low, high = int(instrument.low), int(instrument.high)
-    said = {}
-    if len(instrument.labels) == high - low + 1:
-        said = {plain(word): low + place for place, word in enumerate(instrument.labels)}
+    said: dict[str, int] = {}
     if high - low == 3:
-        said = {**{word: low + value for word, value in SEVERITY.items()}, **said}
-    return said
+        said = {word: low + value for word, value in SEVERITY.items()}
+    return said | {plain(word): int(answer) for word, answer in instrument.answers.words.items()}
 
 
 def _numbered(text: str, said: dict[str, int], instrument: Instrument) -> int | None:
@@ -141,7 +159,16 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         question = f"Do the numbers {shown} stand for missing answers? {instrument.name} has none."
         found.doubts.append(Doubt(question, "they do"))
     rest = [value for value in outside if value not in codes]
-    if rest == [high + 1] and low not in values:
+    variant = _variant(instrument, values)
+    if rest and low in values and variant is not None:
+        found.variant = variant
+        question = f"Answers go from {low} to {max(rest)}: is this the {variant.short}?"
+        found.doubts.append(Doubt(question, f"it is, and not comparable with {instrument.short}"))
+    elif rest == [low - 1] and high not in values:
+        found.coded_from = low - 1
+        question = f"Are the answers {low - 1} to {high - 1} in place of {low} to {high}?"
+        found.doubts.append(Doubt(question, f"they are: {low - 1} stands for {low}"))
+    elif rest == [high + 1] and low not in values:
         found.coded_from = low + 1
         question = f"Are the answers {low + 1} to {high + 1} in place of {low} to {high}?"
         found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))
@@ -149,17 +176,18 @@ def _numbers(values: dict[int, int], instrument: Instrument, found: Coding) -> N
         shown = ", ".join(map(str, rest[:6]))
         question = f"What do the answers {shown} mean? {instrument.name} has {low} to {high}."
         found.doubts.append(Doubt(question, "the import will refuse them"))
-    elif (
-        inside
-        and high - low <= 6
-        and low not in values
-        and sum(values[v] for v in inside) >= 16
-        and not found.answers
+    elif high >= 100 and inside and max(inside) <= 21:
+        found.times = 10 if max(inside) <= 10 else 5
+        found.coded_from = 1 if max(inside) == 21 else None
+        question = f"Answers of {instrument.short} are {low} to {high}, these {min(inside)} to"
+        doubt = Doubt(f"{question} {max(inside)}: are they marks?", f"times {found.times}")
+        found.doubts.append(doubt)
+    elif not found.answers and (
+        count := never_zero(instrument, {value: values[value] for value in inside})
     ):
         found.coded_from = low + 1
-        count = sum(values[v] for v in inside)
         question = (
             f"None of {count} answers is {low}: are they counted from {low + 1} (with no "
-            f"{high + 1} among them), or did everybody have every symptom?"
+            f"{high + 1} among them), or was {low} never answered?"
         )
         found.doubts.append(Doubt(question, f"they are: {low + 1} stands for {low}"))

@@ -251,7 +251,8 @@ class _Facts:
     def _is_mixed(self, column: int) -> bool:
         """Return whether some texts of a column mean before exposure, and others conditions."""
         said = [timepoint(word) for word in texts(self._table, column)]
-        return "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
+        mixed = "baseline" in said and None in said and len(said) <= MOST_CONDITIONS
+        return mixed and self._known.time is None  # ratings are given during exposure
 
     def _mixed(self, column: int) -> None:
         """Take both the timepoint and the condition from one column."""
@@ -280,7 +281,7 @@ class _Facts:
             return  # in one row each, everything is constant
         for column in self._roles.unknown:
             words = texts(self._table, column)
-            known = words and not varies_within(self._table, column, who)
+            known = len(words) > 1 and not varies_within(self._table, column, who)
             if known and (is_numeric(self._table, column) or few_texts(self._table, column)):
                 self.found.covariates[_word(self._heading(column))] = column
                 self.found.used.add(column)

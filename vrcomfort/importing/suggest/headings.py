@@ -9,7 +9,7 @@ from difflib import SequenceMatcher
 from typing import Literal
 
 from vrcomfort.importing.suggest.spellings import spellings
-from vrcomfort.questionnaire import Instrument, plain, shipped_instruments
+from vrcomfort.questionnaire import Instrument, plain
 
 How = Literal["name", "near", "abbreviation", "number", "position"]
 
@@ -123,12 +123,13 @@ def _abbreviates(part: Sequence[str], name: str) -> bool:
     return True
 
 
-def mentions(text: str) -> set[str]:
+def mentions(text: str, known: Iterable[Instrument]) -> set[str]:
     """Return the instruments that a text names by their short names."""
     words = set(tokens(text))
     joined = plain(text)
     return {
-        name
-        for name in shipped_instruments()
-        if plain(name) in words or (len(plain(name)) > 4 and plain(name) in joined)
+        each.name
+        for each in known
+        for name in {plain(each.name), plain(each.short)}
+        if name in words or (len(name) > 4 and name in joined)
     }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from vrcomfort.importing.headings import is_number
@@ -10,7 +11,7 @@ from vrcomfort.importing.suggest.headings import How, mentions, named_items, tok
 from vrcomfort.importing.suggest.roles import texts
 from vrcomfort.importing.suggest.spellings import spellings
 from vrcomfort.importing.suggest.vocabulary import LONG_ITEM, LONG_RESPONSE, SEVERITY
-from vrcomfort.questionnaire import Instrument, plain, usual_instruments
+from vrcomfort.questionnaire import Instrument, plain
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Long:
     instrument_column: tuple[int, str] | None
 
 
-def find_long(table: SourceTable) -> list[Long]:
+def find_long(table: SourceTable, known: Sequence[Instrument]) -> list[Long]:
     """Return the questionnaires of a long table; none where it is not one."""
     found: list[Long] = []
     for column in range(len(table.headings)):
@@ -48,8 +49,8 @@ def find_long(table: SourceTable) -> list[Long]:
         response = _response_column(table, column)
         if response is None:
             continue
-        for instrument in usual_instruments():
-            named = _named(table, column, words, instrument)
+        for instrument in known:
+            named = _named(table, column, words, instrument, known)
             if named is not None:
                 items, hows = named
                 others = [word for word in words if word not in items.values()]
@@ -61,7 +62,7 @@ def find_long(table: SourceTable) -> list[Long]:
     return []
 
 
-def stands_on_its_side(grid: Grid) -> bool:
+def stands_on_its_side(grid: Grid, instruments: Sequence[Instrument]) -> bool:
     """Return whether items stand one below the other, and participants side by side."""
     width = max(map(len, grid.rows))
     if grid.named or width < 3 or any(plain(cell) in LONG_RESPONSE for cell in grid.rows[0]):
@@ -70,7 +71,7 @@ def stands_on_its_side(grid: Grid) -> bool:
     others = {cell for row in grid.rows[1:] for cell in row[1:] if cell}
     if len(set(first)) < len(first) or len(others) > 30:
         return False
-    for instrument in usual_instruments():
+    for instrument in instruments:
         known = spellings(instrument)
         named = {known[plain(text)] for text in first if plain(text) in known}
         if len(named) >= 4 and len(named) * 2 >= len(first):
@@ -86,13 +87,17 @@ def _best(found: list[Long]) -> list[Long]:
     return [
         max(
             found,
-            key=lambda long: (len(long.items) / len(long.instrument.items), -len(long.others)),
+            key=lambda long: (len(long.items) / len(long.instrument.asked), -len(long.others)),
         )
     ]
 
 
 def _named(
-    table: SourceTable, column: int, words: list[str], instrument: Instrument
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Sequence[Instrument],
 ) -> tuple[dict[str, str], dict[str, How]] | None:
     items: dict[str, str] = {}
     hows: dict[str, How] = {}
@@ -104,29 +109,33 @@ def _named(
             items[found.item] = word
             hows[found.item] = found.how
     sure = sum(how == "name" for how in hows.values())
-    if sure >= min(4, len(instrument.items)) and len(instrument.items) > 1:
+    if sure >= min(4, len(instrument.asked)) and len(instrument.asked) > 1:
         return items, hows
-    return _numbered(table, column, words, instrument)
+    return _numbered(table, column, words, instrument, known)
 
 
 def _numbered(
-    table: SourceTable, column: int, words: list[str], instrument: Instrument
+    table: SourceTable,
+    column: int,
+    words: list[str],
+    instrument: Instrument,
+    known: Sequence[Instrument],
 ) -> tuple[dict[str, str], dict[str, How]] | None:
     """Find items by numbers, ``1`` … ``16`` or ``SSQ1`` …, in a column that is called item."""
     heading = plain(table.headings[column])
-    if heading not in LONG_ITEM and not mentions(" ".join(words[:3])):
+    if heading not in LONG_ITEM and not mentions(" ".join(words[:3]), known):
         return None
     numbers: dict[int, str] = {}
     for word in words:
         digits = [token for token in tokens(word) if token.isdigit()]
-        named = mentions(word)
+        named = mentions(word, known)
         if len(digits) == 1 and (not named or instrument.name in named):
             numbers.setdefault(int(digits[0]), word)
-    count = len(instrument.items)
+    count = len(instrument.asked)
     first = min(numbers, default=9)
     if first > 1 or sorted(numbers) != list(range(first, first + count)) or count < 4:
         return None
-    items = {item.name: numbers[n] for n, item in enumerate(instrument.items, start=first)}
+    items = {item.name: numbers[n] for n, item in enumerate(instrument.asked, start=first)}
     return items, dict.fromkeys(items, "number")
 
 
@@ -161,6 +170,10 @@ def _instrument_column(
             words = texts(table, column)
             if len(words) <= 8:
                 for word in words:
-                    if plain(word) in {plain(instrument.name), plain(instrument.title)}:
+                    if plain(word) in {
+                        plain(instrument.name),
+                        plain(instrument.short),
+                        plain(instrument.title),
+                    }:
                         return column, word
     return None

@@ -17,7 +17,7 @@ from vrcomfort.importing.suggest.ratings import FoundRating
 from vrcomfort.importing.suggest.roles import Roles, texts
 from vrcomfort.importing.suggest.scores import parts_of
 from vrcomfort.importing.suggest.vocabulary import SEVERITY
-from vrcomfort.questionnaire import Instrument, plain, shipped_instruments, usual_instruments
+from vrcomfort.questionnaire import Instrument, plain
 
 
 def mend_items(table: SourceTable, block: Found, roles: Roles) -> tuple[Found, list[Doubt]]:
@@ -72,12 +72,15 @@ def _may_answer(table: SourceTable, column: int, instrument: Instrument) -> bool
 
 
 def draft_block(
-    table: SourceTable, block: Found, facts: Mapping[str, str]
+    table: SourceTable, block: Found, facts: Mapping[str, str], known: Sequence[Instrument]
 ) -> tuple[Draft, list[Doubt]]:
     """Draft a questionnaire that has a column for each item."""
     draft = Draft({"instrument": block.instrument.name, **facts})
-    doubts = _instrument_doubts(table, block)
+    doubts = _instrument_doubts(table, block, known)
     coding = coding_of(table, block.columns, block.instrument)
+    if coding.variant is not None:
+        block = replace(block, instrument=coding.variant)
+        draft.put("instrument", block.instrument.name)
     _coded(draft, coding)
     doubts += coding.doubts
     order = [item.name for item in block.instrument.items if item.name in block.items]
@@ -98,15 +101,17 @@ def draft_block(
     return draft, doubts
 
 
-def _instrument_doubts(table: SourceTable, block: Found) -> list[Doubt]:
+def _instrument_doubts(
+    table: SourceTable, block: Found, known: Sequence[Instrument]
+) -> list[Doubt]:
     """Ask which instrument it is, where another has all of these items, too."""
     text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
-    if block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}"):
+    if block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}", known):
         return []
     found = set(block.items)
     others = [
         other.name.upper()
-        for other in usual_instruments()
+        for other in known
         if other.name != block.instrument.name and found <= {item.name for item in other.items}
     ]
     if not others:
@@ -145,6 +150,8 @@ def _coded(draft: Draft, coding: Coding) -> None:
         draft.put("answers", dict(coding.answers))
     if coding.coded_from is not None:
         draft.put("coded_from", coding.coded_from)
+    if coding.times is not None:
+        draft.put("times", float(coding.times))
     if coding.missing:
         draft.put("missing", list(coding.missing))
 
@@ -154,7 +161,7 @@ def _of_single_items(
 ) -> None:
     """Let single columns be coded otherwise than the rest, where they go one too high."""
     high, low = int(block.instrument.high), int(block.instrument.low)
-    if whole.coded_from is not None:
+    if whole.coded_from is not None or whole.variant is not None:
         return
     own = Draft()
     for item, named in block.items.items():
@@ -171,7 +178,9 @@ def _of_single_items(
             doubts.remove(doubt)
 
 
-def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
+def draft_long(
+    table: SourceTable, long: Long, known: Sequence[Instrument]
+) -> tuple[Draft, list[Doubt]]:
     """Draft a questionnaire of a table that has a row for each answer."""
     draft = Draft({"instrument": long.instrument.name})
     draft.put("item_column", table.headings[long.item_column])
@@ -193,9 +202,9 @@ def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
     order = [item.name for item in long.instrument.items if item.name in long.items]
     doubts = [*coding.doubts, *_name_doubts(block, {item: long.items[item] for item in order})]
     if long.instrument_column is None:
-        doubts += _instrument_doubts(table, block)
+        doubts += _instrument_doubts(table, block, known)
     else:
-        doubts += _other_instruments(table, long.instrument_column[0])
+        doubts += _other_instruments(table, long.instrument_column[0], known)
     if block.absent:
         draft.put("not_asked", block.absent)
         question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
@@ -208,9 +217,10 @@ def draft_long(table: SourceTable, long: Long) -> tuple[Draft, list[Doubt]]:
     return draft, doubts
 
 
-def _other_instruments(table: SourceTable, column: int) -> list[Doubt]:
+def _other_instruments(table: SourceTable, column: int, known: Sequence[Instrument]) -> list[Doubt]:
     """Ask whether the rows of questionnaires that we do not know may be left out."""
-    others = [text for text in texts(table, column) if plain(text) not in shipped_instruments()]
+    names = {plain(name) for each in known for name in (each.name, each.short, each.title)}
+    others = [text for text in texts(table, column) if plain(text) not in names]
     if not others:
         return []
     question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"

@@ -9,7 +9,7 @@ from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import tokens
 from vrcomfort.importing.suggest.vocabulary import ELAPSED_S
-from vrcomfort.questionnaire import Instrument, plain, usual_instruments
+from vrcomfort.questionnaire import Instrument, plain
 
 
 @dataclass(frozen=True)
@@ -23,12 +23,14 @@ class FoundRating:
     """The words of its heading that do not name the scale."""
 
 
-def find_ratings(table: SourceTable, columns: Sequence[int]) -> list[FoundRating]:
+def find_ratings(
+    table: SourceTable, columns: Sequence[int], known: Sequence[Instrument]
+) -> list[FoundRating]:
     """Return the columns that are called by the name of a scale of one item."""
     time = next((c for c in columns if plain(table.headings[c]) in ELAPSED_S), None)
     found = []
-    for instrument in usual_instruments():
-        if len(instrument.items) == 1:
+    for instrument in known:
+        if len(instrument.asked) == 1:
             named = [c for c in columns if _is_named(table, c, instrument)]
             own = {plain(instrument.name), "score", "rating", *map(plain, instrument.title.split())}
             for column in named:

@@ -9,14 +9,14 @@ import numpy as np
 
 from vrcomfort.importing.answers import number
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.headings import tokens
+from vrcomfort.importing.suggest.headings import mentions, tokens
 from vrcomfort.importing.suggest.vocabulary import SCALE_WORDS
+from vrcomfort.questionnaire import Instrument, plain
 
 _NOISE = frozenset(
     ["score", "scores", "scored", "weighted", "raw", "sum", "sums", "subscale", "scale", "symptoms",
      "symptom", "value", "subscore", "factor", "cluster"]
 )  # fmt: skip
-_WEIGHTS: Mapping[str, Mapping[str, float]] = {"ssq": {"N": 9.54, "O": 7.58, "D": 13.92, "T": 3.74}}
 
 
 @dataclass(frozen=True)
@@ -29,47 +29,76 @@ class FoundScores:
         Scale → index of its column.
     """
 
-    instrument: str
+    instrument: Instrument
     context: tuple[str, ...]
     scales: dict[str, int]
 
 
-def find_scores(table: SourceTable, columns: Sequence[int]) -> list[FoundScores]:
+def find_scores(
+    table: SourceTable, columns: Sequence[int], known: Sequence[Instrument]
+) -> list[FoundScores]:
     """Return the columns whose headings name scales: a total, or at least two."""
-    groups: dict[tuple[str, tuple[str, ...]], dict[str, int]] = {}
+    found: list[FoundScores] = []
+    left = list(columns)
+    named = mentions(f"{table.file.stem} {table.sheet} {' '.join(table.headings)}", known)
+    for instrument in sorted(known, key=lambda each: (each.name not in named, each.name != "ssq")):
+        if len(instrument.asked) > 1:
+            own = _of_instrument(table, left, instrument)
+            left = [c for c in left if all(c not in each.scales.values() for each in own)]
+            found += own
+    return found
+
+
+def _of_instrument(
+    table: SourceTable, columns: Sequence[int], instrument: Instrument
+) -> list[FoundScores]:
+    words = _scale_words(instrument)
+    groups: dict[tuple[str, ...], dict[str, int]] = {}
     for column in columns:
-        for instrument, words in SCALE_WORDS.items():
-            named = _scale(table.headings[column], instrument, words)
-            if named is not None and _numeric(table, column):
-                scale, context = named
-                groups.setdefault((instrument, context), {}).setdefault(scale, column)
+        named = _scale(table.headings[column], instrument, words)
+        if named is not None and _numeric(table, column):
+            scale, context = named
+            groups.setdefault(context, {}).setdefault(scale, column)
     return [
         FoundScores(instrument, context, scales)
-        for (instrument, context), scales in groups.items()
+        for context, scales in groups.items()
         if _is_sure(table, instrument, scales)
     ]
 
 
+def _scale_words(instrument: Instrument) -> dict[str, str]:
+    """Return word → scale: its name, title and column, and what labs call it else."""
+    words = {
+        plain(word): scale.name
+        for scale in instrument.scales
+        if not scale.alone
+        for word in (scale.name, scale.title, scale.column)
+    }
+    return {**SCALE_WORDS.get(instrument.name, {}), **words}
+
+
 def _scale(
-    heading: str, instrument: str, words: Mapping[str, str]
+    heading: str, instrument: Instrument, words: Mapping[str, str]
 ) -> tuple[str, tuple[str, ...]] | None:
     """Return the scale that a heading names, and its other words."""
-    rest = [word for word in tokens(heading) if word not in _NOISE and word != instrument]
+    own = {plain(instrument.name), *tokens(instrument.short)}
+    rest = [word for word in tokens(heading) if word not in _NOISE and word not in own]
     if not rest:
         said = set(tokens(heading))
-        return ("T", ()) if instrument in said and said & _NOISE else None
+        return (instrument.primary, ()) if said & own and said & {*_NOISE, "total"} else None
     for word in sorted(rest, key=len, reverse=True):
         if word in words:
             others = list(rest)
             others.remove(word)
-            return words[word], tuple(w for w in others if w not in {"total", "ssq"})
+            return words[word], tuple(w for w in others if w != "total")
     return None
 
 
-def _is_sure(table: SourceTable, instrument: str, scales: Mapping[str, int]) -> bool:
+def _is_sure(table: SourceTable, instrument: Instrument, scales: Mapping[str, int]) -> bool:
     """Return whether these are scores, and not columns that happen to be called N or O."""
     names = [table.headings[column] for column in scales.values()]
-    said = any(instrument in tokens(name) for name in (*names, table.file.stem, table.sheet))
+    places = (*names, table.file.stem, table.sheet)
+    said = any(instrument.name in mentions(name, [instrument]) for name in places)
     single = all(len("".join(tokens(name))) < 3 for name in names)
     if single:
         return len(scales) >= 3
@@ -84,7 +113,7 @@ def _numeric(table: SourceTable, column: int) -> bool:
 
 def kind_of(table: SourceTable, found: FoundScores) -> str:
     """Return ``score`` where values are multiples of the weights, ``raw_sum`` where whole."""
-    weights = _WEIGHTS[found.instrument]
+    weights = {scale.name: scale.weight for scale in found.instrument.scales}
     weighted = whole = 0
     for scale, column in found.scales.items():
         for value in _values(table, column):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.blocks import find_blocks
+from vrcomfort.importing.suggest.blocks import Found, find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
 from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
 from vrcomfort.importing.suggest.long_tables import Long, find_long
@@ -18,10 +18,11 @@ from vrcomfort.importing.suggest.questionnaires import (
     leftovers,
     mend_items,
 )
-from vrcomfort.importing.suggest.ratings import find_ratings
+from vrcomfort.importing.suggest.ratings import FoundRating, find_ratings
 from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
-from vrcomfort.importing.suggest.scores import find_scores, kind_of
+from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
 from vrcomfort.importing.suspects import alike
+from vrcomfort.questionnaire import Instrument
 
 
 def _row_keys(longs: Sequence[Long]) -> list[int]:
@@ -37,10 +38,13 @@ class TableDraft:
     ----------
     tables
         The tables; the first one's reading is written down.
+    known
+        Instruments that may be meant.
     """
 
-    def __init__(self, tables: Sequence[SourceTable]) -> None:
+    def __init__(self, tables: Sequence[SourceTable], known: Sequence[Instrument]) -> None:
         self._tables = tables
+        self._known = known
         rows = tuple(row for table in tables for row in table.rows)
         self.table = replace(tables[0], rows=rows)
         self.draft = Draft()
@@ -50,12 +54,16 @@ class TableDraft:
         self.gives = False
         """Whether there is anything to import."""
         self._files()
-        self._longs = find_long(self.table)
-        self._blocks = [] if self._longs else find_blocks(self.table)
+        self._longs = find_long(self.table, known)
+        self._blocks = [] if self._longs else find_blocks(self.table, known)
         taken = self._answer_columns()
-        self._ratings = find_ratings(self.table, [c for c in self._columns() if c not in taken])
+        self._ratings = find_ratings(
+            self.table, [c for c in self._columns() if c not in taken], known
+        )
         taken |= {rating.column for rating in self._ratings}
-        self._scores = find_scores(self.table, [c for c in self._columns() if c not in taken])
+        self._scores = find_scores(
+            self.table, [c for c in self._columns() if c not in taken], known
+        )
         taken |= {c for each in self._scores for c in each.scales.values()}
         self._taken = taken
         self._roles = roles_of(self.table, [c for c in self._columns() if c not in taken])
@@ -103,9 +111,7 @@ class TableDraft:
             self.doubts.append(Doubt(question, "it is; columns are called column 1, column 2 …"))
 
     def _write(self) -> None:
-        contexts = self._contexts()
-        facts, doubts = moments(contexts) if contexts else ([], [])
-        self.doubts += doubts
+        facts = self._moments()
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
@@ -120,11 +126,22 @@ class TableDraft:
         self._ignore(exposures)
         self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
 
-    def _contexts(self) -> list[tuple[str, ...]]:
-        """Return the words around the answers (or, without any, the scores) of each block."""
-        if self._blocks:
-            return [block.context for block in self._blocks]
-        return [each.context for each in self._scores or self._ratings]
+    def _moments(self) -> list[dict[str, str]]:
+        """Return what the headings say of each block of answers (or, without any, of scores).
+
+        Questionnaires of one instrument are told apart by their words, each instrument by itself.
+        """
+        found: Sequence[Found | FoundScores | FoundRating] = (
+            self._blocks or self._scores or self._ratings
+        )
+        facts: list[dict[str, str]] = [{} for _ in found]
+        for name in dict.fromkeys(each.instrument.name for each in found):
+            places = [i for i, each in enumerate(found) if each.instrument.name == name]
+            own, doubts = moments([found[i].context for i in places])
+            self.doubts += doubts
+            for place, said in zip(places, own, strict=True):
+                facts[place] = said
+        return facts
 
     def _exposures(self, said: set[str]) -> Exposures:
         answered = any(
@@ -189,18 +206,15 @@ class TableDraft:
         for block, own in zip(self._blocks, facts, strict=False):
             mended, doubts = mend_items(self.table, block, self._roles)
             self.doubts += doubts
-            draft, doubts = draft_block(self.table, mended, own)
+            draft, doubts = draft_block(self.table, mended, own, self._known)
             drafts.append(draft)
             self.doubts += doubts
         for long in self._longs:
-            draft, doubts = draft_long(self.table, long)
+            draft, doubts = draft_long(self.table, long, self._known)
             drafts.append(draft)
             self.doubts += doubts
-        moments_of, doubts = (
-            moments([r.context for r in self._ratings]) if self._ratings else ([], [])
-        )
-        self.doubts += doubts
-        for rating, own in zip(self._ratings, moments_of, strict=True):
+        rated = facts if not self._blocks and not self._scores else self._moments_of_ratings()
+        for rating, own in zip(self._ratings, rated, strict=True):
             draft, doubts = draft_rating(self.table, rating, own)
             drafts.append(draft)
             self.doubts += doubts
@@ -209,24 +223,34 @@ class TableDraft:
             self.draft.lists["questionnaires"] = drafts
         self._score_tables([] if self._blocks else facts)
 
+    def _moments_of_ratings(self) -> list[dict[str, str]]:
+        """Return what the headings of ratings say, beside questionnaires that say their own."""
+        facts: list[dict[str, str]] = []
+        for name in dict.fromkeys(each.instrument.name for each in self._ratings):
+            same = [each.context for each in self._ratings if each.instrument.name == name]
+            own, doubts = moments(same)
+            facts += own
+            self.doubts += doubts
+        return facts
+
     def _score_tables(self, facts: Sequence[dict[str, str]]) -> None:
         """Keep scores of instruments whose answers are not there."""
         answered = {block.instrument.name for block in self._blocks}
         answered |= {long.instrument.name for long in self._longs}
-        kept = [each for each in self._scores if each.instrument not in answered]
-        self._made = [each for each in self._scores if each.instrument in answered]
+        kept = [each for each in self._scores if each.instrument.name not in answered]
+        self._made = [each for each in self._scores if each.instrument.name in answered]
         drafts = []
         asked: dict[str, list[str]] = {}
         own = list(facts) if facts else [{} for _ in kept]
         for each, said in zip(kept, own, strict=False):
             kind = kind_of(self.table, each)
             scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
-            draft = Draft({"instrument": each.instrument, **said, "kind": kind})
+            draft = Draft({"instrument": each.instrument.name, **said, "kind": kind})
             draft.note("The answers are not in the file: scores alone.")
             draft.tables["scales"] = Draft(dict(scales))
             drafts.append(draft)
             what = "raw sums" if kind == "raw_sum" else "weighted scores"
-            asked.setdefault(f"{what} of the {each.instrument.upper()}", []).extend(scales.values())
+            asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
             self.doubts.append(Doubt(question, f"they are {what}; the answers are not there"))
