@@ -132,14 +132,63 @@ def test_ratings_during_exposure_have_their_time(tmp_path: Path) -> None:
 
 
 def test_scores_without_answers_are_kept_as_scores(tmp_path: Path) -> None:
-    rows = [["who", "what", "SSQ total", "N"], ["a", "b", "18.7", "9.54"], ["a", "c", "", "0"]]
+    rows = [["who", "what", "SSQ total", "N"], ["a", "b", "37.4000001", "9.5"], ["a", "c", "", "0"]]
     file = write(tmp_path / "x.csv", rows)
     scores = '[[tables.scores]]\ninstrument = "ssq"\nscales = { T = "SSQ total", N = "N" }\n'
     found = imported([file], f"{TOP}{FACTS}{scores}")
-    assert [(s.moment.condition, s.scale, s.value) for s in found.scores] == [
-        ("b", "T", 18.7), ("b", "N", 9.54), ("c", "T", None), ("c", "N", 0.0),
-    ]  # fmt: skip
-    assert not found.sheets
+    assert {name for name, _ in found.sheets} == {"ssq_scores"}
+    assert [(m.condition, sheet.answers) for (_, m), sheet in found.sheets.items()] == [
+        ("b", {"total": 37.4, "nausea": 9.54}),
+        ("c", {"total": None, "nausea": 0}),
+    ]
+    assert found.instruments["ssq_scores"].title.endswith("scores alone")
+
+
+@pytest.mark.parametrize(
+    ("cell", "kind", "words"),
+    [
+        ("10", "score", "10 is no score of Total severity, which are multiples of 3.74"),
+        ("239.36", "score", "up to 235.62"),
+        ("2.5", "raw_sum", "multiples of 1 up to 63"),
+    ],
+)
+def test_scores_that_cannot_be_are_refused(
+    tmp_path: Path, cell: str, kind: str, words: str
+) -> None:
+    file = write(tmp_path / "x.csv", [["who", "what", "total"], ["a", "b", cell]])
+    scores = f'[[tables.scores]]\ninstrument = "ssq"\nkind = "{kind}"\nscales = {{ T = "total" }}\n'
+    with pytest.raises(InputError, match=words) as refusal:
+        imported([file], f"{TOP}{FACTS}{scores}")
+    assert "row 2, column 'total'" in str(refusal.value)
+    as_they_are = scores.replace(f'"{kind}"', '"other"')
+    other = imported([file], f"{TOP}{FACTS}{as_they_are}")
+    assert [s.answers for s in other.sheets.values()] == [{"total": float(cell)}]
+
+
+def test_scores_alone_are_reported(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["Subject", "Condition", "SSQ total", "Nausea", "O", "D"]]
+    for n, person in enumerate(PEOPLE):
+        for m, condition in enumerate(CONDITIONS):
+            sums = (n % 3 + m, n % 4 + 2 * m, n % 2)
+            weighted = (9.54 * sums[0], 7.58 * sums[1], 13.92 * sums[2])
+            rows.append([person, condition, round(3.74 * sum(sums), 2), *weighted])
+    file = write(tmp_path / "totals.csv", rows)
+    suggested = suggest_mapping([file])
+    assert any("the answers are not there" in doubt for doubt in suggested.doubts)
+    mapping = tmp_path / "map.toml"
+    mapping.write_text(suggested.text.replace('answer = ""', 'answer = "yes"'))
+    run, study_folder, out = CliRunner(), tmp_path / "study", tmp_path / "report"
+    made = run.invoke(
+        app, ["import", str(file), "--mapping", str(mapping), "--out", str(study_folder)]
+    )
+    assert made.exit_code == 0, made.output
+    shown = run.invoke(app, ["report", str(study_folder), "--out", str(out)])
+    assert shown.exit_code == 0, shown.output
+    results = json.loads((out / "results.json").read_text())
+    total = next(t for t in results["tests"] if t["outcome"] == "ssq_scores.total")
+    assert total["participants"] == list(PEOPLE)
+    assert total["shift"]["estimate"] == pytest.approx(-3 * 3.74)
+    assert (total["method"], total["p_exact"]) == ("exact", 2 / 2**10)
 
 
 BAD: dict[str, tuple[str, list[list[object]], str]] = {

@@ -13,11 +13,17 @@ from vrcomfort.importing.columns import Block, Columns
 from vrcomfort.importing.facts import TIMEPOINT, Numbers, RowFacts
 from vrcomfort.importing.files import read_grids
 from vrcomfort.importing.headings import as_table
-from vrcomfort.importing.mapping import Mapping, Questionnaire, Scores, Table
-from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Score, Sheet, moment_of
+from vrcomfort.importing.mapping import Mapping, Questionnaire, ScoreKind, Scores, Table
+from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of
+from vrcomfort.importing.score_instruments import (
+    ScoreInstrument,
+    name_of,
+    on_scale,
+    scale_named,
+)
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suspects import suspects
-from vrcomfort.questionnaire import Answer, Instrument, shipped_instruments
+from vrcomfort.questionnaire import Answer, Instrument, Scale, shipped_instruments
 
 
 def import_files(
@@ -38,6 +44,7 @@ def import_files(
     """
     imported = Imported()
     numbers = Numbers()
+    made: dict[str, ScoreInstrument] = {}
     known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()
@@ -50,7 +57,7 @@ def import_files(
         for index in found:
             table = mapping.tables[index]
             taken += [
-                _Import(each, table, known, imported, numbers).run()
+                _Import(each, table, known, imported, numbers, made).run()
                 for each in _sheets(file, table)
             ]
         _require_sheets(file, mapping, [sheet for sheet in taken if sheet])
@@ -58,6 +65,9 @@ def import_files(
         if index not in used:
             names = ", ".join(table.files)
             raise InputError(f"the mapping has a table for {names}, which was not given; give it")
+    imported.instruments = {each.name: each for each in own}
+    imported.instruments |= {name: each.made() for name, each in made.items()}
+    imported.scores = list(made)
     _finish(imported)
     return imported
 
@@ -103,7 +113,9 @@ class _Import:
         known: KnownInstruments,
         imported: Imported,
         numbers: Numbers,
+        made: dict[str, ScoreInstrument],
     ) -> None:
+        self._made = made
         self._table = table
         self._mapping = mapping
         self._imported = imported
@@ -206,10 +218,7 @@ class _Import:
         name = block.instrument.name
         sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
         for column, item in found:
-            if item in sheet.answers:
-                message = f"{item} is answered a second time by {moment.words}; first in"
-                hint = "a trial or session tells repetitions apart (or trial = { count = true })"
-                raise self._table.fault(f"{message} {sheet.place}; {hint}", row, column)
+            self._require_unanswered(sheet, item, moment, row, column)
             sheet.answers[item] = answers[item]
         source = block.source
         if isinstance(source, Questionnaire) and source.not_asked:
@@ -232,16 +241,52 @@ class _Import:
 
     def _scores(self, block: Block, moment: Moment, cells: tuple[str, ...], row: int) -> None:
         source = block.source
+        if not isinstance(source, Scores):
+            raise TypeError(source)
+        name = name_of(block.instrument, source.kind)
+        made = self._made.setdefault(name, ScoreInstrument(block.instrument, source.kind))
+        here = Place(self._table.file.name, self._table.sheet, row)
+        found: dict[int, tuple[str, Answer | None]] = {}
         for column, scale in block.columns.items():
-            text = cells[column]
-            blank = not text or text in self._mapping.missing
-            value = None if blank else number(text, self._table.reading.decimal or ".")
-            if value is None and not blank:
-                message = f"{text!r} is no number, as scores are"
-                raise self._table.fault(message, row, column)
-            if isinstance(source, Scores):
-                score = Score(moment, block.instrument.name, scale, source.kind, value)
-                self._imported.scores.append(score)
+            known = scale_named(block.instrument, scale)
+            if known is None:
+                names = ", ".join(each.name for each in block.instrument.scales)
+                raise self._table.fault(f"{scale!r} is no scale; there are {names}", column=column)
+            value = self._score(known, source.kind, cells[column], row, column)
+            made.values.setdefault(known.column, []).extend([] if value is None else [value])
+            found[column] = known.column, value
+        if all(value is None for _, value in found.values()):
+            self._blank[moment.timepoint] += 1
+            return
+        sheet = self._imported.sheets.setdefault((name, moment), Sheet(here))
+        for column, (item, value) in found.items():
+            self._require_unanswered(sheet, item, moment, row, column)
+            sheet.answers[item] = value
+
+    def _score(
+        self, scale: Scale, kind: ScoreKind, text: str, row: int, column: int
+    ) -> Answer | None:
+        if not text or text in self._mapping.missing:
+            return None
+        value = number(text, self._table.reading.decimal or ".")
+        if value is None:
+            raise self._table.fault(f"{text!r} is no number, as scores are", row, column)
+        found = on_scale(value, scale, kind)
+        if found is None:
+            unit = 1 if kind == "raw_sum" else scale.weight
+            highest = float(scale.high) if kind == "score" else float(scale.high / scale.unit)
+            message = f"{text} is no {kind} of {scale.title}, which are multiples of {unit:g} up to"
+            hint = f'{highest:g}; kind = "other" takes scores of another formula as they are'
+            raise self._table.fault(f"{message} {hint}", row, column)
+        return found
+
+    def _require_unanswered(
+        self, sheet: Sheet, item: str, moment: Moment, row: int, column: int
+    ) -> None:
+        if item in sheet.answers:
+            message = f"{item} is answered a second time by {moment.words}; first in"
+            hint = "a trial or session tells repetitions apart (or trial = { count = true })"
+            raise self._table.fault(f"{message} {sheet.place}; {hint}", row, column)
 
     def _covariates(self, participant: str, cells: tuple[str, ...], row: int) -> None:
         if not participant:
@@ -286,7 +331,6 @@ def _item_text(block: Block, cells: tuple[str, ...]) -> str:
 def _finish(imported: Imported) -> None:
     """Add who has answers and no covariates, and tell of ids that may be one person."""
     people = [moment.participant for _, moment in imported.sheets]
-    people += [score.moment.participant for score in imported.scores]
     people += [rating.moment.participant for rating in imported.ratings]
     answered = dict.fromkeys(people)
     silent = [name for name in imported.participants if name not in answered]

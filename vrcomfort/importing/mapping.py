@@ -19,6 +19,7 @@ from vrcomfort.settings import Problem, Settings, first_problem, parse_settings,
 FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
 """What is known of a questionnaire beside its answers."""
 
+ScoreKind = Literal["score", "raw_sum", "other"]
 Texts = str | tuple[str, ...]
 
 
@@ -124,7 +125,8 @@ class Scores(_Columns):
 
     scales: Annotated[dict[str, str], Field(min_length=1)]
     """Scale → what stands for ``{item}`` in its heading."""
-    kind: Literal["score", "raw_sum"] = "score"
+    kind: ScoreKind = "score"
+    """`other`: of another formula; taken as they are, on no known range."""
 
 
 class Table(Settings):

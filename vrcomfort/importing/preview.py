@@ -21,10 +21,6 @@ def _first_rows(imported: Imported) -> list[str]:
         for (instrument, m), sheet in sheets
     ]
     rows += [
-        [*_shown(each.moment), each.instrument, f"{each.scale} = {_cell(each.value)} ({each.kind})"]
-        for each in imported.scores[: max(0, FIRST - len(rows))]
-    ]
-    rows += [
         [*_shown(r.moment), r.instrument, f"{_cell(r.response)} at {r.onset_s:g} s"]
         for r in imported.ratings[: max(0, FIRST - len(rows))]
     ]
@@ -57,15 +53,8 @@ def _counts(imported: Imported) -> list[str]:
         what["items", *key] = max(what["items", *key], len(sheet.answers))
     lines = [
         f"{key[0]}: {key[1]}, {key[2]}: {len(found)} participants, {what[key]} questionnaires, "
-        f"{what['items', *key]} items"
+        f"{what['items', *key]} {'scores' if key[0] in imported.scores else 'items'}"
         for key, found in people.items()
-    ]
-    scored = Counter(
-        (s.instrument, s.scale, s.kind) for s in imported.scores if s.value is not None
-    )
-    lines += [
-        f"{name}: {scale}: {count} values ({kind}), without the answers they were made of"
-        for (name, scale, kind), count in scored.items()
     ]
     rated = Counter((r.instrument, r.moment.condition) for r in imported.ratings)
     lines += [

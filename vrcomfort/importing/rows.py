@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from vrcomfort.questionnaire import Answer
+from vrcomfort.questionnaire import Answer, Instrument
 
 
 class Moment(NamedTuple):
@@ -59,22 +59,6 @@ class Rating(NamedTuple):
     response: Answer | None
 
 
-class Score(NamedTuple):
-    """A score of which the answers are not there.
-
-    Parameters
-    ----------
-    kind
-        ``score`` or ``raw_sum``, as the file has it.
-    """
-
-    moment: Moment
-    instrument: str
-    scale: str
-    kind: str
-    value: float | None
-
-
 @dataclass
 class Imported:
     """Everything that the files gave.
@@ -85,6 +69,10 @@ class Imported:
         (instrument, moment) → answers, in the order of the files.
     participants
         Participant → covariate → text, in the order in which they were met.
+    instruments
+        Those that the answers need and that are not shipped, by name.
+    scores
+        Names of those among them that stand for scores without answers.
     not_asked
         Instrument → items that the mapping says were left out by design.
     notes
@@ -92,9 +80,10 @@ class Imported:
     """
 
     sheets: dict[tuple[str, Moment], Sheet] = field(default_factory=dict)
-    scores: list[Score] = field(default_factory=list)
     ratings: list[Rating] = field(default_factory=list)
     participants: dict[str, dict[str, str]] = field(default_factory=dict)
+    instruments: dict[str, Instrument] = field(default_factory=dict)
+    scores: list[str] = field(default_factory=list)
     not_asked: dict[str, tuple[str, ...]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -102,7 +91,6 @@ class Imported:
     def conditions(self) -> list[str]:
         """Return the conditions in the order in which they were met."""
         moments = [moment for _, moment in self.sheets]
-        moments += [score.moment for score in self.scores]
         moments += [rating.moment for rating in self.ratings]
         return list(dict.fromkeys(m.condition for m in moments if m.condition))
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from vrcomfort import __version__
 from vrcomfort.errors import InputError, spare
 from vrcomfort.importing.mapping import MappingFile
-from vrcomfort.importing.rows import Imported, Moment
+from vrcomfort.importing.rows import Imported
 from vrcomfort.questionnaire import FOLDER
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
 from vrcomfort.records.names import check_study
@@ -27,9 +27,6 @@ from vrcomfort.records.schema import SCHEMA_VERSION
 
 PROVENANCE = "import.json"
 MAPPING = "mapping.toml"
-SCORES = "scores.csv"
-_MOMENT = Moment._fields
-SCORE_COLUMNS = (*_MOMENT, "instrument", "scale", "kind", "score")
 
 
 def write_study(
@@ -52,16 +49,15 @@ def write_study(
         PROVENANCE: _json(_provenance(imported, mapping, files)),
         MAPPING: mapping.text,
     }
-    texts |= {f"{FOLDER}/{each.name}.toml": each.text for each in mapping.instruments}
+    own = imported.instruments.values()
+    texts |= {f"{FOLDER}/{each.name}.toml": each.text for each in own}
     if imported.sheets:
         texts[QuestionnaireRow.FILE] = _questionnaires(imported)
     if imported.ratings:
         texts[RatingRow.FILE] = _ratings(imported)
-    if imported.scores:
-        texts[SCORES] = _scores(imported)
     spare([mapping.file, *files], [folder / name for name in texts])
     make_folders(folder, folder, OWNER)
-    if mapping.instruments:
+    if own:
         make_folders(folder, folder / FOLDER, OWNER)
     for stale in _ALL - texts.keys():
         (folder / stale).unlink(missing_ok=True)
@@ -72,7 +68,7 @@ def write_study(
 
 _ALL = frozenset((
     "dataset_description.json", ParticipantRow.FILE, PROVENANCE, MAPPING,
-    QuestionnaireRow.FILE, RatingRow.FILE, SCORES,
+    QuestionnaireRow.FILE, RatingRow.FILE,
 ))  # fmt: skip
 
 
@@ -98,7 +94,6 @@ def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict
     named = {name: labels[name] for name in labels if name in imported.conditions}
     conditions = {**named, **{c: c for c in imported.conditions if c not in named}}
     instruments = dict.fromkeys(name for name, _ in imported.sheets)
-    instruments |= dict.fromkeys(score.instrument for score in imported.scores)
     instruments |= dict.fromkeys(rating.instrument for rating in imported.ratings)
     return {
         "@context": "https://schema.org/",
@@ -108,6 +103,7 @@ def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict
         "description": f"Answers imported with vrcomfort; where from, {PROVENANCE} says.",
         "conditions": conditions,
         "instruments": list(instruments),
+        "scores_without_answers": imported.scores,
         "not_asked": {name: list(items) for name, items in imported.not_asked.items()},
     }
 
@@ -173,8 +169,3 @@ def _ratings(imported: Imported) -> str:
         for m, instrument, onset_s, response in imported.ratings
     ]  # fmt: skip
     return _table(RatingRow.columns(), rows)
-
-
-def _scores(imported: Imported) -> str:
-    rows = [(*m, instrument, *rest) for m, instrument, *rest in imported.scores]
-    return _table(SCORE_COLUMNS, rows)

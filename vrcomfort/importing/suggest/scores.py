@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vrcomfort.importing.answers import number
+from vrcomfort.importing.mapping import ScoreKind
+from vrcomfort.importing.score_instruments import on_scale, scale_named
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.headings import mentions, tokens
 from vrcomfort.importing.suggest.vocabulary import SCALE_WORDS
@@ -111,17 +113,20 @@ def _numeric(table: SourceTable, column: int) -> bool:
     return sum(value is not None for value in values) * 10 >= len(values) * 8 > 0
 
 
-def kind_of(table: SourceTable, found: FoundScores) -> str:
-    """Return ``score`` where values are multiples of the weights, ``raw_sum`` where whole."""
-    weights = {scale.name: scale.weight for scale in found.instrument.scales}
-    weighted = whole = 0
-    for scale, column in found.scales.items():
-        for value in _values(table, column):
-            if value:
-                steps = value / weights[scale]
-                weighted += abs(steps - round(steps)) * weights[scale] < 0.0251
-                whole += value.is_integer()
-    return "score" if weighted >= whole else "raw_sum"
+def kind_of(table: SourceTable, found: FoundScores) -> ScoreKind:
+    """Return ``score`` or ``raw_sum`` where all values can be that, else ``other``."""
+    for kind in _KINDS:
+        if all(
+            on_scale(value, scale, kind) is not None
+            for name, column in found.scales.items()
+            if (scale := scale_named(found.instrument, name)) is not None
+            for value in _values(table, column)
+        ):
+            return kind
+    return "other"
+
+
+_KINDS: tuple[ScoreKind, ...] = ("score", "raw_sum")
 
 
 def _values(table: SourceTable, column: int) -> list[float]:

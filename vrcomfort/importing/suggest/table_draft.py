@@ -249,7 +249,9 @@ class TableDraft:
             draft.note("The answers are not in the file: scores alone.")
             draft.tables["scales"] = Draft(dict(scales))
             drafts.append(draft)
-            what = "raw sums" if kind == "raw_sum" else "weighted scores"
+            what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
+                kind, "scores by another formula"
+            )
             asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
         for what, names in asked.items():
             question = f"{', '.join(names)}: are these {what}?"
