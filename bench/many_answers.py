@@ -15,9 +15,9 @@ from pathlib import Path
 
 import numpy as np
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import build as report
-from vrcomfort.report.plan import load_plan
+from vrcomfort.report.plan import plan_of
 
 CONDITIONS, SCENES = ("off", "weak", "middle", "strong"), ("near", "far")
 SEED = 20150323
@@ -26,7 +26,7 @@ SEED = 20150323
 def write_study(file: Path, people: int) -> int:
     """Write ``questionnaires.csv`` and return its number of answers."""
     random = np.random.default_rng(SEED)
-    items = [item.name for item in SSQ.items]
+    items = [item.name for item in shipped_instruments()["ssq"].items]
     rows = 0
     with file.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream)
@@ -59,7 +59,7 @@ def main() -> None:
         times = [time.process_time()]
         study = report.read_study(file)
         times.append(time.process_time())
-        results, scored = report.analyse(study, load_plan(None))
+        results, scored = report.analyse(study, plan_of(study))
         times.append(time.process_time())
         figures = report.draw_figures(study, results, scored)
         times.append(time.process_time())

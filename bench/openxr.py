@@ -26,7 +26,7 @@ from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, depth, nativ
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.protocol import Condition
-from vrcomfort.questionnaire import FMS
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import Recorder
 from vrcomfort.render.frames import EyeImages
 from vrcomfort.render.pipeline import StereoRenderer
@@ -40,6 +40,8 @@ from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
 from vrcomfort.traces.trace import read_trace
 from vrcomfort.tradeoff.walk import REFRESH_HZ
+
+FMS = shipped_instruments()["fms"]
 
 SIZE_PX = (64, 80)
 """Small, so that a software rasteriser takes little: Python's time does not depend on it."""

@@ -26,7 +26,7 @@ from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
 from vrcomfort.headset.openxr.layers import Eyes, PanelLayer
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
-from vrcomfort.questionnaire import FMS, SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.render.output import read_rgb8
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.respondent.base import Form
@@ -35,6 +35,9 @@ from vrcomfort.respondent.panel_picture import Page
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
+
+FMS = shipped_instruments()["fms"]
+SSQ = shipped_instruments()["ssq"]
 
 SIZE_PX = 1536, 1536
 SHOWN = slice(180, 1356), slice(0, 1536)

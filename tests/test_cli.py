@@ -59,7 +59,18 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
 
 @pytest.mark.parametrize(
     "command",
-    ["run", "simulate", "play", "render", "report", "score", "design", "plan", "import-trace"],
+    [
+        "run",
+        "simulate",
+        "play",
+        "render",
+        "report",
+        "score",
+        "design",
+        "plan",
+        "import-trace",
+        "import",
+    ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")

@@ -18,7 +18,7 @@ from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted
 from vrcomfort.cli import main, terminal
 from vrcomfort.protocol import load_protocol
-from vrcomfort.questionnaire import Instrument, Item
+from vrcomfort.questionnaire import Answers, Instrument, Item
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent import Exposure, Form, TerminalRespondent
 
@@ -79,8 +79,9 @@ def test_a_session_in_the_terminal_shows_brackets(say, protocol: Path, tmp_path:
 
 
 def test_questions_in_brackets_are_asked_as_they_are() -> None:
-    item = Item("a", f"{HOSTILE} item")
-    scale = Instrument("x", HOSTILE, f"{HOSTILE} now", (item,), 0, 2, ("[/none]", "b", "[c]"), "")
+    answers = Answers(0, 2, labels=("[/none]", "b", "[c]"))
+    item = Item("a", f"{HOSTILE} item", answers)
+    scale = Instrument("x", "X", HOSTILE, f"{HOSTILE} now", (item,), answers, (), "a")
     shown, lines = StringIO(), iter(["1", ""])
     console = Console(file=shown, width=300, markup=False, emoji=False)
     person = TerminalRespondent(console, read_line=lambda _: next(lines), waiting_line=lambda: None)

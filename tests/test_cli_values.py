@@ -14,6 +14,7 @@ READING = [
     ("play", "FILE", "--scene", "temple", "--out", "made"),
     ("play", "FILE", "--gaze", "FILE", "--scene", "temple", "--out", "made"),
     ("import-trace", "FILE", "--out", "made"),
+    ("import", "FILE", "--suggest", "--out", "made"),
     ("report", "FILE", "--out", "made"),
     ("score", "ssq", "FILE"),
     ("run", "smoke", "--participant", "P01", "--trace", "FILE", "--out", "made"),

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.support.report import ITEMS, foreign
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_ssq
+from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.study_data import read_study
 from vrcomfort.traces.trace import read_trace
 
@@ -25,8 +25,8 @@ TEXTS: dict[str, tuple[Callable[[Path], Any], str]] = {
         "participant,condition,item,response\nP1,a,nausea,1\nP1,a,fatigue,0\n",
     ),
     "answers.csv": (
-        score_ssq,
-        f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',2' * 16}\n",
+        lambda file: score_file(file, shipped_instruments()["ssq"]),
+        f"who,{','.join(ITEMS)}\nA{',1' * 16}\nB{',0' * 16}\n",
     ),
 }
 
@@ -111,7 +111,7 @@ def test_a_table_written_by_hand_needs_no_last_line_end(tmp_path):
     file.write_text(' a , b\n1,"2\n3"\n,\n\n4,5', encoding="utf-8")
     table = CsvTable.read(file)
     assert table.header == ("a", "b")
-    assert (table.rows, table.lines) == ((["1", "2\n3"], ["4", "5"]), (3, 6))
+    assert (table.rows, table.lines) == ((("1", "2\n3"), ("4", "5")), (3, 6))
     assert CsvTable.read(file, appended=True).lines == (3,)
 
 

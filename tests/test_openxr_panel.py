@@ -11,7 +11,7 @@ import pytest
 
 from tests.support.openxr import fresh_monado, needs_monado
 from vrcomfort.geometry import Pose, axis_angle
-from vrcomfort.questionnaire import INSTRUMENTS
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Form
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session.panel_screen import PanelScreen
@@ -25,7 +25,7 @@ pytestmark = needs_monado
 
 
 def test_the_ssq_is_answered_by_controller_clicks(ctx: moderngl.Context, tmp_path: Path) -> None:
-    ssq = INSTRUMENTS["ssq"]
+    ssq = shipped_instruments()["ssq"]
     script = np.random.default_rng(3).integers(0, 4, len(ssq.items)).tolist()
     head = Pose(np.array([0.3, 1.6, -0.2]), axis_angle([0.0, 1.0, 0.0], 0.6))
     heard = []

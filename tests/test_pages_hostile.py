@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from tests.support.browser import find_browser, open_page
-from tests.support.report import Study, foreign
+from tests.support.report import Study, build_report, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.report import ReportSummary, build_report
+from vrcomfort.report import ReportSummary
 from vrcomfort.report.tables import inert, to_csv
 from vrcomfort.report.writing import LONGEST_BYTES, file_name
 from vrcomfort.web_page import POLICY, inline_svg, page_templates, visible

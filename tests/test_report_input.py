@@ -1,13 +1,13 @@
 """What a report does with data and plans that are not as they should be."""
 
 import json
+import re
 
 import pytest
 
-from tests.support.report import Study, foreign
+from tests.support.report import Study, build_report, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_ssq
-from vrcomfort.report import build_report
+from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import load_plan
 from vrcomfort.resources import data_folder
@@ -104,7 +104,7 @@ def test_semicolons_are_named(tmp_path):
     with pytest.raises(InputError, match="separated by `;`"):
         build_report(file, out=tmp_path / "o")
     with pytest.raises(InputError, match="separated by `;`"):
-        score_ssq(file)
+        score_file(file, shipped_instruments()["ssq"])
 
 
 @pytest.mark.parametrize("source", ["nothing", "empty"])
@@ -118,7 +118,7 @@ def test_nothing_but_incomplete_questionnaires_still_gives_a_report(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,condition,item,response\nP1,a,nausea,1\nP1,b,nausea,2\n")
     summary = build_report(file, out=tmp_path / "o")
-    assert (summary.analysed, len(summary.warnings)) == (0, 2)
+    assert (summary.analysed, len(summary.warnings)) == (0, 3)
 
 
 def write_plan(path, text):
@@ -129,12 +129,12 @@ def write_plan(path, text):
 def test_own_plan_changes_the_tests(tmp_path):
     plan = write_plan(
         tmp_path / "p.toml",
-        'outcomes = ["T"]\nfamily = ["T"]\nzeros = "wilcox"\nalternative = "less"\n'
-        'contrasts = [{ a = "b", b = "a" }]\n',
+        'outcomes = ["T"]\nzeros = "wilcox"\nalternative = "less"\n'
+        'contrasts = [{ a = "b", b = "a" }]\nfamilies = [{ name = "t", outcomes = ["T"] }]\n',
     )
     source = foreign(tmp_path / "questionnaires.csv", SCORES)
     (line,) = build_report(source, plan=plan, out=tmp_path / "o").headlines
-    assert line.startswith("Total severity, b minus a")
+    assert re.match("Total severity: lower under b .* than under a ", line)
     test = json.loads((tmp_path / "o/results.json").read_text("utf-8"))["tests"][0]
     assert (test["zero_method"], test["alternative"], test["a"]) == ("wilcox", "less", "b")
     assert test["p_holm"] == test["p"]
@@ -147,11 +147,12 @@ def test_own_plan_changes_the_tests(tmp_path):
         ('zeros = "drop"\n', "zeros", 3),
         ('[[anova]]\nname = "x"\n', r"`column` is missing in \[anova\]", 3),
         ("zeros = \n", "not valid TOML", 3),
-        ('outcomes = ["X"]\n', "should be 'T', 'N', 'O' or 'D', got 'X'", 3),
+        ('outcomes = ["t"]\n', "`t` is no score of any instrument; did you mean `T`", 3),
         ('outcomes = "T"\n', "should be a list", 3),
         ('outcomes = ["T", "T"]\n', "`T` is there twice", 3),
-        ('outcomes = ["T"]\nfamily = ["N"]\n', "not among the outcomes", 4),
-        ("family = []\n", "`family`: needs at least 1", 3),
+        ('outcomes = ["T"]\n[[families]]\nname = "x"\noutcomes = ["N"]\n', "not among", 6),
+        ("families = [{ name = 'x', outcomes = [] }]\n", "`outcomes`: needs at least 1", 3),
+        ('family = ["T"]\n', r"`family` is now a list of tables, .* write \[\[families\]\]", 3),
         ('contrasts = [{ a = "b", b = "b" }]\n', "compared with itself", 3),
         ('[[anova]]\nname = "score"\ncolumn = "scene"\n', "cannot name a factor", 4),
         ('[[anova]]\nname = "x"\ncolumn = "scene"\n' * 2, "`x` is there twice", 6),

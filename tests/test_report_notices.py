@@ -4,10 +4,9 @@ import json
 
 import pytest
 
-from tests.support.report import ITEMS, Study, foreign
+from tests.support.report import ITEMS, Study, build_report, foreign
 from tests.test_report_study import report, total_raw
 from vrcomfort.errors import InputError
-from vrcomfort.report import build_report
 
 
 def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple[int, ...] = ()):
@@ -55,7 +54,7 @@ def test_a_loss_of_more_than_a_tenth_is_told_first(tmp_path, lacking, told):
     if told:
         assert notices[0].startswith("4 of 30 participants")
         assert notices[0].endswith("P00, P01, P02, P03")
-        assert page.index(notices[0]) < page.index('id="results"')
+        assert page.index(notices[0]) < page.index('id="answers"')
 
 
 def test_the_protocol_says_how_many_exposures_are_planned(tmp_path):
@@ -122,7 +121,7 @@ def test_answers_that_may_be_coded_from_one_are_asked_about(tmp_path, lowest, as
     file = tmp_path / "questionnaires.csv"
     file.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
     warnings = build_report(file, out=tmp_path / "o").warnings
-    assert any("none of 192 answers is 0" in warning for warning in warnings) == asked
+    assert any("none of 192 answers to the SSQ is 0" in warning for warning in warnings) == asked
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -190,5 +189,5 @@ def test_exact_is_written_only_where_it_was(tmp_path, monkeypatch):
     assert "p is from the exact permutation distribution" in exact
     monkeypatch.setattr("vrcomfort.stats.signed_rank.EXACT_UP_TO", 5)
     summary = build_report(source, out=tmp_path / "p")
-    assert "(asymptotic)" in summary.headlines[0]
+    assert "Asymptotic p" in summary.headlines[0]
     assert "exact permutation distribution" not in summary.index.read_text("utf-8")

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import Study, carnegie_like, foreign
-from vrcomfort.report import build_report
+from tests.support.report import Study, build_report, carnegie_like, foreign
 from vrcomfort.report.words import interval
 
 UNEQUAL = {
@@ -26,7 +25,8 @@ def rows_of(page: str, caption: str) -> list[list[str]]:
     (table,) = found
     body = table[table.index("<tbody>") :]
     lines = re.findall(r"<tr.*?>(.*?)</tr>", body, re.DOTALL)
-    return [re.findall(r"<td.*?>(.*?)</td>", line) for line in lines]
+    cells = [re.findall(r"<td.*?>(.*?)</td>", line) for line in lines]
+    return [[re.sub("<[^>]*>", "", cell) for cell in line] for line in cells]
 
 
 def described(folder: Path, **chosen: str) -> list[dict[str, str]]:
@@ -108,8 +108,10 @@ def test_estimates_without_an_interval_say_why(tmp_path):
     summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
     assert len(summary.headlines) == 4
     for line in summary.headlines[:3]:  # nobody answered what is of D alone
-        assert re.search(r"points \(no 95\u00a0% interval: too few differences\), Z", line)
-        assert re.search(r"r\u00a0=\u00a0\S+ \[\S+,\u00a0\S+\], n\u00a0=\u00a04\.", line)
+        assert re.search(
+            r"points \(no 95\u00a0% CI: too few differences\), n\u00a0=\u00a04\.", line
+        )
+        assert re.search(r"r\u00a0=\u00a0\S+ \[\S+,\u00a0\S+\]\.", line)
         assert "–" not in line
     page = summary.index.read_text("utf-8")
     assert "An interval of the shift needs 6 differences" in page
@@ -130,8 +132,8 @@ def test_zeros_may_leave_an_interval_to_the_shift_alone(tmp_path):
     source = foreign(tmp_path / "questionnaires.csv", scores)
     summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
     line = summary.headlines[0]
-    assert re.search(r"points \[\S+,\u00a0\S+\], Z", line)
-    assert "r\u00a0=\u00a01.00 (no 95\u00a0% interval: too few differences other than 0)" in line
+    assert re.search(r"points, 95\u00a0% CI \[\S+,\u00a0\S+\], n", line)
+    assert "r\u00a0=\u00a01.00 (no 95\u00a0% CI: too few differences other than 0)" in line
 
 
 def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
@@ -139,7 +141,7 @@ def test_scores_of_zero_in_one_condition_are_a_difference(tmp_path):
     source = foreign(tmp_path / "questionnaires.csv", scores)
     summary = build_report(source, plan=as_effectsize(tmp_path), out=tmp_path / "o")
     line = summary.headlines[0]
-    assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% interval: a has no score but 0)" in line
+    assert "r\u00a0=\u00a0−1.00 (no 95\u00a0% CI: a has no score but 0)" in line
 
 
 @pytest.mark.parametrize(

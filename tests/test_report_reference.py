@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
-from vrcomfort.questionnaire import SSQ
-from vrcomfort.report import build_report
+from tests.support.report import build_report
+from vrcomfort.questionnaire import shipped_instruments
+
+SSQ = shipped_instruments()["ssq"]
 
 pytestmark = [
     pytest.mark.needs_reference_data,

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.report import ITEMS, Study, answers, carnegie_like, foreign
+from tests.support.report import ITEMS, Study, answers, build_report, carnegie_like, foreign
 from tests.support.resume import go
 from tests.support.study import Scripted
-from vrcomfort.questionnaire import score, score_ssq
-from vrcomfort.report import build_report
+from vrcomfort.questionnaire import score, score_file, shipped_instruments
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.signed_rank import signed_rank
 
@@ -26,9 +25,9 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def total_raw(total: int) -> int:
-    found = score(answers(total))
+    found = score(shipped_instruments()["ssq"], answers(total))["T"]
     assert found is not None
-    return found.total_raw
+    return found.raw
 
 
 @pytest.fixture(scope="module")
@@ -51,9 +50,9 @@ def test_primary_analysis_has_those_with_every_exposure(carnegie):
     results, _ = carnegie
     assert results["participants"]["analysed"] == ["P01", "P02", "P03", "P04", "P06", "P07"]
     left_out = {row["participant"]: row["reason"] for row in results["participants"]["left_out"]}
-    assert left_out["P05"].startswith("withdrew in dof_off, session 1, exposure 1")
+    assert left_out["P05"].startswith("withdrew in No blur, session 1, exposure 1")
     assert "too sick" in left_out["P05"]
-    assert left_out["P08"].startswith("stop rule in dof_on, session 2")
+    assert left_out["P08"].startswith("stop rule in Blur, session 2")
     assert results["participants"]["exposures_per_condition"] == {"dof_off": 2, "dof_on": 2}
 
 
@@ -152,7 +151,7 @@ def test_order_effects_are_reported(carnegie):
 def test_page_is_self_contained_and_complete(carnegie):
     page = (carnegie[1] / "out" / "index.html").read_text("utf-8")
     assert not re.search(r'<(script|link|img|iframe)\b|url\(["\']?http|src=', page)
-    assert page.count("<figure ") == page.count('role="img"') == 4
+    assert page.count("<figure>") == page.count('role="img"') == 8
     assert "No blur minus Blur" in page
     for words in ("Holm", "Pratt", "Greenhouse", "withdrew", "P05", "3.74"):
         assert words in page
@@ -319,7 +318,11 @@ def test_what_is_reported_of_a_frozen_exposure_is_its_live_time(tmp_path):
 def test_scores_of_a_session_that_was_resumed_have_each_questionnaire_once(tmp_path):
     go(tmp_path, Scripted(interrupt_at_item="nausea"))
     go(tmp_path, Scripted(), resume=True)
-    rows = score_ssq(tmp_path / "S/sub-P01/ses-1/questionnaires.csv")
+    rows = score_file(
+        tmp_path / "S/sub-P01/ses-1/questionnaires.csv",
+        shipped_instruments()["ssq"],
+        coded_from=0,  # all of them are 1
+    ).rows
     moments = [row["timepoint"] for row in rows]
     assert moments == ["baseline", "post", "baseline", "post", "recovery"]
     assert all(row["total"] is not None for row in rows)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.report import build_report
 from tests.support.resume import go, rows
 from tests.support.study import Scripted
 from vrcomfort.errors import InputError
 from vrcomfort.records import QuestionnaireRow, Recorder
-from vrcomfort.report import build_report
 from vrcomfort.respondent import Form, Heard
 
 KILLED = """

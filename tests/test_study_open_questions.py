@@ -13,8 +13,10 @@ import pytest
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.protocol import Protocol
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.session import WallClock
+
+SSQ = shipped_instruments()["ssq"]
 
 ITEMS = [item.name for item in SSQ.items]
 

@@ -10,7 +10,7 @@ import pytest
 
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import HandInput, Inputs
-from vrcomfort.questionnaire import INSTRUMENTS
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
 from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
@@ -19,7 +19,7 @@ from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
 
-SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
+SSQ, FMS = shipped_instruments()["ssq"], shipped_instruments()["fms"]
 
 
 class ScriptedScreen:

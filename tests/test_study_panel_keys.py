@@ -13,7 +13,7 @@ from rich.console import Console
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
-from vrcomfort.questionnaire import INSTRUMENTS
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Form, Withdrew
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_keys import KeyChoice, beside
@@ -23,11 +23,11 @@ from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.respondent.terminal import TerminalRespondent
 from vrcomfort.session.panel_screen import PanelScreen
 
-SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
+SSQ, FMS = shipped_instruments()["ssq"], shipped_instruments()["fms"]
 LEFT, RIGHT, UP, DOWN = (-1, 0), (1, 0), (0, -1), (0, 1)
 PAGES = [
-    question_cells(SSQ, first=False),
-    question_cells(FMS, first=True),
+    question_cells(SSQ.answers, first=False),
+    question_cells(FMS.answers, first=True),
     review_cells(SSQ, [0] * 16),
 ]
 
@@ -137,7 +137,7 @@ def test_the_same_keys_withdraw_in_the_terminal_and_on_a_panel() -> None:
 
 
 def test_pointing_elsewhere_ends_the_choice_by_keys() -> None:
-    cells = question_cells(FMS, first=True)
+    cells = question_cells(FMS.answers, first=True)
     at_nine = Pointing(cells[9].center)
     click = Pointing(cells[9].center, select=True)
     assert ask_one(typed("4"), at_nine, click) == 9
@@ -176,7 +176,7 @@ def test_every_cell_can_be_reached_by_arrows(cells: list[Cell]) -> None:
 
 
 def test_down_leads_from_the_answers_to_the_foot() -> None:
-    cells = question_cells(SSQ, first=False)
+    cells = question_cells(SSQ.answers, first=False)
     choice = KeyChoice()
     choice.move(cells, (0, 0), "0", None)
     choice.move(cells, DOWN, "", None)

@@ -10,18 +10,21 @@ from hypothesis import strategies as st
 from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
 from vrcomfort.headset import pointer
 from vrcomfort.headset.pointer import pointer_picture, pointer_quad
-from vrcomfort.questionnaire import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
 from vrcomfort.respondent.panel_picture import Page, Painter
 from vrcomfort.session.rehearsal import aim_at
 
-SSQ, FMS = INSTRUMENTS["ssq"], INSTRUMENTS["fms"]
+SSQ, FMS = shipped_instruments()["ssq"], shipped_instruments()["fms"]
 
 
 @pytest.mark.parametrize("instrument", [SSQ, FMS], ids=lambda each: each.name)
 def test_cells_lie_on_the_panel_and_do_not_overlap(instrument: Instrument) -> None:
     answers = [instrument.low] * len(instrument.items)
-    for cells in (question_cells(instrument, first=False), review_cells(instrument, answers)):
+    for cells in (
+        question_cells(instrument.answers, first=False),
+        review_cells(instrument, answers),
+    ):
         covered = np.zeros(SIZE_PX[::-1], dtype=int)
         for cell in cells:
             left, top, right, bottom = cell.box
@@ -37,7 +40,7 @@ def test_a_cell_knows_its_middle() -> None:
 
 
 def test_the_pointed_cell_is_seen() -> None:
-    cells = question_cells(SSQ, first=True)
+    cells = question_cells(SSQ.answers, first=True)
     page = Page("1 of 16", "Nausea", cells)
     painter = Painter()
     plain = painter.draw(page, None)
@@ -50,7 +53,7 @@ def test_the_pointed_cell_is_seen() -> None:
 
 
 def test_pointing_changes_the_pointed_cell_and_nothing_else():
-    cells = question_cells(FMS, first=True)
+    cells = question_cells(FMS.answers, first=True)
     page = Page("", FMS.instruction, cells, chosen=2)
     painter = Painter()
     plain = painter.draw(page, None)

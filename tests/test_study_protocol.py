@@ -13,9 +13,9 @@ from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol, load_protocol, parse_protocol
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.locate import locate
 from vrcomfort.protocol.without_effect import NEEDS
 from vrcomfort.resources import data_folder
+from vrcomfort.settings.locate import locate
 
 
 def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
@@ -62,7 +62,7 @@ def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
         ('name = "ab"', 'name = "a b"', (17, 1), "only letters, digits, - and _, got 'a b'"),
         ('name = "tiny"', 'name = "tiny"\nparticipants = 4.5', (2, 1), "a whole number"),
         ("every_s = 3.0", "every_s = 9.0", (36, 1), "no rating fits into an exposure"),
-        ('instrument = "fms"', 'instrument = "misc"', (40, 1), "MISC ends at 10"),
+        ('instrument = "fms"', 'instrument = "misc"', (40, 1), "the MISC goes from 0 to 10"),
     ],
 )  # fmt: skip
 def test_every_fault_is_told_with_its_place(tmp_path, old, new, place, says):

@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import INSTRUMENTS, LOADINGS, SSQ, read_sheets, score, score_ssq
-from vrcomfort.questionnaire.ssq import SsqScore
+from vrcomfort.questionnaire import read_sheets, score, score_file, shipped_instruments
+
+SSQ = shipped_instruments()["ssq"]
 
 NAMES = [item.name for item in SSQ.items]
 HEADINGS = [
@@ -42,62 +43,65 @@ def wide(
     return file
 
 
+LOADINGS = {scale.name: {term.item: term.slope for term in scale.terms} for scale in SSQ.scales[:3]}
+"""Subscale → item → how often it counts."""
+
+
+def score_ssq(file):
+    return score_file(file, SSQ).rows
+
+
 def test_the_published_loadings_and_maxima():
-    assert list(LOADINGS) == NAMES
-    assert sum(len(loads) for loads in LOADINGS.values()) == 21
-    worst = score(dict.fromkeys(NAMES, 3))
-    assert worst is not None
-    assert worst.nausea == pytest.approx(200.34, abs=1e-9)
-    assert worst.oculomotor == pytest.approx(159.18, abs=1e-9)
-    assert worst.disorientation == pytest.approx(292.32, abs=1e-9)
-    assert worst.total == pytest.approx(235.62, abs=1e-9)
+    assert [scale.name for scale in SSQ.scales] == ["N", "O", "D", "T"]
+    assert [len(loads) for loads in LOADINGS.values()] == [7, 7, 7]
+    assert {item for loads in LOADINGS.values() for item in loads} == set(NAMES)
+    worst = score(SSQ, dict.fromkeys(NAMES, 3))
+    found = {name: each.points for name, each in worst.items()}
+    assert found == {"N": 200.34, "O": 159.18, "D": 292.32, "T": 235.62}
+    assert {scale.name: float(scale.high) for scale in SSQ.scales} == found
 
 
 def test_scores_are_the_decimals_that_they_are():
-    for raw in range(64):
-        scored = SsqScore(raw, raw, raw)
-        for found, weight in (
-            (scored.nausea, "9.54"),
-            (scored.oculomotor, "7.58"),
-            (scored.disorientation, "13.92"),
-            (scored.total, str(3 * Decimal("3.74"))),
-        ):
-            assert Decimal(repr(found)) == raw * Decimal(weight)
+    weights = {"N": "9.54", "O": "7.58", "D": "13.92", "T": "3.74"}
+    for raw in range(190):
+        for scale in SSQ.scales:
+            assert Decimal(repr(scale.points(raw))) == raw * Decimal(weights[scale.name])
 
 
 def test_each_item_counts_where_kennedy_says():
     answers = dict.fromkeys(NAMES, 0) | {"nausea": 2, "eyestrain": 1}
-    found = score(answers)
-    assert found is not None
-    sums = (found.nausea_raw, found.oculomotor_raw, found.disorientation_raw, found.total_raw)
-    assert sums == (2, 1, 2, 5)
+    found = score(SSQ, answers)
+    assert [found[name].raw for name in "NODT"] == [2, 1, 2, 5]
 
 
 @given(ANSWERS, st.randoms())
 def test_the_order_of_answers_does_not_matter(answers, random):
     items = list(answers.items())
     random.shuffle(items)
-    assert score(dict(items)) == score(answers)
+    assert score(SSQ, dict(items)) == score(SSQ, answers)
 
 
 @given(ANSWERS, st.sampled_from(NAMES))
 def test_scores_are_bounded_and_grow_with_every_answer(answers, item):
-    low, high = score(answers | {item: 0}), score(answers | {item: 3})
-    assert low is not None
-    assert high is not None
-    assert 0 <= low.total < high.total <= 235.62 + 1e-9
-    assert high.total_raw - low.total_raw == 3 * len(LOADINGS[item])
+    low, high = score(SSQ, answers | {item: 0}), score(SSQ, answers | {item: 3})
+    assert 0 <= low["T"].points < high["T"].points <= 235.62
+    loads = sum(item in each for each in LOADINGS.values())
+    assert high["T"].raw - low["T"].raw == 3 * loads
 
 
 def test_an_incomplete_questionnaire_has_no_score():
-    assert score(dict.fromkeys(NAMES[:-1], 1)) is None
-    assert score(dict.fromkeys(NAMES, 1) | {"vertigo": None}) is None
+    whole = dict.fromkeys(NAMES, 1)
+    found = score(SSQ, whole | {"burping": None})
+    assert found["N"] is None
+    assert found["T"] is None
+    assert found["O"].raw == 7
+    assert score(SSQ, {name: 1 for name in NAMES if name != "burping"}) == found
 
 
 @pytest.mark.parametrize(("item", "answer"), [("nausea", 4), ("nausea", -2), ("anxiety", 1)])
 def test_a_wrong_answer_is_refused(item, answer):
     with pytest.raises(InputError, match=item):
-        score(dict.fromkeys(NAMES, 1) | {item: answer})
+        score(SSQ, dict.fromkeys(NAMES, 1) | {item: answer})
 
 
 def test_wide_files_are_read_by_heading_in_any_order(tmp_path):
@@ -109,7 +113,7 @@ def test_wide_files_are_read_by_heading_in_any_order(tmp_path):
 
 
 def test_every_item_name_and_every_text_is_a_heading():
-    for instrument in INSTRUMENTS.values():
+    for instrument in shipped_instruments().values():
         for item in instrument.items:
             assert instrument.item(item.name) is item
             assert instrument.item(f" {item.text.upper()} ") is item
@@ -180,7 +184,7 @@ def test_long_files_are_grouped_and_incomplete_ones_score_blank(tmp_path):
 def test_a_wrong_row_of_a_long_file(tmp_path, row, column, says):
     rows = [("P1", "baseline", "nausea", "1"), row]
     with pytest.raises(InputError, match=says) as caught:
-        read_sheets(long_file(tmp_path, rows))
+        read_sheets(long_file(tmp_path, rows), SSQ)
     assert (caught.value.line, caught.value.column) == (3, column)
 
 
@@ -206,3 +210,38 @@ def test_two_headings_for_one_item_are_both_named(tmp_path, own):
 def test_other_columns_are_no_second_heading(tmp_path, other):
     file = wide(tmp_path, "P1" + ",1" * 16 + ",7", headings=[*HEADINGS, other])
     assert score_ssq(file)[0]["total_raw"] == 21
+
+
+def coded_from_one(folder: Path) -> Path:
+    rows = [f"P{n}" + ",1" * (16 - n) + ",3" * n for n in range(4)]
+    return wide(folder, *rows)
+
+
+def test_answers_of_which_none_is_0_are_asked_about(tmp_path):
+    file = coded_from_one(tmp_path)
+    with pytest.raises(InputError, match=r"none of 64 answers is 0: are they 1 to 4.*--coded-from"):
+        score_file(file, SSQ)
+    one, zero = (score_file(file, SSQ, coded_from=n).rows for n in (1, 0))
+    assert [row["total_raw"] for row in one] == [0, 2, 4, 6]
+    assert [row["total_raw"] for row in zero] == [21, 23, 25, 27]
+
+
+def test_few_answers_without_a_0_are_taken_as_they_are(tmp_path):
+    assert score_ssq(wide(tmp_path, "P1" + ",1" * 16))[0]["total_raw"] == 21
+
+
+def test_a_sum_in_the_column_of_an_item_is_found(tmp_path):
+    headings = ["Feeling unwell" if heading == "Nausea" else heading for heading in HEADINGS]
+    subscale = [NAMES.index(item) for item in LOADINGS["N"]]
+    rows = []
+    for n in range(6):
+        answers = [0] * 16
+        answers[subscale[n % 7]] = n % 3
+        answers[3] = 1
+        rows.append(",".join(map(str, [f"P{n}", *answers, sum(answers[i] for i in subscale)])))
+    file = wide(tmp_path, *rows, headings=[*headings, "Nausea"])
+    with pytest.raises(InputError, match="sum of Nausea, with `Feeling unwell` as nausea") as found:
+        score_ssq(file)
+    assert found.value.column == "Nausea"
+    file = wide(tmp_path, *rows, headings=[*HEADINGS, "Nausea sum"])
+    assert len(score_ssq(file)) == 6

@@ -12,7 +12,7 @@ from rich.console import Console
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Simulation, load_protocol
-from vrcomfort.questionnaire import FMS, SSQ, score
+from vrcomfort.questionnaire import score, shipped_instruments
 from vrcomfort.respondent import (
     Exposure,
     Form,
@@ -20,6 +20,9 @@ from vrcomfort.respondent import (
     TerminalRespondent,
     Withdrew,
 )
+
+FMS = shipped_instruments()["fms"]
+SSQ = shipped_instruments()["ssq"]
 
 POST = Form(SSQ, "post")
 
@@ -121,16 +124,16 @@ def _study(seed: int, people: int) -> tuple[dict[str, list[float]], int]:
     withdrawals = 0
     for number, sequence in enumerate(build_design(protocol, seed=seed).plan(people)):
         person = SimulatedRespondent(settings, participant=f"P{number}", seed=seed)
-        before = score(answers(person))
+        before = score(SSQ, answers(person))["T"]
         for trial in sequence.sessions[0]:
             stayed_s = expose(person, trial.condition)
-            after = score(answers(person))
+            after = score(SSQ, answers(person))["T"]
             if stayed_s < 900:
                 withdrawals += 1
                 break
             assert before is not None
             assert after is not None
-            deltas[trial.condition].append(after.total - before.total)
+            deltas[trial.condition].append(after.points - before.points)
     return deltas, withdrawals
 
 

@@ -12,11 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.report import build_report
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import PROTOCOL, AheadHeadset, Scripted, read_rows, tiny_protocol
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.records import Recorder
-from vrcomfort.report import build_report
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
 from vrcomfort.traces.trace import read_trace
 

@@ -17,7 +17,7 @@ from torture.worker import named, workers
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
-from vrcomfort.questionnaire import SSQ, score_ssq
+from vrcomfort.questionnaire import read_instrument, score_file, shipped_instruments
 from vrcomfort.records import GazeRow, QuestionnaireRow
 from vrcomfort.report.plan import load_plan
 from vrcomfort.report.study_data import read_study
@@ -25,6 +25,8 @@ from vrcomfort.resources import Folder, data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import import_trace, read_trace
+
+SSQ = shipped_instruments()["ssq"]
 
 GIGABYTES, CASE_S = 3, 30.0
 TRACE_LINES = 120
@@ -138,11 +140,12 @@ def _scene_file() -> list[bytes]:
 KINDS: Mapping[str, Kind] = {
     "protocols": Kind("protocol.toml", _shipped("protocols", "*.toml"), _read_protocol),
     "analysis plans": Kind("plan.toml", _shipped("analysis", "*.toml"), load_plan),
+    "instruments": Kind("mine.toml", _shipped("instruments", "*.toml"), read_instrument),
     "traces": Kind("trace.csv", _walks, read_trace),
     "gaze": Kind("gaze.csv", _gaze, read_gaze),
     "logs of Unity": Kind("unity.csv", _unity, import_trace),
     "questionnaires": Kind("questionnaires.csv", _answers, read_study),
-    "scores": Kind("scores.csv", _wide_answers, score_ssq),
+    "scores": Kind("scores.csv", _wide_answers, lambda file: score_file(file, SSQ)),
     "glTF": Kind("scene.gltf", _scene_file, load_scene),
     "binary glTF": Kind("scene.glb", lambda: [small_scene.glb(small_scene.whole())], load_scene),
     "side-cars": Kind(

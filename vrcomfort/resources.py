@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal
 
-Folder = Literal["shaders", "protocols", "scenes", "analysis"]
+Folder = Literal["shaders", "protocols", "scenes", "analysis", "instruments"]
 
 _PACKAGE = Path(__file__).resolve().parent
 

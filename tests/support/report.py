@@ -5,11 +5,17 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
-from vrcomfort.questionnaire import SSQ
+import vrcomfort.report
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import ParticipantRow, QuestionnaireRow, TrialRow
 
+build_report = partial(vrcomfort.report.build_report, forms=("svg",))
+"""A report whose figures are SVG alone: PNG and PDF take more time than all the rest."""
+
+SSQ = shipped_instruments()["ssq"]
 ITEMS = tuple(item.name for item in SSQ.items)
 
 

@@ -15,7 +15,6 @@ from vrcomfort.cli.simulate import simulate_study
 from vrcomfort.cli.terminal import console, progress_bar, warn
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import load_protocol
-from vrcomfort.resources import data_folder
 
 PROTOCOL = "carnegie_2015"
 SIZE_PX = (320, 400)
@@ -107,8 +106,7 @@ def _pictures(folder: Path, quiet: bool) -> list[Path]:
 def _report(study: Path, out: Path) -> Path:
     from vrcomfort.report import build_report
 
-    plan = data_folder("analysis") / f"{PROTOCOL}.toml"
-    summary = build_report(study, plan=plan, out=output_folder(out))
+    summary = build_report(study, plan=PROTOCOL, out=output_folder(out))
     for warning in summary.warnings:
         warn(warning)
     return out / "index.html"

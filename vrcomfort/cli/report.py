@@ -17,17 +17,48 @@ def register(app: typer.Typer) -> None:
     app.command()(report)
 
 
+def _list(asked: bool) -> None:
+    """Print the shipped plans, one a line."""
+    if asked:
+        from vrcomfort.report.plan import shipped_plans
+
+        plans = shipped_plans()
+        width = max(len(each.name) for each in plans)
+        for each in plans:
+            typer.echo(f"{each.name:{width}}  {each.title}")
+        raise typer.Exit
+
+
 def report(
     study: Annotated[
         Path,
         typer.Argument(
             metavar="STUDY",
-            help="A study folder, any folder that holds questionnaires.csv files, or one file.",
+            help="A study folder, any folder that holds questionnaires.csv files, or one file: "
+            "tidy, or one that `import --suggest` has no doubts about.",
         ),
     ],
     out: Annotated[Path, output_option(help="Folder for the report.")],
     plan: Annotated[
-        Path | None, typer.Option(help="Analysis plan (TOML); without it, the protocol's own.")
+        str | None,
+        typer.Option(
+            metavar="NAME|PLAN.toml",
+            help="Analysis plan: a shipped one, or a file. Without it, the protocol's own, or one "
+            "derived from the data; either way it is written beside the report.",
+        ),
+    ] = None,
+    _list_plans: Annotated[
+        bool,
+        typer.Option(
+            "--list-plans", callback=_list, is_eager=True, help="List the shipped plans and exit."
+        ),
+    ] = False,
+    instrument: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="Report the answers to this instrument alone; all that were asked without it.",
+        ),
     ] = None,
     simulated: Annotated[
         bool,
@@ -42,12 +73,20 @@ def report(
 
     - `vrcomfort report out/demo/study --out out/demo/report`
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
+    - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
     """
+    from vrcomfort.cli.report_file import study_of
     from vrcomfort.report import build_report
 
+    folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
+        source = study_of(study, folder)
         summary = build_report(
-            study, plan=plan, out=output_folder(out), simulated=simulated or None
+            source,
+            plan=plan,
+            instrument=instrument,
+            out=folder,
+            simulated=simulated or None,
         )
     for warning in summary.warnings:
         warn(warning)

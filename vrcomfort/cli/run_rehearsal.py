@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.cli.playback import open_trace
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.settings_file import read_text
+from vrcomfort.settings import read_text
 
 if TYPE_CHECKING:
     from vrcomfort.headset.watchdog import Watchdog

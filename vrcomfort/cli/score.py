@@ -12,8 +12,6 @@ import typer
 from vrcomfort.cli.options import Json
 from vrcomfort.cli.terminal import answer, warn
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import score_complete_ssq, score_ssq
-from vrcomfort.questionnaire.scoring import Cell
 
 
 def register(app: typer.Typer) -> None:
@@ -22,26 +20,57 @@ def register(app: typer.Typer) -> None:
 
 
 def score(
-    instrument: Annotated[str, typer.Argument(metavar="ssq", help="The questionnaire.")],
-    file: Annotated[Path, typer.Argument(metavar="FILE.csv", help="Answers: one row a person.")],
+    answers: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="[INSTRUMENT] FILE.csv", help="Answers: one row a person, or a row an answer."
+        ),
+    ],
+    instrument: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.toml",
+            help="The questionnaire; without it, the one whose items the file has.",
+        ),
+    ] = None,
     skip_incomplete: Annotated[
         bool,
         typer.Option(
             "--skip-incomplete", help="Leave out questionnaires without all answers; list them."
         ),
     ] = False,
+    coded_from: Annotated[
+        int | None,
+        typer.Option(
+            help="The number that stands for the lowest answer: 1 where 1 to 4 are 0 to 3."
+        ),
+    ] = None,
     as_json: Json = False,
 ) -> None:
     """Score questionnaires: a CSV (or JSON) of scores on standard output.
 
-    Items are found by their names, in any order; other columns are kept.
+    Items are found by their names, in any order; other columns are kept. Instruments are shipped
+    ones (ssq, vrsq, csq_vr, nasa_tlx, sus, …) or a lab's own file, see docs/instruments.md.
 
-    - `vrcomfort score ssq answers.csv > scores.csv`
+    - `vrcomfort score answers.csv > scores.csv`
+    - `vrcomfort score answers.csv --instrument vrsq > scores.csv`
+    - `vrcomfort score answers.csv --instrument my_questionnaire.toml > scores.csv`
     - `vrcomfort score ssq answers.csv --skip-incomplete > scores.csv`
     """
-    if instrument != "ssq":
-        raise InputError(f"there is no scorer for {instrument!r}; the one there is: ssq")
-    rows = _complete(file) if skip_incomplete else score_ssq(file)
+    from vrcomfort.questionnaire import find_instrument, guess_for_file, score_file
+
+    if len(answers) > 2 or (len(answers) == 2 and instrument is not None):
+        raise InputError("`score` takes one file of answers; score several one after the other")
+    file = Path(answers[-1])
+    name = answers[0] if len(answers) == 2 else instrument
+    asked = find_instrument(name) if name is not None else guess_for_file(file)
+    rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
+    if left_out:
+        count, lines = len(rows) + len(left_out), ", ".join(map(str, left_out))
+        warn(
+            f"{file}: {len(left_out)} of {count} questionnaires lack answers and were left out; "
+            f"they begin in line: {lines}"
+        )
     if as_json:
         answer(rows)
         return
@@ -50,15 +79,3 @@ def score(
     writer.writeheader()
     writer.writerows(rows)
     typer.echo(text.getvalue(), nl=False)
-
-
-def _complete(file: Path) -> list[dict[str, Cell]]:
-    """Return the scores of what is complete, and name the lines of the rest."""
-    rows, left_out = score_complete_ssq(file)
-    if left_out:
-        count, lines = len(rows) + len(left_out), ", ".join(map(str, left_out))
-        warn(
-            f"{file}: {len(left_out)} of {count} questionnaires lack answers and were left out; "
-            f"they begin in line: {lines}"
-        )
-    return rows

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from vrcomfort.protocol.hints import did_you_mean
-from vrcomfort.protocol.locate import Path
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import Problem, repeated, reserved
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
+from vrcomfort.settings import Problem, repeated, reserved
+from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings.locate import Path
 
 _MOST_TREATMENTS = {"williams": 26, "full": 6, "random": 1000}
 
@@ -105,5 +105,3 @@ def _ratings(protocol: Protocol) -> Iterator[Problem]:
     if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
         message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
         yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
-    if ratings and ratings.instrument == "misc" and (ratings.stop_at or 0) > 10:
-        yield Problem(("ratings", "stop_at"), "MISC ends at 10; choose a stop rule within 1 to 10")

@@ -9,11 +9,11 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.protocol.quality_levels import Quality, filled
-from vrcomfort.protocol.settings_file import Name
+from vrcomfort.settings import Name, Settings
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
 """Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""
@@ -62,12 +62,6 @@ CameraMode = Literal[
 ]
 Carried = Literal["with_head", "in_world"]
 VirtualTurning = Literal["by_mode", "kept", "cancelled"]
-
-
-class Settings(BaseModel):
-    """A frozen table of a protocol file; unknown keys are errors."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
 class Focus(Settings):

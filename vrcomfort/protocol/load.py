@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.check import problems
-from vrcomfort.protocol.hints import did_you_mean
+from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import first_problem, parse_settings, read_text
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
+from vrcomfort.settings import first_problem, parse_settings, read_text
+from vrcomfort.settings.hints import did_you_mean
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:
@@ -35,9 +38,27 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     """
     protocol = parse_settings(Protocol, text, file)
     protocol._text, protocol._file = text, file
-    if found := list(problems(protocol)):
+    instruments, found = find_instruments(protocol)
+    found += problems(protocol)
+    found += instrument_problems(protocol, instruments)
+    if found:
         raise first_problem(found, text, file)
-    return protocol
+    return _by_name(protocol, instruments)
+
+
+def _by_name(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Protocol:
+    """Return a protocol that calls its instruments by their names, wherever they were found."""
+    asks = [
+        ask.model_copy(update={"instrument": instruments[ask.instrument].name})
+        for ask in protocol.questionnaires
+    ]
+    changes: dict[str, object] = {"questionnaires": tuple(asks)}
+    if protocol.ratings is not None:
+        name = instruments[protocol.ratings.instrument].name
+        changes["ratings"] = protocol.ratings.model_copy(update={"instrument": name})
+    named = protocol.model_copy(update=changes)
+    named._instruments = {each.name: each for each in instruments.values()}
+    return named
 
 
 def _find(name_or_path: str | Path) -> Path:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal, TypeAlias
 
@@ -11,10 +12,10 @@ from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
-from vrcomfort.protocol.conditions import Condition, Seconds, Settings
-from vrcomfort.protocol.settings_file import Name, Word
+from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.questionnaire import Instrument, shipped_instruments
+from vrcomfort.settings import Name, Settings, Word
 
-InstrumentName = Literal["ssq", "fms", "misc"]
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
 """Seconds, up to a day."""
@@ -76,7 +77,10 @@ class Order(Settings):
 class Ask(Settings):
     """A questionnaire and the moment at which it is asked."""
 
-    instrument: InstrumentName = "ssq"
+    instrument: str = "ssq"
+    """A shipped instrument by name, or a TOML file relative to the protocol file."""
+    language: Word | None = None
+    """Of the wording, where the instrument has it in several; its own without it."""
     timepoint: Word
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
     wait_s: Rest = 0.0
@@ -89,11 +93,12 @@ Unfocused: TypeAlias = Literal["pause", "flag"]
 class Ratings(Settings):
     """A single-item scale answered during exposure."""
 
-    instrument: Literal["fms", "misc"] = "fms"
+    instrument: str = "fms"
+    """A shipped instrument with one question by name, or a TOML file of one."""
     every_s: Seconds = 60.0
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
-    stop_at: Annotated[int, Field(ge=1, le=20)] | None = None
+    stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
     """An answer this high ends the exposure and the participant's study."""
 
 
@@ -159,6 +164,23 @@ class Protocol(Settings):
 
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
+    _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
+
+    def instrument(self, name: str) -> Instrument:
+        """Return an instrument that this asks, by its name; loading made sure that it is there."""
+        return self._instruments[name]
+
+    def form(self, ask: Ask) -> Instrument:
+        """Return the instrument of a questionnaire with what is asked of it, in its language."""
+        whole = self.instrument(ask.instrument)
+        worded = whole.in_language(ask.language or whole.language) or whole
+        return replace(worded, items=worded.asked)
+
+    @property
+    def own_instruments(self) -> dict[str, str]:
+        """Return name → TOML text of the instruments that are the lab's."""
+        shipped = shipped_instruments()
+        return {n: each.text for n, each in self._instruments.items() if n not in shipped}
 
     @property
     def text(self) -> str:

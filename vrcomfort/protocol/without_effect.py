@@ -7,9 +7,9 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from vrcomfort.optics.refocus.laws import LAWS
-from vrcomfort.protocol.conditions import Condition, Settings
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.protocol.settings_file import Problem
+from vrcomfort.settings import Problem, Settings
 
 _Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""

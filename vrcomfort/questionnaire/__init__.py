@@ -1,24 +1,44 @@
 """Questionnaires: what is asked, how it is read from files, how it is scored."""
 
-from vrcomfort.questionnaire.instruments import FMS, INSTRUMENTS, MISC, SSQ, Instrument, Item
-from vrcomfort.questionnaire.scoring import score_complete_ssq, score_ssq
-from vrcomfort.questionnaire.ssq import LOADINGS, WEIGHTS, SsqScore, score
+from vrcomfort.questionnaire.answers import Answer, Answers
+from vrcomfort.questionnaire.found import asked_in, guess, guess_for_file
+from vrcomfort.questionnaire.instrument_file import parse_instrument, read_instrument
+from vrcomfort.questionnaire.instruments import Instrument, Item, plain
+from vrcomfort.questionnaire.library import (
+    FOLDER,
+    find_instrument,
+    instruments_in,
+    shipped_instruments,
+    usual_instruments,
+)
+from vrcomfort.questionnaire.scales import Scale
+from vrcomfort.questionnaire.scoring import Score, score, score_all, score_file
+from vrcomfort.questionnaire.suspects import never_zero
 from vrcomfort.questionnaire.tables import Sheet, read_long, read_sheets
 
 __all__ = [
-    "FMS",
-    "INSTRUMENTS",
-    "LOADINGS",
-    "MISC",
-    "SSQ",
-    "WEIGHTS",
+    "FOLDER",
+    "Answer",
+    "Answers",
     "Instrument",
     "Item",
+    "Scale",
+    "Score",
     "Sheet",
-    "SsqScore",
+    "asked_in",
+    "find_instrument",
+    "guess",
+    "guess_for_file",
+    "instruments_in",
+    "never_zero",
+    "parse_instrument",
+    "plain",
+    "read_instrument",
     "read_long",
     "read_sheets",
     "score",
-    "score_complete_ssq",
-    "score_ssq",
+    "score_all",
+    "score_file",
+    "shipped_instruments",
+    "usual_instruments",
 ]

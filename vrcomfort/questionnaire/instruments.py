@@ -1,11 +1,23 @@
-"""What participants are asked: items, wording, scales."""
+"""What participants are asked: items, wording, answers, and the scales made of them."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
+
+from vrcomfort.questionnaire.answers import Answer, Answers
+from vrcomfort.questionnaire.scales import Scale
+
+
+@dataclass(frozen=True)
+class Wording:
+    """An item in one language: its text, and other headings under which labs export it."""
+
+    language: str
+    text: str
+    aliases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -17,51 +29,161 @@ class Item:
     name
         As it stands in ``questionnaires.csv``.
     text
-        As it is asked.
+        As it is asked; the name where the wording is the lab's to give.
+    answers
+        What can be answered.
     aliases
         Other headings under which labs export it, compared without case, spaces and punctuation.
+    reversed
+        A high answer counts as a low one.
+    asked
+        False for what is not asked item by item, such as weights from comparisons.
+    wordings
+        The item in other languages.
     """
 
     name: str
     text: str
+    answers: Answers
     aliases: tuple[str, ...] = ()
+    reversed: bool = False
+    asked: bool = True
+    wordings: tuple[Wording, ...] = ()
 
-    @property
+    @cached_property
     def keys(self) -> frozenset[str]:
         """Return every spelling of this item, as `plain` writes them."""
-        return frozenset(plain(word) for word in (self.name, self.text, *self.aliases))
+        return frozenset(plain(word) for word in self.spellings())
+
+    def spellings(self, language: str | None = None) -> tuple[str, ...]:
+        """Return name, text and aliases: in one language, or in all."""
+        own = (self.name, self.text, *self.aliases)
+        found = [each for each in self.wordings if language in (None, each.language)]
+        others = tuple(word for each in found for word in (each.text, *each.aliases))
+        return own if not others else (self.name, *others) if language else (*own, *others)
 
 
 @dataclass(frozen=True)
 class Instrument:
-    """A questionnaire or a rating scale with one answer range for all its items."""
+    """A questionnaire or a rating scale.
+
+    Parameters
+    ----------
+    name
+        As it stands in files; no two instruments share one.
+    short, title
+        As headings name it: SSQ, Simulator Sickness Questionnaire.
+    instruction
+        What is asked of all items.
+    items
+        The questions, in the order in which they are asked.
+    answers
+        What can be answered to items that say nothing else.
+    scales
+        In the order of the file; items that none counts are scales of their own, at the end.
+    primary
+        Name of the scale that is reported first.
+    citation, sources
+        The paper, and every other place that the file is made from.
+    rule
+        A sentence on how it is scored, for the methods.
+    language
+        Of the wording.
+    variant_of
+        The instrument whose items these are with other answers: never taken for it, and it never
+        for this.
+    """
 
     name: str
+    short: str
     title: str
     instruction: str
     items: tuple[Item, ...]
-    low: int
-    high: int
-    labels: tuple[str, ...]
-    """Names of the answers from `low` to `high`, or of the two ends."""
-    citation: str
+    answers: Answers
+    scales: tuple[Scale, ...]
+    primary: str
+    citation: str = ""
+    sources: tuple[str, ...] = ()
+    rule: str = ""
+    language: str = "en"
+    variant_of: str = ""
+    prefixed: bool = True
+    """Whether plans and tables put the instrument's name before those of its scores and items."""
+    licence: str = ""
+    """What allows the wording to be here."""
+    instructions: tuple[tuple[str, str], ...] = ()
+    """Language → instruction."""
+    text: str = field(default="", repr=False)
+    """The TOML that it was read from."""
+
+    @property
+    def low(self) -> Answer:
+        """Return the lowest answer."""
+        return self.answers.low
+
+    @property
+    def high(self) -> Answer:
+        """Return the highest answer."""
+        return self.answers.high
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Return the names of the answers, or of the two ends."""
+        return self.answers.labels
+
+    @property
+    def asked(self) -> tuple[Item, ...]:
+        """Return the items that are asked one after the other."""
+        return tuple(item for item in self.items if item.asked)
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """Return the names of the scales in the order of reports: the primary one first."""
+        return tuple(sorted((s.name for s in self.scales), key=lambda name: name != self.primary))
 
     @cached_property
-    def _found(self) -> dict[str, Item | None]:
+    def needed(self) -> tuple[str, ...]:
+        """Return the names of the scales that whoever answers everything asked has."""
+        found: list[str] = []
+        asked = {item.name for item in self.asked}
+        for scale in self.scales:
+            items = {term.item for term in scale.terms} | {name for _, name in scale.weights}
+            if items <= asked and all(name in found for name, _ in scale.parts):
+                found.append(scale.name)
+        return tuple(found)
+
+    def may_miss(self, item: Item) -> bool:
+        """Return whether an answer may be missing in a questionnaire that has all its scores."""
+        scales = [s for s in self.scales if any(term.item == item.name for term in s.terms)]
+        return not item.asked or all(scale.min_valid < len(scale.terms) for scale in scales)
+
+    def scale(self, name: str) -> Scale | None:
+        """Return the scale of a name, or None."""
+        return next((scale for scale in self.scales if scale.name == name), None)
+
+    @cached_property
+    def _found(self) -> dict[tuple[str, str | None], Item | None]:
         """Items by headings that were looked up: a long file has each thousands of times."""
         return {}
 
-    @cached_property
-    def plain_answers(self) -> frozenset[str]:
-        """Return the answers as they mostly stand in files."""
-        return frozenset(map(str, range(self.low, self.high + 1)))
+    def item(self, heading: str, language: str | None = None) -> Item | None:
+        """Return the item that a human-readable heading means, or None.
 
-    def item(self, heading: str) -> Item | None:
-        """Return the item that a human-readable heading means, or None."""
-        if heading not in self._found:
+        Parameters
+        ----------
+        language
+            Such as "de": look among its words and the items' names alone. All otherwise.
+        """
+        asked = heading, language
+        if asked not in self._found:
             key = plain(heading)
-            self._found[heading] = next((item for item in self.items if key in item.keys), None)
-        return self._found[heading]
+            found = (
+                item
+                for item in self.items
+                if key in (item.keys if language is None else map(plain, item.spellings(language)))
+            )
+            self._found[asked] = next(found, None)
+        return self._found[asked]
 
     def may_mean(self, heading: str, item: Item) -> bool:
         """Return whether a heading that names no item has the words of this one in it.
@@ -71,8 +193,8 @@ class Instrument:
         words = _words(heading)
         if self.item(heading) is not None or words & DERIVED:
             return False
-        names = [_words(name) for name in (item.name, item.text, *item.aliases)]
-        if any(name <= words for name in names):
+        names = [_words(name) for name in item.spellings()]
+        if any(name and name <= words for name in names):
             return True
         misspelt = any(key[:1] == plain(heading)[:1] for key in item.keys)  # "comfort" is another
         return misspelt and self.nearest(heading) == item.name
@@ -82,6 +204,21 @@ class Instrument:
         spellings = {key: item.name for item in self.items for key in item.keys}
         near = get_close_matches(plain(heading), spellings, n=1, cutoff=0.75)
         return spellings[near[0]] if near else None
+
+    def in_language(self, language: str) -> Instrument | None:
+        """Return the instrument as it is asked in a language, or None where it has no words."""
+        if language == self.language:
+            return self
+        instruction = dict(self.instructions).get(language)
+        words = [next((w for w in i.wordings if w.language == language), None) for i in self.items]
+        if instruction is None or None in words:
+            return None
+        items = tuple(
+            replace(item, text=word.text)
+            for item, word in zip(self.items, words, strict=True)
+            if word is not None
+        )
+        return replace(self, items=items, instruction=instruction, language=language)
 
 
 DERIVED = frozenset(
@@ -100,72 +237,3 @@ def _words(heading: str) -> frozenset[str]:
 def plain(heading: str) -> str:
     """Return the letters and digits of a heading in lower case."""
     return re.sub(r"[\W_]+", "", heading.casefold())
-
-
-SSQ = Instrument(
-    name="ssq",
-    title="Simulator Sickness Questionnaire",
-    instruction="How much does each symptom affect you right now?",
-    items=(
-        Item("general_discomfort", "General discomfort", ("discomfort",)),
-        Item("fatigue", "Fatigue"),
-        Item("headache", "Headache"),
-        Item("eyestrain", "Eyestrain", ("eye strain", "strained eyes")),
-        Item("difficulty_focusing", "Difficulty focusing", ("difficulty focussing",)),
-        Item(
-            "increased_salivation",
-            "Increased salivation",
-            ("salivation increasing", "salivation increase", "salivation"),
-        ),
-        Item("sweating", "Sweating", ("sweat",)),
-        Item("nausea", "Nausea"),
-        Item("difficulty_concentrating", "Difficulty concentrating"),
-        Item(
-            "fullness_of_head",
-            "Fullness of head",
-            ("fullness of the head", "fullness of head", "full head", "head fullness"),
-        ),
-        Item("blurred_vision", "Blurred vision", ("blurry vision",)),
-        Item(
-            "dizzy_eyes_open",
-            "Dizziness with eyes open",
-            ("dizzy eyes open", "dizziness eyes open", "dizzy with eyes open"),
-        ),
-        Item(
-            "dizzy_eyes_closed",
-            "Dizziness with eyes closed",
-            ("dizzy eyes closed", "dizziness eyes closed", "dizzy with eyes closed"),
-        ),
-        Item("vertigo", "Vertigo"),
-        Item("stomach_awareness", "Stomach awareness"),
-        Item("burping", "Burping"),
-    ),
-    low=0,
-    high=3,
-    labels=("none", "slight", "moderate", "severe"),
-    citation="Kennedy, Lane, Berbaum & Lilienthal (1993), Int. J. Aviation Psychology 3, 203-220",
-)
-
-FMS = Instrument(
-    name="fms",
-    title="Fast Motion Sickness scale",
-    instruction="How sick do you feel, from 0 (not at all) to 20 (frank sickness)?",
-    items=(Item("fms", "Motion sickness", ("sickness", "rating")),),
-    low=0,
-    high=20,
-    labels=("no sickness", "frank sickness"),
-    citation="Keshavarz & Hecht (2011), Human Factors 53(4), 415-426",
-)
-
-MISC = Instrument(
-    name="misc",
-    title="Misery Scale",
-    instruction="How do you feel, from 0 (no problems) to 10 (vomiting)?",
-    items=(Item("misc", "Misery", ("misery scale", "rating")),),
-    low=0,
-    high=10,
-    labels=("no problems", "vomiting"),
-    citation="Bos, MacKinnon & Patterson (2005), Aviation, Space, and Environ. Med. 76, 1111-1118",
-)
-
-INSTRUMENTS = {instrument.name: instrument for instrument in (SSQ, FMS, MISC)}

@@ -1,73 +1,163 @@
-"""A file of SSQ answers in, a table of scores out."""
+"""Answers in, scores out."""
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple, TypeAlias
 
-from vrcomfort.questionnaire.instruments import SSQ
-from vrcomfort.questionnaire.ssq import score
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire.answers import Answer
+from vrcomfort.questionnaire.instruments import Instrument
+from vrcomfort.questionnaire.scales import AnswerTable, RawScores, Scale, raw_scores
+from vrcomfort.questionnaire.suspects import never_zero
 from vrcomfort.questionnaire.tables import Sheet, read_sheets
 
 Cell: TypeAlias = str | int | float | None
 
-_SCORES = (
-    "nausea_raw",
-    "oculomotor_raw",
-    "disorientation_raw",
-    "total_raw",
-    "nausea",
-    "oculomotor",
-    "disorientation",
-    "total",
-)
+
+class Score(NamedTuple):
+    """A score: `raw` steps of the scale's unit, and the points that they are."""
+
+    raw: int
+    points: float
 
 
-class Scores(NamedTuple):
-    """Scores, and the lines of the questionnaires that were left out."""
+class ScoredFile(NamedTuple):
+    """Rows of scores, and the lines of the questionnaires that were left out."""
 
     rows: list[dict[str, Cell]]
     left_out: list[int]
 
 
-def score_complete_ssq(file: Path) -> Scores:
-    """Score the questionnaires of a CSV file that have all their answers, as `score_ssq` does.
-
-    Raises
-    ------
-    InputError
-        If a column or an answer is wrong, with line and column.
-    """
-    sheets = read_sheets(Path(file), allow_blank=True)
-    complete = [sheet for sheet in sheets if _is_complete(sheet)]
-    return Scores(
-        [_scored(sheet) for sheet in complete],
-        [sheet.line for sheet in sheets if not _is_complete(sheet)],
-    )
-
-
-def score_ssq(file: Path) -> list[dict[str, Cell]]:
-    """Score every questionnaire of a CSV file (wide or long; see `read_sheets`).
+def score(instrument: Instrument, answers: Mapping[str, Answer | None]) -> dict[str, Score | None]:
+    """Score one questionnaire: item name → answer.
 
     Returns
     -------
-    list of dict
+    dict
+        Scale → score; None where too few of its items are answered: a sum without them would be
+        too low.
+
+    Raises
+    ------
+    InputError
+        If an item is unknown, an answer is none of its answers, or weights do not add up.
+    """
+    for name, answer in answers.items():
+        item = next((each for each in instrument.items if each.name == name), None)
+        if item is None:
+            raise InputError(f"`{name}` is not an item of the {instrument.short}")
+        if answer is not None and not item.answers.has(answer):
+            taken = f"{instrument.short} answers are {item.answers.in_words}"
+            raise InputError(f"`{name}` is {answer}; {taken}")
+    if wrong := wrong_weights(instrument, answers):
+        raise InputError(wrong)
+    return _scores(instrument, score_all(instrument, [answers]), 0)
+
+
+def score_all(instrument: Instrument, answers: Sequence[Mapping[str, Answer | None]]) -> RawScores:
+    """Score many questionnaires, whose answers have been checked, in raw numbers."""
+    steps, given = {}, {}
+    for item in instrument.items:
+        column = [each.get(item.name) for each in answers]
+        found = np.array(column, dtype=np.float64)  # None is NaN
+        given[item.name] = ~np.isnan(found)
+        in_steps = np.nan_to_num(found) / float(item.answers.resolution)
+        steps[item.name] = np.rint(in_steps).astype(np.int64)
+    return raw_scores(instrument.scales, AnswerTable(steps, given))
+
+
+def wrong_weights(instrument: Instrument, answers: Mapping[str, Answer | None]) -> str | None:
+    """Say where a person's weights do not add up to what they should, as 15 comparisons do."""
+    for scale in instrument.scales:
+        weights = [answers.get(name) for _, name in scale.weights]
+        given = [weight for weight in weights if weight is not None]
+        if not scale.weights_sum or not given:
+            continue
+        if len(given) < len(weights):
+            return f"only {len(given)} of the {len(weights)} weights are there; give all, or none"
+        if sum(given) != scale.weights_sum:
+            return f"the weights add up to {sum(given)}, not {scale.weights_sum}; correct them"
+    return None
+
+
+def _scores(instrument: Instrument, found: RawScores, row: int) -> dict[str, Score | None]:
+    return {
+        scale.name: _score(scale, int(found.raw[scale.name][row]))
+        if found.known[scale.name][row]
+        else None
+        for scale in instrument.scales
+    }
+
+
+def _score(scale: Scale, raw: int) -> Score:
+    return Score(raw, scale.points(raw))
+
+
+def score_file(
+    file: Path,
+    instrument: Instrument,
+    *,
+    skip_incomplete: bool = False,
+    coded_from: Answer | None = None,
+) -> ScoredFile:
+    """Score every questionnaire of a CSV file (wide or long; see `read_sheets`).
+
+    Parameters
+    ----------
+    skip_incomplete
+        Leave out questionnaires in which a score is missing that every complete one has.
+    coded_from
+        The number that stands for the lowest answer. Without it, that is the instrument's own, and
+        answers of which none is 0 are refused.
+
+    Returns
+    -------
+    ScoredFile
         One row per questionnaire in the file's order: the file's other columns (long files: the
-        columns of `LONG_KEYS`), then raw sums (integers) and scores. All blank (None) where a
-        long file lacks an answer.
+        columns of `LONG_KEYS`), then raw numbers (integers) and scores. Blank (None) where too
+        little is answered. Scales that no questionnaire has are left out.
 
     Raises
     ------
     InputError
         If a column or an answer is wrong, with line and column.
     """
-    return [_scored(sheet) for sheet in read_sheets(Path(file))]
+    sheets = read_sheets(Path(file), instrument, allow_blank=skip_incomplete, coded_from=coded_from)
+    if coded_from is None:
+        _require_zeros(file, instrument, sheets)
+    for sheet in sheets:
+        if wrong := wrong_weights(instrument, sheet.answers):
+            raise InputError(wrong, file=file, line=sheet.line)
+    found = score_all(instrument, [sheet.answers for sheet in sheets])
+    scored = [_scores(instrument, found, row) for row in range(len(sheets))]
+    needed = {name for name in instrument.needed if name in found.raw}
+    there = [s for s in instrument.scales if s.name in needed or found.known[s.name].any()]
+    kept, left_out = [], []
+    for sheet, scores in zip(sheets, scored, strict=True):
+        if skip_incomplete and any(scores[name] is None for name in needed):
+            left_out.append(sheet.line)
+        else:
+            kept.append(_row(sheet, scores, there))
+    return ScoredFile(kept, left_out)
 
 
-def _scored(sheet: Sheet) -> dict[str, Cell]:
-    scored = score(sheet.answers)
-    return {**sheet.keys, **{name: getattr(scored, name, None) for name in _SCORES}}
+def _require_zeros(file: Path, instrument: Instrument, sheets: Sequence[Sheet]) -> None:
+    """Raise `InputError` where no answer is 0: all of them may be too high by one."""
+    given = (answer for sheet in sheets for answer in sheet.answers.values())
+    answered = never_zero(instrument, Counter(a for a in given if a is not None))
+    if answered:
+        high = instrument.high + 1
+        message = f"none of {answered} answers is 0: are they 1 to {high}, with no {high} among"
+        hint = "give --coded-from 1 to take 1 off each, or --coded-from 0 if they are right"
+        raise InputError(f"{message} them? {hint}", file=file)
 
 
-def _is_complete(sheet: Sheet) -> bool:
-    return all(sheet.answers.get(item.name) is not None for item in SSQ.items)
+def _row(sheet: Sheet, scores: Mapping[str, Score | None], scales: list[Scale]) -> dict[str, Cell]:
+    found = [(scale, scores[scale.name]) for scale in scales]
+    raw = {f"{scale.column}_raw": each.raw if each else None for scale, each in found}
+    return {**sheet.keys, **raw, **{s.column: each.points if each else None for s, each in found}}

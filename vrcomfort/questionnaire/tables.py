@@ -6,13 +6,16 @@ error and not a missing value.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable, plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire.instruments import SSQ, Instrument, Item
+from vrcomfort.questionnaire.answers import Answer, exact
+from vrcomfort.questionnaire.instruments import Instrument, Item
+from vrcomfort.questionnaire.suspects import sum_in_place_of
 
 LONG_KEYS = ("participant", "session", "trial", "condition", "timepoint")
 
@@ -37,7 +40,7 @@ class Sheet:
 
     line: int
     keys: dict[str, str]
-    answers: dict[str, int | None] = field(default_factory=dict)
+    answers: dict[str, Answer | None] = field(default_factory=dict)
     place: str = ""
     run: int = 0
 
@@ -96,7 +99,11 @@ class Sheet:
 
 
 def read_sheets(
-    file: Path, instrument: Instrument = SSQ, *, allow_blank: bool = False
+    file: Path,
+    instrument: Instrument,
+    *,
+    allow_blank: bool = False,
+    coded_from: Answer | None = None,
 ) -> list[Sheet]:
     """Read a wide or a long CSV file, whichever it is.
 
@@ -107,12 +114,15 @@ def read_sheets(
     ----------
     allow_blank
         A blank answer in a wide file is None, as it is in a long one.
+    coded_from
+        The number that stands for the lowest answer; the instrument's own without it.
 
     Raises
     ------
     InputError
-        If a column is missing or there twice, or an answer is no integer or out of range; in wide
-        files also if an answer is missing. With line and column.
+        If a column is missing or there twice, or is named like an item and holds a sum; if an
+        answer is no integer or out of range; in wide files also if an answer is missing. With line
+        and column.
     """
     table = CsvTable.read(file)
     if not table.header:
@@ -120,12 +130,15 @@ def read_sheets(
     names = {heading.lower() for heading in table.header}
     if {"item", "response"} <= names:
         keys = [name for name in LONG_KEYS if name in names]
-        return read_long(table, instrument, keys)
-    return _wide(table, instrument, allow_blank=allow_blank)
+        return read_long(table, instrument, keys, coded_from=coded_from)
+    return _wide(table, instrument, allow_blank=allow_blank, coded_from=coded_from)
 
 
-def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list[Sheet]:
+def _wide(
+    table: CsvTable, instrument: Instrument, *, allow_blank: bool, coded_from: Answer | None
+) -> list[Sheet]:
     columns = _item_columns(table, instrument)
+    _require_no_sums(table, instrument, columns)
     sheets = []
     for line, cells in zip(table.lines, table.rows, strict=True):
         keys = {
@@ -135,8 +148,8 @@ def _wide(table: CsvTable, instrument: Instrument, *, allow_blank: bool) -> list
         }
         sheet = Sheet(line, keys)
         for index, item in columns.items():
-            answer = _answer(table, instrument, cells[index], line, table.header[index])
-            if answer is None and not allow_blank:
+            answer = _answer(table, item, cells[index], line, table.header[index], coded_from)
+            if answer is None and not allow_blank and not instrument.may_miss(item):
                 message = "this answer is missing; `score --skip-incomplete` leaves such rows out"
                 raise table.fault(message, line, table.header[index])
             sheet.answers[item.name] = answer
@@ -154,13 +167,13 @@ def _item_columns(table: CsvTable, instrument: Instrument) -> dict[int, Item]:
             raise table.fault(f"a second column for `{item.name}`; keep one", 1, heading)
         columns[index] = item
     _require_one_candidate(table, instrument, columns)
-    missing = [item for item in instrument.items if item not in columns.values()]
+    missing = [item for item in instrument.asked if item not in columns.values()]
     if missing:
         others = [heading for heading in table.header if instrument.item(heading) is None]
         near = next((each for each in others if instrument.nearest(each) == missing[0].name), None)
         hint = f"; is it `{near}`?" if near else ""
         names = ", ".join(item.name for item in missing)
-        raise table.fault(f"no column for {instrument.name.upper()} item {names}{hint}", 1)
+        raise table.fault(f"no column for {instrument.short} item {names}{hint}", 1)
     return columns
 
 
@@ -179,23 +192,62 @@ def _require_one_candidate(
             raise table.fault(message, 1, heading)
 
 
+def _require_no_sums(table: CsvTable, instrument: Instrument, columns: Mapping[int, Item]) -> None:
+    """Raise `InputError` where the column of an item is exactly the sum of others."""
+    texts = list(zip(*table.rows, strict=True))
+    read = {i: [_plain_answer(cell) for cell in texts[i]] for i in range(len(texts))}
+    sheets = [
+        {item.name: read[index][row] for index, item in columns.items()}
+        for row in range(len(table.rows))
+    ]
+    others = {
+        heading: read[index]
+        for index, heading in enumerate(table.header)
+        if index not in columns
+        and index in read
+        and all(each is not None and instrument.answers.has(each) for each in read[index])
+    }
+    for index, item in columns.items():
+        found = sum_in_place_of(instrument, item.name, sheets, others)
+        if found is not None:
+            heading, (other, scale) = table.header[index], found
+            message = f"`{heading}` is exactly the sum of {scale}, with `{other}` as {item.name}"
+            hint = f"rename `{heading}` to `{heading} sum`, and `{other}` to `{item.name}`"
+            raise table.fault(f"{message}; {hint}", 1, heading)
+
+
+def _plain_answer(cell: str) -> Answer | None:
+    number = _number(cell)
+    return number if math.isfinite(number) else None
+
+
 def _answer(
-    table: CsvTable, instrument: Instrument, cell: str, line: int, column: str
-) -> int | None:
+    table: CsvTable,
+    item: Item,
+    cell: str,
+    line: int,
+    column: str,
+    coded_from: Answer | None = None,
+) -> Answer | None:
     text = cell.strip()
-    if text in instrument.plain_answers:
-        return int(text)
+    answers = item.answers
+    if coded_from is None and text in answers.plain:
+        return answers.plain[text]
     if not text:
         return None
-    number = _number(text)
-    if not number.is_integer():
-        raise table.fault(f"`{text}` is not a whole number", line, column)
-    answer = int(number)
-    if not instrument.low <= answer <= instrument.high:
-        hint = "; answers coded from 1 need 1 taken off" if answer == instrument.high + 1 else ""
-        limits = f"{instrument.low} to {instrument.high}"
-        raise table.fault(f"{answer} is out of range, answers are {limits}{hint}", line, column)
-    return answer
+    number = _number(text) + (0 if coded_from is None else answers.low - coded_from)
+    if not math.isfinite(number) or (exact(number) / answers.resolution).denominator != 1:
+        what = "a whole number" if answers.resolution == 1 else f"one of {answers.in_words}"
+        raise table.fault(f"`{text}` is not {what}", line, column)
+    if not answers.low <= number <= answers.high:
+        one_more = coded_from is None and number == answers.high + 1
+        hint = f"; if they are counted from {answers.low + 1}, 1 is taken off" if one_more else ""
+        hint = f"{hint} by `score --coded-from {answers.low + 1}` or an import" if hint else ""
+        message = f"{number:g} is out of range, answers are {answers.in_words}{hint}"
+        raise table.fault(message, line, column)
+    if not answers.has(number):
+        raise table.fault(f"`{text}` is not one of {answers.in_words}", line, column)
+    return int(number) if number.is_integer() else number
 
 
 def _number(text: str) -> float:
@@ -206,7 +258,14 @@ def _number(text: str) -> float:
         return float("nan")
 
 
-def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> list[Sheet]:
+def read_long(
+    table: CsvTable,
+    instrument: Instrument,
+    keys: Sequence[str],
+    *,
+    nameless: bool = True,
+    coded_from: Answer | None = None,
+) -> list[Sheet]:
     """Read a table with a row for each answer, in the order in which they were given.
 
     Rows of other instruments are left alone. What a session asked again after it had been resumed
@@ -216,6 +275,10 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
     ----------
     keys
         Columns that say whose a sheet is; one that the table does not have is blank.
+    nameless
+        Whether rows that name no instrument are of this one.
+    coded_from
+        As in `read_sheets`.
 
     Raises
     ------
@@ -223,55 +286,97 @@ def read_long(table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> l
         If an item is none or is answered twice, or an answer is no integer or out of range. With
         line and column.
     """
-    sheets = _LongSheets(table, instrument, keys)
-    names = [heading.lower() for heading in table.header]
+    if not table.rows:
+        return []
+    sheets = _LongSheets(table, instrument, keys, coded_from)
+    own = {instrument.name, ""} if nameless else {instrument.name}
+    name = sheets.column("instrument")
+    mine: dict[str, bool] = {}
     for line, cells in zip(table.lines, table.rows, strict=True):
-        row = dict(zip(names, map(str.strip, cells), strict=True))
-        if (row.get("instrument") or instrument.name).lower() == instrument.name:
-            sheets.add(row, line)
+        named = "" if name is None else cells[name]
+        if named not in mine:
+            mine[named] = named.strip().lower() in own
+        if mine[named]:
+            sheets.add(cells, line)
     return list(sheets.found.values())
 
 
 class _LongSheets:
     """The sheets of a long table."""
 
-    def __init__(self, table: CsvTable, instrument: Instrument, keys: Sequence[str]) -> None:
+    def __init__(
+        self,
+        table: CsvTable,
+        instrument: Instrument,
+        keys: Sequence[str],
+        coded_from: Answer | None,
+    ) -> None:
         self._table = table
+        self._coded_from = coded_from
         self._instrument = instrument
         self._keys = keys
+        names = [name.lower() for name in table.header]
+        self._columns = {name: place for place, name in enumerate(names)}
+        self._places = [self._columns[name] for name in keys if name in self._columns]
+        self._item, self._response = self._columns["item"], self._columns["response"]
+        self._resumed = self._columns.get("resumed")
         self._runs: dict[tuple[str, str], int] = {}
+        self._answered: dict[tuple[str, str], tuple[Item, Answer | None]] = {}
+        self._before: tuple[list[str], Sheet] | None = None
         self.found: dict[tuple[str | int, ...], Sheet] = {}
 
-    def add(self, row: Mapping[str, str], line: int) -> None:
+    def column(self, name: str) -> int | None:
+        """Return the place of a column, None where there is none of that name."""
+        return self._columns.get(name)
+
+    def add(self, cells: Sequence[str], line: int) -> None:
         """Put one answer where it belongs."""
-        item = self._instrument.item(row["item"])
-        if item is None:
-            raise self._table.fault(_unknown_item(self._instrument, row["item"]), line, "item")
-        whose = tuple([row.get(name, "") for name in self._keys])
-        run = self._run(row, whose, item.name)
-        sheet = self.found.get((*whose, run))
-        if sheet is None:
-            sheet = Sheet(line, dict(zip(self._keys, whose, strict=True)), run=run)
-            self.found[*whose, run] = sheet
+        said = cells[self._item], cells[self._response]
+        if said not in self._answered:
+            self._answered[said] = self._read(*said, line)
+        item, answer = self._answered[said]
+        sheet = self._sheet(cells, line, item.name)
         sheet.require_unanswered(item, self._table, line)
-        answer = _answer(self._table, self._instrument, row["response"], line, "response")
         sheet.answers[item.name] = answer
 
-    def _run(self, row: Mapping[str, str], whose: tuple[str, ...], item: str) -> int:
-        """Return how often the session had been resumed: each run asks something once."""
+    def _read(self, heading: str, response: str, line: int) -> tuple[Item, Answer | None]:
+        item = self._instrument.item(heading.strip())
+        if item is None:
+            message = _unknown_item(self._instrument, heading.strip())
+            raise self._table.fault(message, line, "item")
+        answer = _answer(self._table, item, response, line, "response", self._coded_from)
+        return item, answer
+
+    def _sheet(self, cells: Sequence[str], line: int, item: str) -> Sheet:
+        """Return the sheet of a row: mostly that of the row before."""
+        whose = [cells[place] for place in self._places]
+        again = self._resumed is not None and cells[self._resumed].strip() not in {"", "0"}
+        if self._before is not None and not again and self._before[0] == whose:
+            return self._before[1]
+        there = [name for name in self._keys if name in self._columns]
+        row = {name: cells[self._columns[name]].strip() for name in there}
+        key = tuple(row.get(name, "") for name in self._keys)
         session = row.get("participant", ""), row.get("session", "")
+        run = self._run(session, key, item) if again else self._runs.get(session, 0)
+        sheet = self.found.get((*key, run))
+        if sheet is None:
+            sheet = Sheet(line, dict(zip(self._keys, key, strict=True)), run=run)
+            self.found[*key, run] = sheet
+        self._before = None if again else (whose, sheet)
+        return sheet
+
+    def _run(self, session: tuple[str, str], key: tuple[str, ...], item: str) -> int:
+        """Return how often the session had been resumed: each run asks something once."""
         run = self._runs.get(session, 0)
-        if row.get("resumed", "") not in {"", "0"}:
-            sheet = self.found.get((*whose, run))
-            if sheet is not None and item not in sheet.answers:
-                return run  # what an interruption cut off has been finished
-            repeated = sheet is not None
-            run = max(run, 1) + (repeated and run > 0)
-            self._runs[session] = run
+        sheet = self.found.get((*key, run))
+        if sheet is not None and item not in sheet.answers:
+            return run  # what an interruption cut off has been finished
+        run = max(run, 1) + (sheet is not None and run > 0)
+        self._runs[session] = run
         return run
 
 
 def _unknown_item(instrument: Instrument, heading: str) -> str:
     near = instrument.nearest(heading)
     hint = f"; did you mean `{near}`?" if near else ""
-    return f"`{heading}` is not an item of the {instrument.name.upper()}{hint}"
+    return f"`{heading}` is not an item of the {instrument.short}{hint}"

@@ -14,8 +14,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.settings_file import in_words, read_text
 from vrcomfort.records.schema import check_schema_version
+from vrcomfort.settings import in_words, read_text
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 

@@ -14,6 +14,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
+from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.disk import (
     GROUP,
     OWNER,
@@ -31,6 +32,7 @@ from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
 from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
+from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
 
@@ -68,7 +70,9 @@ def open_study(
     file = study / DESCRIPTION
     refuse_links(study, file)
     if file.exists():
-        return _same_study(file, protocol, seed, group_readable)
+        kept = _same_study(file, protocol, seed, group_readable)
+        _keep_instruments(study, protocol, access_of(study))
+        return kept
     check_study(study.resolve().name)
     access = GROUP if group_readable else OWNER
     try:
@@ -76,9 +80,30 @@ def open_study(
     except OSError as error:
         message = f"cannot make this study folder: {error.strerror}; choose another --out"
         raise InputError(message, file=study) from error
+    _keep_instruments(study, protocol, access)
     text = json.dumps(_description(protocol, seed or 0, access), indent=2, ensure_ascii=False)
     replace_text(file, text + "\n", access)
     return seed or 0
+
+
+def _keep_instruments(study: Path, protocol: Protocol, access: Access) -> None:
+    """Keep the lab's own instruments with the answers to them.
+
+    Raises
+    ------
+    InputError
+        If the study has another text of one: answers to both would stand under one name.
+    """
+    for name, text in protocol.own_instruments.items():
+        file = study / INSTRUMENTS / f"{name}.toml"
+        refuse_links(study, file)
+        if not file.exists():
+            make_folders(study, file.parent, access)
+            replace_text(file, text, access)
+        elif read_text(file, "instrument") != text:
+            message = f"this study was begun with another text of `{name}`"
+            hint = "give the changed instrument another name, or choose another --out"
+            raise InputError(f"{message}; {hint}", file=file)
 
 
 def access_of(study: Path) -> Access:

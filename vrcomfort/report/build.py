@@ -2,28 +2,35 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.errors import spare
-from vrcomfort.report.figures import (
-    exposure_figure,
-    paired_figure,
-    subscale_figure,
-    symptom_figure,
-)
+from vrcomfort.report.answers import answer
+from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
-from vrcomfort.report.plan import load_plan
-from vrcomfort.report.results import analyse, to_json
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
+from vrcomfort.report.records import records
+from vrcomfort.report.reproduce import r_script
+from vrcomfort.report.residuals import residuals_of
+from vrcomfort.report.results import PLAN_FILE, analyse, plain, to_json
 from vrcomfort.report.study_data import of_one_kind, read_study
 from vrcomfort.report.tables import all_tables
-from vrcomfort.report.words import headline
+from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, write_report
 
 if TYPE_CHECKING:
-    from vrcomfort.report.exposures import Exposures
+    from collections.abc import Collection
+
+    from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.study_data import StudyData
+
+
+Form = Literal["svg", "png", "pdf"]
+FORMS: tuple[Form, ...] = ("svg", "png", "pdf")
 
 
 @dataclass(frozen=True)
@@ -35,7 +42,7 @@ class ReportSummary:
     index, results
         ``index.html`` and ``results.json``.
     tables, figures
-        The CSV and SVG files beside them.
+        The CSV files beside them; the figures as SVG, PNG and PDF.
     plan
         Name of the analysis plan.
     participants, analysed, withdrawn
@@ -60,7 +67,13 @@ class ReportSummary:
 
 
 def build_report(
-    source: Path, *, plan: Path | None = None, out: Path, simulated: bool | None = None
+    source: Path,
+    *,
+    plan: str | Path | None = None,
+    instrument: str | None = None,
+    out: Path,
+    simulated: bool | None = None,
+    forms: Collection[Form] = FORMS,
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -69,13 +82,19 @@ def build_report(
     source
         A study folder, any folder with ``questionnaires.csv`` files at any depth, or one file.
     plan
-        An analysis plan; without one, the shipped plan of the study's protocol or the default.
+        An analysis plan, or the name of a shipped one; without one, the shipped plan of the
+        study's protocol, or one that is derived from the data. It is written beside the report.
+    instrument
+        The name or the file of the only instrument to report; all that were asked without it.
     simulated
         Of a study with both kinds of participants, analyse the simulated ones; `None`: real ones,
         where there are any.
     out
-        Folder for ``index.html``, ``results.json``, ``tables/`` and ``figures/``; made if absent.
+        Folder for ``index.html``, ``results.json``, ``reproduce.R``, ``tables/`` and ``figures/``;
+        made if absent.
         Tables and figures of an earlier report that this one does not have are removed.
+    forms
+        In which figures are written; PNG and PDF take most of the time of a small report.
 
     Raises
     ------
@@ -83,19 +102,72 @@ def build_report(
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    study = _of_one_kind(read_study(Path(source)), simulated)
-    chosen = load_plan(plan, protocol=study.protocol)
+    study = _of_one_kind(read_study(Path(source), instrument), simulated)
+    chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
-    figures = draw_figures(study, results, scored)
-    files = {
-        "index.html": render_page(results, figures),
+    results |= plain(records(study, scored, chosen, results, Path(source)))
+    results["date"] = _today()
+    words = Vocabulary.of(results)
+    left = [
+        residuals_of(scored, chosen, results["tests"], outcome["name"])
+        for outcome in results["outcomes"]
+    ]
+    figures = draw_figures(study, results, scored, left, words)
+    files: dict[str, str | bytes] = {
+        PLAN_FILE: chosen.text,
+        "index.html": render_page(results, figures, words),
+        "reproduce.R": r_script(),
         **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
-        **{f"figures/{file_name(name)}.svg": text for name, text in figures.items()},
+        **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
-    spare([Path(source), plan], [Path(out) / name for name in results["files"]])
+    spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
-    return _summary(Path(out), results)
+    return _summary(Path(out), results, words)
+
+
+def _today() -> str:
+    """Return the day of the report; SOURCE_DATE_EPOCH makes it another, for equal bytes."""
+    epoch = os.environ.get("SOURCE_DATE_EPOCH", "")
+    moment = datetime.fromtimestamp(int(epoch), UTC) if epoch.isdecimal() else datetime.now(UTC)
+    return moment.date().isoformat()
+
+
+def _figure_files(figures: dict[str, Drawing], forms: Collection[Form]) -> dict[str, str | bytes]:
+    """Return the path of each figure in each of the forms wanted."""
+    files: dict[str, str | bytes] = {}
+    for name, drawing in figures.items():
+        path = f"figures/{file_name(name)}"
+        if "svg" in forms:
+            files[f"{path}.svg"] = drawing.svg
+        if "png" in forms:
+            files[f"{path}.png"] = drawing.png()
+        if "pdf" in forms:
+            files[f"{path}.pdf"] = drawing.pdf()
+    return files
+
+
+def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
+    """Return the plan asked for; else the shipped one of the study's protocol; else a derived one.
+
+    Raises
+    ------
+    InputError
+        If the plan cannot be found or is wrong, with line and column.
+    """
+    if plan is not None:
+        return load_plan(find_plan(plan), study.instruments.values())
+    shipped = {each.name: each.file for each in shipped_plans()}
+    file = shipped.get(study.protocol or "")
+    return load_plan(file, study.instruments.values()) if file else plan_of(study)
+
+
+def _read(source: Path, plan: str | Path | None, out: Path) -> list[Path]:
+    """Return what is read and must stay; a report's own plan.toml is written again as it was."""
+    own = Path(out) / PLAN_FILE
+    file = None if plan is None else find_plan(plan)
+    again = file is None or (own.exists() and file.samefile(own))
+    return [Path(source), *([] if again or file is None else [file])]
 
 
 def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
@@ -106,24 +178,7 @@ def _of_one_kind(study: StudyData, simulated: bool | None) -> StudyData:
     return of_one_kind(study, simulated=simulated)
 
 
-def draw_figures(study: StudyData, results: dict[str, Any], scored: Exposures) -> dict[str, str]:
-    """Return name → SVG text of every figure that the data allow."""
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
-    drawn: dict[str, str | None] = {}
-    for test in results["tests"]:
-        if test["outcome"] == results["plan"]["outcomes"][0]:
-            name = f"paired_{test['outcome']}_{test['a']}_{test['b']}"
-            drawn[name] = paired_figure(
-                scored, test["a"], test["b"], labels=labels, outcome=test["outcome"]
-            )
-    drawn["subscales"] = subscale_figure(scored.table, results, results["weights"])
-    drawn["symptoms"] = symptom_figure(results)
-    drawn["exposures"] = exposure_figure(list(study.trials), results)
-    return {name: svg for name, svg in drawn.items() if svg}
-
-
-def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
+def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSummary:
     quality = results["quality"]
     excluded = [
         f"{row['place']}: {row['participant']}, {row['questionnaire']}: {row['reason']}"
@@ -138,7 +193,7 @@ def _summary(out: Path, results: dict[str, Any]) -> ReportSummary:
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(headline(test, labels) for test in results["tests"]),
+        headlines=tuple(answer(test, words)["text"] for test in results["tests"]),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, TypedDict
 
@@ -11,30 +11,49 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import pair_up
-from vrcomfort.report.plan import Contrast
-from vrcomfort.stats.multiplicity import holm
+from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
+from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.signed_rank import signed_rank
 from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     import pandas as pd
 
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.pairs import Pairs
-    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.plan import Contrast, Plan
     from vrcomfort.stats.ranks import Alternative
-    from vrcomfort.stats.signed_rank import SignedRank, Zeros
+    from vrcomfort.stats.signed_rank import PValue, SignedRank, Zeros
+
+    Test = dict[str, Any]
+    Lost = Callable[[str, str], dict[str, int]]
 
 FEWEST_PAIRS = 2
 AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
+COMPLETE = "only those with a score of every planned exposure"
 WORST_RANK = "withdrawal ranked as the worst outcome of its condition"
 WORST_CASE = "worst case: every withdrawal counted against the observed direction"
 
 TAKEN = "item"
 
 
-def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
+@dataclass(frozen=True)
+class Compared:
+    """A contrast as it is made with the data."""
+
+    a: Side
+    b: Side
+    alternative: Alternative
+
+    @property
+    def of_conditions(self) -> bool:
+        """Whether both sides are conditions at the plan's moment after exposure."""
+        return not (self.a.timepoint or self.b.timepoint)
+
+
+def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
     """Return the conditions in the data, in the protocol's order, then alphabetical.
 
     Raises
@@ -43,17 +62,17 @@ def conditions_of(table: pd.DataFrame, labels: dict[str, str]) -> list[str]:
         If one has the name of a column that stands beside those of the conditions.
     """
     order = {name: place for place, name in enumerate(labels)}
-    found = {str(name) for name in table["condition"].unique()}
+    found = {str(name) for name in scored.table["condition"].unique()} - {""}
     if TAKEN in found:
         message = f"a condition is called `{TAKEN}`, as a column of the table of symptoms is"
         raise InputError(f"{message}; give it another name")
     return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
 
 
-def contrasts_of(plan: Plan, conditions: list[str], labels: dict[str, str]) -> list[Contrast]:
+def contrasts_of(plan: Plan, conditions: list[str], there: list[str]) -> list[Compared]:
     """Return the plan's contrasts, or every pair of the conditions in the data.
 
-    A condition of the study (`labels`) that nobody finished is compared all the same, so that the
+    A condition of the study (`there`) that nobody finished is compared all the same, so that the
     report says why there is no test.
 
     Raises
@@ -61,52 +80,102 @@ def contrasts_of(plan: Plan, conditions: list[str], labels: dict[str, str]) -> l
     InputError
         If the plan compares a condition that neither the data nor the study have.
     """
-    there = list(dict.fromkeys([*conditions, *labels]))
-    for contrast in plan.contrasts:
-        absent = [name for name in (contrast.a, contrast.b) if name not in there]
-        if absent:
-            known = ", ".join(there)
-            raise InputError(
-                f"the analysis plan compares condition `{absent[0]}`; the data have {known}"
-            )
-    return list(plan.contrasts) or [Contrast(a=a, b=b) for a, b in combinations(conditions, 2)]
+    for index, contrast in enumerate(plan.contrasts):
+        for key, name in (("a", contrast.a), ("b", contrast.b)):
+            if name and name not in there:
+                hint = did_you_mean(name, there)
+                hint = f"; {hint}" if hint.startswith("did") else ""
+                message = (
+                    f"the analysis plan compares condition `{name}`; the data have "
+                    f"{', '.join(there)}{hint}"
+                )
+                raise plan.fault(message, "contrasts", index, key)
+    pairs = [Compared(Side(a), Side(b), plan.alternative) for a, b in combinations(conditions, 2)]
+    return [_compared(each, plan) for each in plan.contrasts] or pairs
 
 
-def run_tests(scored: Exposures, plan: Plan, contrasts: list[Contrast]) -> list[dict[str, Any]]:
-    """Test every outcome in every contrast on participants with all exposures; adjust (Holm)."""
-    tests = [
-        _test(scored, plan, contrast, outcome)
-        for contrast in contrasts
-        for outcome in plan.outcomes
+def _compared(contrast: Contrast, plan: Plan) -> Compared:
+    """Return the sides; those at one moment after exposure have the scores of the plan."""
+    alternative = contrast.alternative or plan.alternative
+    moments = [
+        name or plan.exposure_timepoint for name in (contrast.a_timepoint, contrast.b_timepoint)
     ]
-    family = [t["p"] if t["outcome"] in plan.family else None for t in tests]
-    for test, adjusted in zip(tests, holm(family), strict=True):
-        test["p_holm"] = adjusted
-    return tests
+    if set(moments) == {plan.exposure_timepoint}:
+        return Compared(Side(contrast.a), Side(contrast.b), alternative)
+    return Compared(Side(contrast.a, moments[0]), Side(contrast.b, moments[1]), alternative)
 
 
-def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> dict[str, Any]:
-    planned = scored.planned
-    pairs = pair_up(scored.table, outcome, contrast.a, contrast.b, complete=planned)
+def run_tests(scored: Exposures, plan: Plan, contrasts: list[Compared], lost: Lost) -> list[Test]:
+    """Test every outcome in every contrast.
+
+    Parameters
+    ----------
+    lost
+        Contrast's names of sides → participants who withdrew: 1 if under a, −1 if under b, 0 if
+        unknown; for plans that rank them.
+    """
+    return [
+        _test(scored, plan, contrast, outcome.name, lost)
+        for contrast in contrasts
+        for outcome in scored.outcomes
+    ]
+
+
+def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost: Lost) -> Test:
+    a, b = contrast.a, contrast.b
+    pairs = pair_up(scored, outcome, a, b, complete=plan.withdrawals != "available_pairs")
+    signs = _ranked_worst(pairs, plan, lost(a.name, b.name))
     result: dict[str, Any] = {
-        "a": contrast.a,
-        "b": contrast.b,
+        "a": a.name,
+        "b": b.name,
         "outcome": outcome,
-        "n": len(pairs.participants),
-        "participants": list(pairs.participants),
-        "exposures_per_condition": {c: planned.get(c, 0) for c in (contrast.a, contrast.b)},
+        "kind": "paired",
+        "sides": [asdict(a), asdict(b)],
+        "n": len(pairs.participants) + len(signs),
+        "participants": [*pairs.participants, *signs],
+        "ranked_worst": list(signs),
+        "exposures_per_condition": {s.name: needed_of(scored, outcome, s) for s in (a, b)},
+        "alternative": contrast.alternative,
         "p": None,
+        "p_holm": None,
         "not_tested": None,
-        "confounded": _confounded(scored.table, contrast, pairs.participants),
+        "confounded": None,
     }
+    if contrast.of_conditions:
+        people = pairs.participants
+        result["confounded"] = scored.looked_up(
+            ("confounded", a, b, people),
+            lambda: _confounded(scored.table, a.name, b.name, people),
+        )
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
         return result
-    test = signed_rank(
+    test = _signed_rank(pairs, plan, contrast.alternative)
+    worst = _worst_rank(pairs, list(signs.values()), plan, contrast.alternative) if signs else {}
+    return {
+        **result,
+        **describe_test(test),
+        **worst,
+        "n": result["n"],
+        "descriptives": describe_pairs(pairs, contrast, plan.confidence),
+        "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
+        "t_test": _t_test(pairs, plan, contrast.alternative),
+    }
+
+
+def _ranked_worst(pairs: Pairs, plan: Plan, lost: dict[str, int]) -> dict[str, int]:
+    if plan.withdrawals != "worst_rank":
+        return {}
+    return {who: sign for who, sign in lost.items() if who not in pairs.participants}
+
+
+def _signed_rank(pairs: Pairs, plan: Plan, alternative: Alternative) -> SignedRank:
+    return signed_rank(
         pairs.differences,
         pairs.unit,
         zeros=plan.zeros,
-        alternative=plan.alternative,
+        alternative=alternative,
+        p_value=plan.p_value,
         confidence=plan.confidence,
         shift_interval=plan.shift_interval,
         effect_interval=(
@@ -114,17 +183,20 @@ def _test(scored: Exposures, plan: Plan, contrast: Contrast, outcome: str) -> di
         ),
         interval_n=_interval_n(pairs, plan),
     )
-    return {
-        **result,
-        **describe_test(test),
-        "descriptives": describe_pairs(pairs, contrast, plan.confidence),
-        "other_zeros": _other_zeros(pairs, plan),
-    }
 
 
-def _confounded(
-    table: pd.DataFrame, contrast: Contrast, participants: tuple[str, ...]
-) -> str | None:
+def _worst_rank(
+    pairs: Pairs, signs: list[int], plan: Plan, alternative: Alternative
+) -> dict[str, Any]:
+    """Return the p of the test with withdrawals; shift and r stay those of who answered."""
+    test = worst_rank(
+        pairs.differences, signs, zeros=plan.zeros, alternative=alternative, p_value=plan.p_value
+    )
+    keep = ("w_plus", "w_minus", "z", "zeros", "ties", "p_exact", "p_asymptotic", "p", "method")
+    return {name: value for name, value in describe_test(test).items() if name in keep}
+
+
+def _confounded(table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]) -> str | None:
     """Say so if everybody in a test met one condition before the other: it may be their order."""
     part = table[table["participant"].isin(participants) & (table["position"] > 0)]
     part = part.sort_values(
@@ -133,12 +205,12 @@ def _confounded(
     )
     part = part.assign(place=part.groupby("participant").cumcount())
     places = part.groupby(["participant", "condition"])["place"].mean().unstack()  # noqa: PD010
-    if not {contrast.a, contrast.b} <= set(places.columns):
+    if not {a, b} <= set(places.columns):
         return None
-    gaps = (places[contrast.a] - places[contrast.b]).dropna()
+    gaps = (places[a] - places[b]).dropna()
     if gaps.empty or gaps.min() <= 0 <= gaps.max():
         return None
-    first, second = (contrast.a, contrast.b) if gaps.max() < 0 else (contrast.b, contrast.a)
+    first, second = (a, b) if gaps.max() < 0 else (b, a)
     return (
         f"everybody met {first} before {second}, so that their difference cannot be told from one "
         "of order"
@@ -149,12 +221,24 @@ def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
     return int(np.count_nonzero(pairs.a)) if plan.rank_biserial_interval == "effectsize" else None
 
 
-def _other_zeros(pairs: Pairs, plan: Plan) -> dict[str, Any]:
+def _other_zeros(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str, Any]:
     other: Zeros = "wilcox" if plan.zeros == "pratt" else "pratt"
     test = signed_rank(
-        pairs.differences, zeros=other, alternative=plan.alternative, intervals=False
+        pairs.differences,
+        zeros=other,
+        alternative=alternative,
+        p_value=plan.p_value,
+        intervals=False,
     )
     return describe_test(test)
+
+
+def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str, Any] | None:
+    """Return the t test of the same pairs; None where no difference varies."""
+    found = paired_t(
+        pairs.differences, pairs.unit, alternative=alternative, confidence=plan.confidence
+    )
+    return None if found is None else asdict(found)
 
 
 def describe_test(test: SignedRank) -> dict[str, Any]:
@@ -164,18 +248,18 @@ def describe_test(test: SignedRank) -> dict[str, Any]:
 
 
 def describe_pairs(
-    pairs: Pairs, contrast: Contrast, confidence: float
+    pairs: Pairs, contrast: Compared, confidence: float
 ) -> dict[str, dict[str, float | None]]:
     """Return mean, spread and quartiles of both conditions and of the differences, in points."""
     return {
-        contrast.a: describe(pairs.a * pairs.unit),
-        contrast.b: describe(pairs.b * pairs.unit),
+        contrast.a.name: describe(pairs.a * pairs.unit),
+        contrast.b.name: describe(pairs.b * pairs.unit),
         "difference": describe_with_interval(pairs.differences * pairs.unit, confidence),
     }
 
 
 def sensitivity(
-    scored: Exposures, plan: Plan, test: dict[str, Any], lost: dict[str, int]
+    scored: Exposures, plan: Plan, test: Test, contrast: Compared, lost: dict[str, int]
 ) -> list[dict[str, Any]]:
     """Repeat one test on other sets of people.
 
@@ -186,33 +270,36 @@ def sensitivity(
     """
     if test["not_tested"]:
         return []
-    a, b, outcome = test["a"], test["b"], test["outcome"]
-    primary = pair_up(scored.table, outcome, a, b, complete=scored.planned)
-    available = pair_up(scored.table, outcome, a, b)
-    found = {AVAILABLE: signed_rank(available.differences, **_options(plan))}
+    a, b, outcome, chosen = contrast.a, contrast.b, test["outcome"], _options(plan, test)
+    whole, any_number = (
+        pair_up(scored, outcome, a, b, complete=complete) for complete in (True, False)
+    )
+    primary = any_number if plan.withdrawals == "available_pairs" else whole
+    other, what = (
+        (whole, COMPLETE) if plan.withdrawals == "available_pairs" else (any_number, AVAILABLE)
+    )
+    found = {what: signed_rank(other.differences, **chosen, intervals=False)}
     gone = [sign for person, sign in lost.items() if person not in primary.participants]
     if gone:
         against = -1 if test["w_plus"] >= test["w_minus"] else 1
         assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
         found |= {
-            what: worst_rank(
-                primary.differences, signs, zeros=plan.zeros, alternative=plan.alternative
-            )
-            for what, signs in assumed.items()
+            name: worst_rank(primary.differences, signs, **chosen)
+            for name, signs in assumed.items()
         }
-    return [_line(what, result, test) for what, result in found.items()]
+    return [_line(name, result, test) for name, result in found.items()]
 
 
 class _Options(TypedDict):
     zeros: Zeros
     alternative: Alternative
-    intervals: bool
+    p_value: PValue
 
 
-def _options(plan: Plan) -> _Options:
-    return {"zeros": plan.zeros, "alternative": plan.alternative, "intervals": False}
+def _options(plan: Plan, test: Test) -> _Options:
+    return {"zeros": plan.zeros, "alternative": test["alternative"], "p_value": plan.p_value}
 
 
-def _line(what: str, result: SignedRank, test: dict[str, Any]) -> dict[str, Any]:
+def _line(what: str, result: SignedRank, test: Test) -> dict[str, Any]:
     same = {key: test[key] for key in ("a", "b", "outcome")}
     return {**same, "analysis": what, "n": result.n, "z": result.z, "p": result.p}

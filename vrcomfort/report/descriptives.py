@@ -6,8 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.questionnaire import WEIGHTS
-from vrcomfort.report.exposures import ITEMS
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import in_a_test
 from vrcomfort.stats.means import mean_interval
@@ -16,9 +14,10 @@ if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
+    from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
 
-PRIMARY = "primary"
+PRIMARY, ALL = "primary", "all"
 
 
 def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
@@ -45,7 +44,7 @@ def describe_with_interval(
 
 
 def describe_all(
-    table: pd.DataFrame, plan: Plan, conditions: list[str], tests: list[dict[str, Any]]
+    scored: Exposures, plan: Plan, conditions: list[str], tests: list[dict[str, Any]]
 ) -> list[dict[str, Any]]:
     """Describe the scores of each condition, in points.
 
@@ -58,10 +57,10 @@ def describe_all(
     """
     return [
         {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
-        for outcome in plan.outcomes
+        for outcome in scored.units
         for by, level, condition, found in (
-            *_primary(table, plan, outcome, conditions, tests),
-            *_exposures(table, outcome, conditions),
+            *_primary(scored, plan, outcome, conditions, tests),
+            *_exposures(scored, outcome, conditions),
         )
     ]
 
@@ -70,7 +69,7 @@ _Described = list[tuple[str, str, str, dict[str, float | None]]]
 
 
 def _primary(
-    table: pd.DataFrame,
+    scored: Exposures,
     plan: Plan,
     outcome: str,
     conditions: list[str],
@@ -78,24 +77,42 @@ def _primary(
 ) -> _Described:
     found: _Described = []
     for condition in conditions:
-        part = of_the_tested(table, tests, condition, outcome)
+        part = of_the_tested(scored.table, tests, condition, outcome).dropna(subset=[outcome])
         if len(part):
-            means = part.groupby("participant")[outcome].mean() * WEIGHTS[outcome]
+            means = part.groupby("participant")[outcome].mean() * scored.units[outcome]
             described = describe_with_interval(means.to_numpy(dtype=float), plan.confidence)
             found.append((PRIMARY, "", condition, described))
     return found
 
 
-def _exposures(table: pd.DataFrame, outcome: str, conditions: list[str]) -> _Described:
-    parts = [("all", "", table)]
+def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Described:
+    values = scored.table[outcome].to_numpy(dtype=float) * scored.units[outcome]
+    there = ~np.isnan(values)
+    cells = scored.looked_up(("cells",), lambda: _cells(scored.table, conditions))
+    filled = [(by, level, condition, there & rows) for by, level, condition, rows in cells]
+    filled = [cell for cell in filled if cell[3].any()]
+    levels = {by: {level for other, level, *_ in filled if other == by} for by, *_ in filled}
+    return [
+        (by, level, condition, describe(values[rows]))
+        for by, level, condition, rows in filled
+        if by == ALL or len(levels[by]) > 1
+    ]
+
+
+_Cells = list[tuple[str, str, str, "NDArray[np.bool_]"]]
+
+
+def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
+    """Return what a description is by, its level, its condition, and the rows of that."""
+    parts = [(ALL, "", np.ones(len(table), dtype=bool))]
     for by in ("scene", "position", "session"):
         levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
-        parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
+        parts += [(by, str(level), (table[by] == level).to_numpy()) for level in levels]
+    met = {condition: (table["condition"] == condition).to_numpy() for condition in conditions}
     return [
-        (by, level, condition, _in_points(part[part["condition"] == condition], outcome))
-        for by, level, part in parts
+        (by, level, condition, rows & met[condition])
+        for by, level, rows in parts
         for condition in conditions
-        if (part["condition"] == condition).any()
     ]
 
 
@@ -107,23 +124,36 @@ def of_the_tested(
     return table[(table["condition"] == condition) & table["participant"].isin(people)]
 
 
-def describe_recovery(table: pd.DataFrame, plan: Plan) -> list[dict[str, Any]]:
+def describe_recovery(scored: Exposures) -> list[dict[str, Any]]:
     """Describe the scores after recovery, of everybody who was asked."""
-    return [{"outcome": o, **_in_points(table, o)} for o in plan.outcomes if len(table)]
+    tables = {outcome: scored.recovery.dropna(subset=[outcome]) for outcome in scored.units}
+    return [
+        {"outcome": outcome, **_in_points(table, outcome, scored.units[outcome])}
+        for outcome, table in tables.items()
+        if len(table)
+    ]
 
 
-def _in_points(part: pd.DataFrame, outcome: str) -> dict[str, float | None]:
-    return describe(part[outcome].to_numpy(dtype=float) * WEIGHTS[outcome])
+def _in_points(part: pd.DataFrame, outcome: str, unit: float) -> dict[str, float | None]:
+    return describe(part[outcome].to_numpy(dtype=float) * unit)
 
 
 def mean_answers(
-    table: pd.DataFrame, conditions: list[str], tests: list[dict[str, Any]]
+    scored: Exposures, conditions: list[str], tests: list[dict[str, Any]]
 ) -> list[dict[str, Any]]:
     """Mean answer of each symptom by condition, of those tested (of everybody, if nobody is)."""
-    tested = any(test["participants"] for test in tests)
+    table, items = scored.table, list(scored.items)
+    tested = any(in_a_test(tests, condition) for condition in conditions)
     found = {
         c: of_the_tested(table, tests, c) if tested else table[table["condition"] == c]
         for c in conditions
     }
-    means = {c: part[list(ITEMS)].mean() for c, part in found.items() if len(part)}
-    return [{"item": item, **{c: float(mean[item]) for c, mean in means.items()}} for item in ITEMS]
+    means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
+    return [
+        {
+            "item": item,
+            "instrument": instrument,
+            **{c: float(mean[column]) for c, mean in means.items()},
+        }
+        for column, (instrument, item) in scored.items.items()
+    ]

@@ -2,25 +2,41 @@
 
 from __future__ import annotations
 
-from collections import Counter, defaultdict
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import pandas as pd
 
-from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import LOADINGS, SSQ, score
-from vrcomfort.report.ordering import natural
+from vrcomfort.report.asked import (
+    Scorer,
+    check_timepoints,
+    kept_by_the_experimenter,
+    last_runs,
+    left_out,
+    timepoints_of,
+)
+from vrcomfort.report.baselines import Baselines, Values
+from vrcomfort.report.facts import Facts
+from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, unknown_outcome
+from vrcomfort.report.planned import planned_exposures
 
 if TYPE_CHECKING:
-    from vrcomfort.questionnaire import Sheet
+    from collections.abc import Callable, Iterable
+
+    from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
 Basis = Literal["difference_from_baseline", "raw_post"]
-OUTCOMES = ("T", "N", "O", "D")
-ITEMS = tuple(item.name for item in SSQ.items)
-_RAW = {"T": "total_raw", "N": "nausea_raw", "O": "oculomotor_raw", "D": "disorientation_raw"}
+Row = dict[str, Any]
+Found = TypeVar("Found")
+COLUMNS = (
+    "participant", "session", "number", "position", "timepoint", "condition", "scene", "part",
+    "early", "sequence", "group",
+)  # fmt: skip
+_SAME = ("participant", "session", "number", "timepoint", "condition", "scene", "part")
 
 
 @dataclass(frozen=True)
@@ -29,54 +45,70 @@ class Exposures:
 
     Parameters
     ----------
+    outcomes
+        Those of the plan that the data have, in the plan's order.
+    absent
+        Names of those that the data do not have.
+    units
+        Outcome → points per integer step of its column.
+    bases
+        Outcome → what its scores are.
+    items
+        Column of an item that scores are made of → its instrument, and its name.
     table
-        One row per exposure with a usable questionnaire: participant, session, position (in the
-        session, or among all if sessions have one exposure each), condition, scene, early (1 if
-        the exposure was not finished), and integer T, N, O, D and items.
+        One row per exposure with a usable questionnaire: `COLUMNS` (position in the session, or
+        among all if sessions have one exposure each; early is 1 if the exposure was not finished),
+        integer scores and items.
     recovery
-        Same columns for the questionnaires after recovery, condition blank.
+        Same columns for the questionnaires after recovery; the condition is that of the session,
+        if it had one.
+    moments
+        Same columns, without items, of raw scores at every timepoint of the plan. The baseline of
+        an exposure has a row of its own, with the condition of the exposure.
     excluded
         Questionnaires left out: participant, what, reason.
-    planned
-        Condition → exposures that a participant of the study has; see `planned_exposures`.
+    planned_of
+        Outcome → condition → exposures that a participant of the study has; see
+        `planned_exposures`.
+    people
+        Participant → what participants.csv says.
     """
 
-    basis: Basis
+    outcomes: tuple[Outcome, ...]
+    absent: tuple[str, ...]
+    units: dict[str, float]
+    bases: dict[str, Basis]
+    items: dict[str, tuple[str, str]]
     table: pd.DataFrame
     recovery: pd.DataFrame
+    moments: pd.DataFrame
     excluded: tuple[dict[str, str], ...]
-    planned: dict[str, int]
+    planned_of: dict[str, dict[str, int]]
+    people: dict[str, dict[str, str]]
+    found: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """What was looked up in the tables before, by what it is; see `looked_up`."""
 
+    def looked_up(self, key: tuple[Any, ...], look: Callable[[], Found]) -> Found:
+        """Return what `look` found when it was asked for first: tests ask for the same rows."""
+        if key not in self.found:
+            self.found[key] = look()
+        there: Found = self.found[key]
+        return there
 
-Moment = tuple[str, str, str, str]
-"""Participant, session, number of the exposure, condition; blank where it is not said."""
+    @property
+    def titles(self) -> dict[str, str]:
+        """Return outcome → what readers call it."""
+        return {outcome.name: outcome.title for outcome in self.outcomes}
 
+    @property
+    def basis(self) -> Basis:
+        """Return what the scores of the primary outcome are."""
+        return next(iter(self.bases.values()), "raw_post")
 
-@dataclass(frozen=True)
-class _Baselines:
-    """Answers before exposure, by the moment they belong to, and the run of the session.
-
-    Each run of a session that was interrupted began with a baseline of its own; None where that
-    is incomplete.
-    """
-
-    by_moment: dict[Moment, dict[int, dict[str, int] | None]]
-
-    def of(self, sheet: Sheet) -> dict[str, int] | None:
-        """Return the baseline nearest to a questionnaire: of its exposure, session, or study."""
-        runs = self._nearest(sheet)
-        before = [run for run in runs if run <= sheet.run]
-        return runs[max(before)] if before else None
-
-    def _nearest(self, sheet: Sheet) -> dict[int, dict[str, int] | None]:
-        person, number, condition = sheet.participant, _number(sheet), sheet.condition
-        keys = (
-            (person, session, exposure, name)
-            for session in dict.fromkeys((sheet.session, ""))
-            for exposure in dict.fromkeys((number, ""))
-            for name in dict.fromkeys((condition, ""))
-        )
-        return next((self.by_moment[key] for key in keys if key in self.by_moment), {})
+    @property
+    def planned(self) -> dict[str, int]:
+        """Return the planned exposures of the primary outcome."""
+        return next(iter(self.planned_of.values()), {})
 
 
 def score_exposures(study: StudyData, plan: Plan) -> Exposures:
@@ -89,222 +121,154 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     InputError
         If the plan's exposure timepoint is not in the data.
     """
-    excluded: list[dict[str, str]] = []
-    kept = _kept_by_the_experimenter(study)
-    _check_timepoints(kept, plan)
-    asked = [s for s in kept if s.timepoint in _timepoints(plan)]
-    sheets = _last_runs(asked, plan, excluded)
-    whole = [s for s in sheets if _is_whole(s, excluded)]
-    baselines = _baselines([s for s in sheets if s.run or _answers_all(s)], plan)
-    has_baseline = any(s.timepoint == plan.baseline_timepoint for s in kept)
-    after = [s for s in whole if s.timepoint != plan.baseline_timepoint]
-    facts = _facts(study, plan)
-    rows = [_row(s, baselines, facts, excluded, has_baseline=has_baseline) for s in after]
-    table = pd.DataFrame([row for row in rows if row], columns=[*_COLUMNS, *OUTCOMES, *ITEMS])
-    posts = table["timepoint"] == plan.exposure_timepoint
-    met = [s for s in sheets if s.timepoint == plan.exposure_timepoint and s.condition]
-    return Exposures(
-        basis="difference_from_baseline" if has_baseline else "raw_post",
-        table=table[posts].reset_index(drop=True),
-        recovery=table[~posts].reset_index(drop=True),
-        excluded=tuple(excluded),
-        planned=planned_exposures(study, plan, met),
-    )
+    kept = kept_by_the_experimenter(study)
+    check_timepoints(kept, plan)
+    there = set(study.instruments_at(plan.exposure_timepoint))
+    wanted = outcomes_of_plan(study, plan)
+    outcomes = tuple(each for each in wanted if each.instrument in there)
+    if not outcomes and study.sheets:
+        have = ", ".join(sorted({sheet.keys["instrument"] for sheet in study.sheets}))
+        named = ", ".join(plan.outcomes)
+        raise plan.fault(
+            f"the data have no questionnaire for any outcome of the plan ({named}); they have "
+            f"answers to {have}",
+            "outcomes",
+        )
+    work = _Work(study, plan, Facts.of(study, plan), outcomes)
+    for instrument in dict.fromkeys(each.instrument for each in outcomes):
+        work.add(
+            [s for s in kept if s.keys["instrument"] == instrument], study.instruments[instrument]
+        )
+    return work.done(tuple(each.name for each in wanted if each not in outcomes))
 
 
-def planned_exposures(study: StudyData, plan: Plan, sheets: list[Sheet]) -> dict[str, int]:
-    """Return how many exposures of each condition a participant of the study is to have.
+def outcomes_of_plan(study: StudyData, plan: Plan) -> tuple[Outcome, ...]:
+    """Return the outcomes that a plan names.
 
-    As the protocol has it, where that asks after each exposure; else what most participants have
-    (of two numbers that are as frequent, the larger one: an exposure is lost more easily than one
-    is added). One more exposure of somebody never changes what the others need.
+    Raises
+    ------
+    InputError
+        If no instrument of the study, and no shipped one, has one of them.
     """
-    met = Counter((sheet.participant, sheet.condition) for sheet in sheets)
-    counts: dict[str, Counter[int]] = defaultdict(Counter)
-    for (_, condition), count in met.items():
-        counts[condition][count] += 1
-    usual = {
-        condition: max(found, key=lambda count: (found[count], count))
-        for condition, found in counts.items()
-    }
-    return usual | {c: n for c, n in _of_the_protocol(study, plan).items() if c in usual}
+    known = known_outcomes(study.instruments.values())
+    for index, name in enumerate(plan.outcomes):
+        if name not in known:
+            raise plan.fault(unknown_outcome(name, known), "outcomes", index)
+    return tuple(known[name] for name in plan.outcomes)
 
 
-def _of_the_protocol(study: StudyData, plan: Plan) -> dict[str, int]:
-    """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
-    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": SSQ.name}
-    for manifest in reversed(study.manifests):
-        settings = manifest.get("settings") or {}
-        order, scenes = settings.get("order"), settings.get("scenes")
-        asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
-        if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
-            continue
-        if order.get("rule") != "explicit":
-            return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
-        trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
-        alike = {c: {found[c] for found in trials} for found in trials for c in found}
-        return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
-    return {}
+class _Work:
+    """Collects the rows of all instruments."""
 
+    def __init__(
+        self, study: StudyData, plan: Plan, facts: Facts, outcomes: tuple[Outcome, ...]
+    ) -> None:
+        self._study, self._plan, self._facts = study, plan, facts
+        self._outcomes = outcomes
+        self._items: dict[str, tuple[str, str]] = {}
+        self._excluded: list[dict[str, str]] = []
+        self._bases: dict[str, Basis] = {}
+        self._planned: dict[str, dict[str, int]] = {}
+        self._after: dict[tuple[Any, ...], Row] = {}
+        self._moments: dict[tuple[Any, ...], Row] = {}
 
-def _conditions_of(sequence: dict[str, Any]) -> list[str]:
-    return [str(trial["condition"]) for session in sequence["sessions"] for trial in session]
+    def add(self, kept: list[Sheet], instrument: Instrument) -> None:
+        """Score the sheets of one instrument."""
+        plan = self._plan
+        named = timepoints_of(plan)
+        sheets = last_runs([s for s in kept if s.timepoint in named], plan, self._excluded)
+        scorer = Scorer.of(instrument, self._outcomes, plan)
+        scored = list(zip(sheets, scorer.values_of(sheets), strict=True))
+        for sheet, values in scored:
+            if values is None:
+                self._excluded.append(left_out(sheet, scorer.refusal(sheet)))
+        posts = [s for s in sheets if s.timepoint == plan.exposure_timepoint]
+        before = [(s, v) for s, v in scored if s.timepoint == plan.baseline_timepoint]
+        baselines = Baselines.of_sheets(
+            [(sheet, values) for sheet, values in before if sheet.run or values is not None], posts
+        )
+        subtract = bool(before) and plan.scores == "difference_from_baseline"
+        conditions = any(sheet.condition for sheet in posts)
+        for sheet, values in scored:
+            if values is not None and sheet.timepoint != plan.baseline_timepoint:
+                self._row(sheet, values, baselines, subtract=subtract, conditions=conditions)
+        met = [sheet for sheet in posts if sheet.condition or not conditions]
+        planned = planned_exposures(self._study, plan, met, instrument.name)
+        for outcome in scorer.outcomes:
+            self._bases[outcome.name] = "difference_from_baseline" if subtract else "raw_post"
+            self._planned[outcome.name] = planned
+        names = items_of(instrument)
+        self._items |= {c: (instrument.name, i) for c, i in zip(scorer.items, names, strict=True)}
 
+    def _row(
+        self,
+        sheet: Sheet,
+        values: Values,
+        baselines: Baselines,
+        *,
+        subtract: bool,
+        conditions: bool,
+    ) -> None:
+        exposed = sheet.timepoint == self._plan.exposure_timepoint
+        if exposed and conditions and not sheet.condition:
+            self._excluded.append(left_out(sheet, "no condition is given"))
+            return
+        row = self._facts.row(sheet)
+        before = baselines.of(sheet)
+        names = [each.name for each in self._outcomes if each.name in values]
+        _put(self._moments, row, {name: values[name] for name in names})
+        if exposed and before is not None:
+            moment = row | {"timepoint": self._plan.baseline_timepoint}
+            _put(self._moments, moment, {name: before[name] for name in names})
+        if subtract and before is None:
+            self._excluded.append(left_out(sheet, "no complete baseline to subtract"))
+        elif exposed or sheet.timepoint == self._plan.recovery_timepoint:
+            _put(self._after, row, _minus(values, before if subtract else None))
 
-_COLUMNS = ("participant", "session", "position", "timepoint", "condition", "scene", "early")
-
-
-def _kept_by_the_experimenter(study: StudyData) -> list[Sheet]:
-    """Leave out those whom participants.csv calls excluded; `left_out` gives the reason."""
-    gone = {p["participant"] for p in study.participants if p["status"] == "excluded"}
-    return [sheet for sheet in study.sheets if sheet.participant not in gone]
-
-
-def _check_timepoints(sheets: list[Sheet], plan: Plan) -> None:
-    """Raise InputError if no questionnaire is from the plan's moment after exposure."""
-    found = sorted({sheet.timepoint for sheet in sheets})
-    if found and plan.exposure_timepoint not in found:
-        raise InputError(
-            f"no questionnaire has the timepoint `{plan.exposure_timepoint}` that the analysis "
-            f"plan {plan.name} calls exposure_timepoint; the data have {', '.join(found)}"
+    def done(self, absent: tuple[str, ...]) -> Exposures:
+        """Return the tables."""
+        names = [each.name for each in self._outcomes if each.name in self._bases]
+        rows, moments = list(self._after.values()), list(self._moments.values())
+        steps = {name: _steps([*rows, *moments], name) for name in names}
+        columns = [*COLUMNS, *names, *self._items]
+        table = pd.DataFrame(_whole(rows, steps), columns=columns)
+        posts = table["timepoint"] == self._plan.exposure_timepoint
+        return Exposures(
+            outcomes=tuple(each for each in self._outcomes if each.name in names),
+            absent=absent,
+            units={o.name: o.unit / steps[o.name] for o in self._outcomes if o.name in names},
+            bases={name: self._bases[name] for name in names},
+            items=dict(self._items),
+            table=table[posts].reset_index(drop=True),
+            recovery=table[~posts].reset_index(drop=True),
+            moments=pd.DataFrame(_whole(moments, steps), columns=[*COLUMNS, *names]),
+            excluded=tuple(self._excluded),
+            planned_of={name: self._planned[name] for name in names},
+            people=self._facts.people,
         )
 
 
-def unused_timepoints(study: StudyData, plan: Plan) -> list[str]:
-    """Say which questionnaires the plan does not use: one of its timepoints may be misspelt."""
-    counts = Counter(sheet.timepoint for sheet in study.sheets)
-    known = _timepoints(plan)
-    return [
-        f"{counts[name]} questionnaires at `{name}` are not used: the analysis plan names "
-        f"{plan.baseline_timepoint}, {plan.exposure_timepoint} and {plan.recovery_timepoint}"
-        for name in sorted(counts.keys() - known)
-    ]
+def _put(rows: dict[tuple[Any, ...], Row], row: Row, values: Values) -> None:
+    """Add scores to the row of the same moment; instruments asked together share it."""
+    rows.setdefault(tuple(row[name] for name in _SAME), dict(row)).update(values)
 
 
-def _timepoints(plan: Plan) -> set[str]:
-    return {plan.baseline_timepoint, plan.exposure_timepoint, plan.recovery_timepoint}
+def _minus(after: Values, before: Values | None) -> Values:
+    if before is None:
+        return after
+    pairs = ((name, value, before[name]) for name, value in after.items())
+    return {n: None if one is None or two is None else one - two for n, one, two in pairs}
 
 
-def _last_runs(sheets: list[Sheet], plan: Plan, excluded: list[dict[str, str]]) -> list[Sheet]:
-    """Leave out what was asked again later; but each run of a session needs its baseline."""
-    last: dict[tuple[str, ...], int] = {}
-    for sheet in sheets:
-        moment = (*_moment(sheet), sheet.timepoint)
-        last[moment] = max(sheet.run, last.get(moment, 0))
-
-    def counts(sheet: Sheet) -> bool:
-        is_last = sheet.run == last[*_moment(sheet), sheet.timepoint]
-        return is_last or sheet.timepoint == plan.baseline_timepoint
-
-    reason = "asked again after the session was resumed"
-    excluded += [_left_out(sheet, reason) for sheet in sheets if not counts(sheet)]
-    return [sheet for sheet in sheets if counts(sheet)]
+def _steps(rows: Iterable[Row], name: str) -> int:
+    """Return the steps to divide a raw sum by, so that all scores are whole: 1 unless prorated."""
+    values = {row.get(name) for row in rows}
+    return lcm(*(value.denominator for value in values if isinstance(value, Fraction)))
 
 
-def _number(sheet: Sheet) -> str:
-    return sheet.trial or sheet.period
-
-
-def _is_whole(sheet: Sheet, excluded: list[dict[str, str]]) -> bool:
-    if not _answers_all(sheet):
-        absent = [item for item in ITEMS if sheet.answers.get(item) is None]
-        names = ", ".join(absent[:3]) + (f" and {len(absent) - 3} more" if absent[3:] else "")
-        reason = f"incomplete: no answer to {names}"
-        excluded.append(_left_out(sheet, reason))
-        return False
-    return True
-
-
-def _answers_all(sheet: Sheet) -> bool:
-    return len(sheet.answers) == len(ITEMS) and None not in sheet.answers.values()
-
-
-def _left_out(sheet: Sheet, reason: str) -> dict[str, str]:
-    what = {"participant": sheet.participant, "questionnaire": sheet.name, "reason": reason}
-    return {**what, "place": sheet.place}
-
-
-def _baselines(sheets: list[Sheet], plan: Plan) -> _Baselines:
-    """Index the baselines; one with a number that no exposure has is of the whole session."""
-    exposures = {_moment(s) for s in sheets if s.timepoint == plan.exposure_timepoint}
-    numbered = {(person, session, number) for person, session, number, _ in exposures}
-    found: dict[Moment, dict[int, dict[str, int] | None]] = {}
-    for sheet in sheets:
-        if sheet.timepoint == plan.baseline_timepoint:
-            person, session, number, condition = _moment(sheet)
-            number = number if (person, session, number) in numbered else ""
-            runs = found.setdefault((person, session, number, condition), {})
-            runs[sheet.run] = _whole_answers(sheet) if _answers_all(sheet) else None
-    return _Baselines(found)
-
-
-def _moment(sheet: Sheet) -> Moment:
-    return sheet.participant, sheet.session, _number(sheet), sheet.condition
-
-
-def _whole_answers(sheet: Sheet) -> dict[str, int]:
-    return {item: answer for item, answer in sheet.answers.items() if answer is not None}
-
-
-@dataclass(frozen=True)
-class _Facts:
-    """What other files say about an exposure: (participant, session, number) → fact."""
-
-    exposure_timepoint: str
-    positions: dict[tuple[str, str, str], int]
-    trials: dict[tuple[str, str, str], dict[str, str]]
-
-
-def _facts(study: StudyData, plan: Plan) -> _Facts:
-    trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
-    posts = [s for s in study.sheets if s.timepoint == plan.exposure_timepoint]
-    exposures = {*trials, *(_moment(s)[:3] for s in posts)}
-    return _Facts(plan.exposure_timepoint, _positions(exposures), trials)
-
-
-def _positions(exposures: set[tuple[str, str, str]]) -> dict[tuple[str, str, str], int]:
-    """Place of each exposure in its session, or in the study if sessions have one each."""
-    peers: dict[tuple[str, ...], list[tuple[str, str, str]]] = defaultdict(list)
-    sessions = {key[:2] for key in exposures}
-    depth = 1 if len(sessions) == len(exposures) else 2
-    for key in sorted(exposures, key=lambda k: tuple(map(natural, k))):
-        if key[1] or key[2]:
-            peers[key[:depth]].append(key)
-    return {key: place for found in peers.values() for place, key in enumerate(found, start=1)}
-
-
-def _row(
-    sheet: Sheet,
-    baselines: _Baselines,
-    facts: _Facts,
-    excluded: list[dict[str, str]],
-    *,
-    has_baseline: bool,
-) -> dict[str, Any] | None:
-    if sheet.timepoint == facts.exposure_timepoint and not sheet.condition:
-        excluded.append(_left_out(sheet, "no condition is given"))
-        return None
-    before = baselines.of(sheet)
-    if has_baseline and before is None:
-        excluded.append(_left_out(sheet, "no complete baseline to subtract"))
-        return None
-    key = (sheet.participant, sheet.session, _number(sheet))
-    trial = facts.trials.get(key, {})
-    zero = dict.fromkeys(ITEMS, 0)
-    return {
-        "participant": sheet.participant,
-        "session": sheet.session,
-        "position": facts.positions.get(key, 0),
-        "timepoint": sheet.timepoint,
-        "condition": sheet.condition,
-        "scene": sheet.scene or trial.get("scene", ""),
-        "early": int(trial.get("status", "completed") != "completed"),
-        **_difference(_whole_answers(sheet), before or zero),
-    }
-
-
-def _difference(after: dict[str, int], before: dict[str, int]) -> dict[str, int]:
-    """Integer differences of the raw sums and of each item."""
-    one, two = score(after), score(before)
-    sums = {name: getattr(one, raw) - getattr(two, raw) for name, raw in _RAW.items()}
-    return {**sums, **{item: after[item] - before[item] for item in LOADINGS}}
+def _whole(rows: list[Row], steps: dict[str, int]) -> list[Row]:
+    for row in rows:
+        for name, times in steps.items():
+            if row.get(name) is not None:
+                row[name] = int(row[name] * times)
+    return rows

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import pandas as pd
 from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import WEIGHTS
+from vrcomfort.report.exposures import COLUMNS
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import condition_sums
+from vrcomfort.report.pairs import Side, side_sums
+from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.anova import anova
 from vrcomfort.stats.crossover import crossover
 from vrcomfort.stats.friedman import friedman
@@ -20,13 +23,13 @@ from vrcomfort.stats.mixed import mixed_model
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    import pandas as pd
-
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.plan import Contrast, Factor, Plan
+    from vrcomfort.report.plan import Factor, Plan
 
 Result = dict[str, Any]
 
+WITHIN = frozenset(["condition", "scene", "position", "session", "timepoint", "part"])
+"""Columns that change within participants, unless a plan says otherwise."""
 MOST_FOR_SHAPIRO = 5000
 """Residuals up to which the p of Shapiro and Wilk's test is accurate."""
 
@@ -39,49 +42,123 @@ def guarded(outcome: str, analyse: Callable[[], Result]) -> Result:
         return {"outcome": outcome, "not_tested": error.message}
 
 
-def points(table: pd.DataFrame, outcome: str) -> pd.DataFrame:
-    """Return the exposures with the weighted score in column `score`."""
-    return table.assign(score=table[outcome].astype(float) * WEIGHTS[outcome])
+def points(table: pd.DataFrame, scored: Exposures, outcome: str) -> pd.DataFrame:
+    """Return the exposures that have a score, with the score in points in column `score`."""
+    rows = table.dropna(subset=[outcome])
+    return rows.assign(score=rows[outcome].astype(float) * scored.units[outcome])
 
 
-def run_anova(table: pd.DataFrame, plan: Plan, outcome: str) -> Result:
-    """Repeated-measures ANOVA of one outcome over the plan's factors."""
-    return guarded(outcome, lambda: _anova(points(table, outcome), plan))
+def run_anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
+    """ANOVA of one outcome over the plan's factors."""
+    return guarded(outcome, lambda: _anova(scored, plan, outcome))
 
 
-def _anova(table: pd.DataFrame, plan: Plan) -> Result:
-    factors = [f for f in plan.anova if len(table[f.column].unique()) > 1]
-    if not factors:
+def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
+    over_time = any(factor.column == "timepoint" for factor in plan.anova)
+    table = points(scored.moments if over_time else scored.table, scored, outcome)
+    made = [(f, level_of(scored, table, f)) for f in plan.anova]
+    made = [(f, levels) for f, levels in made if len(levels.dropna().unique()) > 1]
+    if not made:
         raise InputError("no factor has two levels in the data")
-    names = [factor.name for factor in factors]
-    long = table.assign(**{f.name: _levels(table, f) for f in factors})
-    cells = long.groupby(["participant", *names])["score"].mean().reset_index()
-    result = anova(cells, value="score", participant="participant", within=names)
+    long = table.assign(**{f.name: levels for f, levels in made})
+    between = [f.name for f, _ in made if is_between(f)]
+    within = [f.name for f, _ in made if not is_between(f)]
+    names = [f.name for f, _ in made]
+    whole = long.dropna(subset=names)
+    cells = whole.groupby(["participant", *names])["score"].mean().reset_index()
+    result = anova(
+        cells,
+        value="score",
+        participant="participant",
+        within=within,
+        between=between,
+        sums_of_squares=plan.sums_of_squares,
+    )
+    without = set(long["participant"]) - set(whole["participant"])
     return {
         "factors": {n: sorted(cells[n].astype(str).unique()) for n in names},
+        "between": between,
+        "sums_of_squares": plan.sums_of_squares,
         "n": result.n,
-        "excluded": list(result.excluded),
-        "effects": [asdict(effect) for effect in result.effects],
+        "excluded": sorted({*result.excluded, *without}, key=natural),
+        "effects": [
+            {**asdict(effect), "family": None, "p_holm": None} for effect in result.effects
+        ],
         "residuals": _residual_check(result.residuals),
     }
 
 
-def check_levels(plan: Plan, table: pd.DataFrame, labels: dict[str, str]) -> None:
+def level_of(scored: Exposures, table: pd.DataFrame, factor: Factor) -> pd.Series:
+    """Return a factor's level in each row; missing where the data do not say it."""
+    return column_of(scored, table, factor.column).map(
+        lambda value: factor.levels.get(str(value), str(value)), na_action="ignore"
+    )
+
+
+def column_of(scored: Exposures, table: pd.DataFrame, column: str) -> pd.Series:
+    """Return a column of the exposures, or what participants.csv says of each row's person."""
+    if column in COLUMNS:
+        return table[column].replace("", pd.NA)
+    said = table["participant"].map(lambda who: scored.people.get(who, {}).get(column))
+    return said.replace("", pd.NA)
+
+
+def is_between(factor: Factor) -> bool:
+    """Return whether a factor groups participants."""
+    return (factor.kind or ("within" if factor.column in WITHIN else "between")) == "between"
+
+
+def check_columns(plan: Plan, scored: Exposures) -> None:
+    """Raise InputError where a plan names a column that the data do not have."""
+    said = {column for person in scored.people.values() for column in person}
+    there = {*COLUMNS, *said} - {"number", "early", "participant", "status", "note", "enrolled_at"}
+    named: list[tuple[str, tuple[str | int, ...]]] = [
+        (factor.column, ("anova", i, "column")) for i, factor in enumerate(plan.anova)
+    ]
+    named += [(name, ("mixed_model", i)) for i, name in enumerate(plan.mixed_model)]
+    named += [(name, ("covariates", i)) for i, name in enumerate(plan.covariates)]
+    for column, path in named:
+        if column not in there:
+            raise plan.fault(
+                f"`{column}` is no column of the questionnaires or of participants.csv; "
+                f"{did_you_mean(column, there)}",
+                *path,
+            )
+    for index, name in enumerate(plan.covariates):
+        for who, person in scored.people.items():
+            if person.get(name) and not _is_number(person[name]):
+                raise plan.fault(
+                    f"covariate `{name}` of participant {who} is `{person[name]}`, which is no "
+                    "number; give it to [[anova]] or mixed_model as a factor",
+                    "covariates",
+                    index,
+                )
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def check_levels(plan: Plan, scored: Exposures, labels: dict[str, str]) -> None:
     """Raise InputError where a factor of the plan renames a level that does not exist."""
-    for factor in plan.anova:
-        there = {str(value) for value in table[factor.column].unique()}
+    for index, factor in enumerate(plan.anova):
+        values = column_of(scored, scored.moments, factor.column).dropna().unique()
+        there = {str(value) for value in values}
         there |= set(labels) if factor.column == "condition" else set()
         for level in factor.levels:
             if there and level not in there:
                 known = ", ".join(sorted(there, key=natural))
-                raise InputError(
+                raise plan.fault(
                     f"the analysis plan renames level `{level}` of {factor.column} in factor "
-                    f"`{factor.name}`; the data have {known}"
+                    f"`{factor.name}`; the data have {known}",
+                    "anova",
+                    index,
+                    "levels",
+                    level,
                 )
-
-
-def _levels(table: pd.DataFrame, factor: Factor) -> pd.Series:
-    return table[factor.column].map(lambda value: factor.levels.get(str(value), str(value)))
 
 
 def _residual_check(residuals: np.ndarray[Any, np.dtype[np.float64]]) -> Result | None:
@@ -98,19 +175,21 @@ def run_friedman(scored: Exposures, conditions: list[str], outcome: str) -> Resu
 
 
 def _friedman(scored: Exposures, conditions: list[str], outcome: str) -> Result:
-    _, sums, _ = condition_sums(scored.table, outcome, conditions, complete=scored.planned)
+    sides = [Side(condition) for condition in conditions]
+    _, sums, _ = side_sums(scored, outcome, sides, complete=True)
     return asdict(friedman(sums))
 
 
-def run_crossover(scored: Exposures, contrast: Contrast, outcome: str) -> Result:
+def run_crossover(scored: Exposures, a: str, b: str, outcome: str) -> Result:
     """Condition, position and sequence effects where everybody keeps one order of a and b."""
-    table = points(scored.table, outcome)
-    done = guarded(outcome, lambda: _crossover(table, contrast, scored.planned))
-    return {"a": contrast.a, "b": contrast.b, **done}
+    table = points(scored.table, scored, outcome)
+    planned = scored.planned_of[outcome]
+    done = guarded(outcome, lambda: _crossover(table, a, b, planned))
+    return {"a": a, "b": b, **done}
 
 
-def _crossover(table: pd.DataFrame, contrast: Contrast, planned: dict[str, int]) -> Result:
-    pair = table[table["condition"].isin([contrast.a, contrast.b])]
+def _crossover(table: pd.DataFrame, a: str, b: str, planned: dict[str, int]) -> Result:
+    pair = table[table["condition"].isin([a, b])]
     if pair["condition"].nunique() < 2:
         raise InputError("nobody finished both conditions")
     if (pair["position"] == 0).any():
@@ -124,9 +203,9 @@ def _crossover(table: pd.DataFrame, contrast: Contrast, planned: dict[str, int])
     place = grouped["position"].first().unstack()  # noqa: PD010
     complete = (count >= count.columns.map(planned)).all(axis=1)
     score, place = score[complete], place[complete]
-    a_first = (place[contrast.a] < place[contrast.b]).to_numpy()
-    first = np.where(a_first, score[contrast.a], score[contrast.b])
-    second = np.where(a_first, score[contrast.b], score[contrast.a])
+    a_first = (place[a] < place[b]).to_numpy()
+    first = np.where(a_first, score[a], score[b])
+    second = np.where(a_first, score[b], score[a])
     return {**asdict(crossover(first, second, a_first)), "left_out": left_out}
 
 
@@ -139,24 +218,35 @@ def _without_one_place(pair: pd.DataFrame) -> list[str]:
     return sorted(map(str, people), key=natural)
 
 
-def run_mixed(table: pd.DataFrame, plan: Plan, reference: str, outcome: str) -> Result:
+def run_mixed(scored: Exposures, plan: Plan, reference: str, outcome: str) -> Result:
     """Linear mixed model of every scored exposure; conditions are compared with `reference`."""
-    return guarded(outcome, lambda: _mixed(points(table, outcome), plan, reference))
+    return guarded(outcome, lambda: _mixed(scored, plan, reference, outcome))
 
 
-def _mixed(table: pd.DataFrame, plan: Plan, reference: str) -> Result:
-    factors = [name for name in plan.mixed_model if len(table[name].unique()) > 1]
+def _mixed(scored: Exposures, plan: Plan, reference: str, outcome: str) -> Result:
+    rows = points(scored.table, scored, outcome)
+    rows = rows.assign(**{n: column_of(scored, rows, n) for n in plan.mixed_model})
+    rows = rows.assign(
+        **{n: pd.to_numeric(column_of(scored, rows, n), errors="coerce") for n in plan.covariates}
+    )
+    factors = [name for name in plan.mixed_model if len(rows[name].dropna().unique()) > 1]
+    covariates = [name for name in plan.covariates if len(rows[name].dropna().unique()) > 1]
     left_out: list[str] = []
-    while factors:
+    while factors or covariates:
         try:
             model = mixed_model(
-                table, value="score", participant="participant", factors=factors,
-                references={"condition": reference}, confidence=plan.confidence,
-            )  # fmt: skip
+                rows,
+                value="score",
+                participant="participant",
+                factors=factors,
+                references={"condition": reference},
+                covariates=covariates,
+                confidence=plan.confidence,
+            )
         except InputError:
-            if len(factors) == 1:
+            if len(factors) + len(covariates) == 1:
                 raise
-            left_out.insert(0, factors.pop())
+            left_out.insert(0, (covariates if len(factors) < 2 else factors).pop())
             continue
         return {**asdict(model), "left_out": left_out}
     raise InputError("no effect has two levels in the data")

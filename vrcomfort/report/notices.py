@@ -6,24 +6,29 @@ import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
 
 if TYPE_CHECKING:
+    from vrcomfort.questionnaire import Answer
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
 
 TOLERATED_LOSS = 0.1
 """Share of the people of a comparison who may be missing from its test without a notice."""
 MOST_NAMED = 8
-FEWEST_ANSWERS = 32
-"""Of two questionnaires: fewer may all be above 0 by chance."""
 
 
-def notices(study: StudyData, scored: Exposures, tests: list[dict[str, Any]]) -> list[str]:
+def notices(
+    study: StudyData,
+    scored: Exposures,
+    tests: list[dict[str, Any]],
+    exclusions: list[dict[str, str]],
+) -> list[str]:
     """Return the sentences, without their full stops."""
     return [
-        *_losses(study, tests),
+        *_losses(study, tests, exclusions),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study),
@@ -37,22 +42,28 @@ def names(people: list[str]) -> str:
     return f"{shown} and {len(people) - MOST_NAMED} more" if people[MOST_NAMED:] else shown
 
 
-def _losses(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+def _losses(
+    study: StudyData, tests: list[dict[str, Any]], exclusions: list[dict[str, str]]
+) -> list[str]:
     """Say where more than a tenth of those who met either condition are not in the test."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
     met = {(s.participant, s.condition) for s in study.sheets}
     met |= {(t["participant"], t["condition"]) for t in study.trials}
-    for test in {(test["a"], test["b"]): test for test in tests}.values():
+    primary = {(test["a"], test["b"]): test for test in reversed(tests)}
+    for test in reversed(primary.values()):
         people = {who for who, what in met if what in (test["a"], test["b"])} - excluded
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
-            several = ", ".join(f"{n} of {c}" for c, n in needed.items() if n > 1)
+            label = study.labels
+            several = ", ".join(f"{n} of {label.get(c, c)}" for c, n in needed.items() if n > 1)
+            of_each = f" ({several})" if several else ""
+            pair = " and ".join(label.get(name, name) for name in (test["a"], test["b"]))
             found.append(
-                f"{len(lost)} of {len(people)} participants are not in the tests of {test['a']} "
-                f"and {test['b']}, for which a score of every planned exposure"
-                f"{f' ({several})' if several else ''} is needed: {names(lost)}"
+                f"{len(lost)} of {len(people)} participants are not in the tests of {pair}, for "
+                f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
 
@@ -88,14 +99,21 @@ def _suspect_names(study: StudyData) -> list[str]:
 
 def _coded_from_one(study: StudyData) -> list[str]:
     """Ask where no answer is 0: all of them may be too high by one."""
-    answers = Counter(answer for sheet in study.sheets for answer in sheet.answers.values())
-    answered = sum(n for answer, n in answers.items() if answer is not None)
-    if answered < FEWEST_ANSWERS or answers[0]:
-        return []
-    return [
-        f"none of {answered} answers is 0: are they coded 1 to 4, with no 4 among them? Then every "
-        "score is too high; take 1 off each answer"
-    ]
+    answers: dict[str, Counter[Answer]] = defaultdict(Counter)
+    for sheet in study.sheets:
+        answers[sheet.keys["instrument"]].update(
+            answer for answer in sheet.answers.values() if answer is not None
+        )
+    found = []
+    for name, counts in answers.items():
+        instrument = study.instruments[name]
+        if answered := never_zero(instrument, counts):
+            found.append(
+                f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
+                f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "
+                "score is too high; take 1 off each answer"
+            )
+    return found
 
 
 def _confounded(tests: list[dict[str, Any]]) -> list[str]:

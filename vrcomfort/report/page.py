@@ -2,23 +2,36 @@
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report import words
+from markupsafe import Markup
+
+from vrcomfort.report import methods, palette, words
+from vrcomfort.report.answers import answers
 from vrcomfort.report.descriptives import PRIMARY
-from vrcomfort.report.figures import NAMES
+from vrcomfort.report.references import entries
 from vrcomfort.web_page import inline_svg, page_templates
 
+if TYPE_CHECKING:
+    from vrcomfort.report.canvas import Drawing
+    from vrcomfort.report.vocabulary import Vocabulary
+
 TEMPLATE = "report.html.j2"
+_TAG = re.compile(r"<[a-z][^<>]*>")
+_COLOUR = re.compile("#[0-9a-f]{6}")
+_VARIABLES = {colour.light: f"var({colour.variable})" for colour in palette.ALL}
 
 
-def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
+def render_page(
+    results: dict[str, Any], figures: dict[str, Drawing], vocabulary: Vocabulary
+) -> str:
     """Fill the report template.
 
     Parameters
     ----------
     figures
-        Name → SVG text, inlined into the page.
+        Name → drawing; their SVG is inlined into the page.
     """
     environment = page_templates()
     environment.filters |= {
@@ -28,22 +41,34 @@ def render_page(results: dict[str, Any], figures: dict[str, str]) -> str:
         "interval": words.interval,
         "degrees": words.degrees,
     }
-    labels = {c["name"]: c["label"] for c in results["conditions"]}
+    paragraphs = methods.methods(results, vocabulary)
+    per_condition = results["participants"]["exposures_per_condition"].values()
     return environment.get_template(TEMPLATE).render(
         r=results,
-        labels=labels,
-        names=NAMES,
-        figures={
-            name: inline_svg(svg, name, 'role="img" aria-hidden="true"')
-            for name, svg in figures.items()
-        },
-        methods=words.methods(results),
-        basis=words.basis_sentence(results["score_basis"]),
+        words=vocabulary,
+        answers=answers(results, vocabulary),
+        figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
+        several=max(per_condition, default=0) > 1,
+        symptoms=_by_instrument(results["symptoms"]),
+        methods=paragraphs,
+        references=entries(key for method in paragraphs for key in method.cited),
+        basis=methods.basis_sentence(results["score_basis"]),
         described=_described(results),
         disagreements=_disagreements(results),
-        fewest=words.fewest_for_shift(results["plan"]),
-        headlines=[words.headline(t, labels) for t in _most_wanted(results)],
+        fewest=methods.fewest_for_shift(results["plan"]),
+        colours_light=palette.css_variables(dark=False),
+        colours_dark=palette.css_variables(dark=True),
     )
+
+
+def _inlined(svg: str, name: str) -> Markup:
+    """Return a figure whose colours are those of the page: dark on paper, light on a dark one."""
+    themed = _TAG.sub(lambda tag: _COLOUR.sub(_variable, tag[0]), svg)
+    return inline_svg(themed, name, 'role="img" aria-hidden="true"')
+
+
+def _variable(colour: re.Match[str]) -> str:
+    return _VARIABLES.get(colour[0], colour[0])
 
 
 def _disagreements(results: dict[str, Any]) -> int:
@@ -56,20 +81,9 @@ def _disagreements(results: dict[str, Any]) -> int:
     )
 
 
-MOST_HEADLINES = 8
-
-
-def _most_wanted(results: dict[str, Any]) -> list[dict[str, Any]]:
-    """Return the tests to put in sentences: all, or those of the first score if they are many."""
-    tests: list[dict[str, Any]] = results["tests"]
-    if len(tests) <= MOST_HEADLINES:
-        return tests
-    return [test for test in tests if test["outcome"] == results["plan"]["outcomes"][0]]
-
-
 def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
     """Return the rows of who is tested under each condition; differences if one pair is."""
-    tests = results["tests"]
+    tests, order = results["tests"], [each["name"] for each in results["outcomes"]]
     rows = [row for row in results["descriptives"] if row["by"] == PRIMARY]
     if len({(test["a"], test["b"]) for test in tests}) == 1:
         rows += [
@@ -77,4 +91,17 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
             for test in tests
             if not test["not_tested"]
         ]
-    return sorted(rows, key=lambda row: results["plan"]["outcomes"].index(row["outcome"]))
+    return sorted(rows, key=lambda row: order.index(row["outcome"]))
+
+
+def _by_instrument(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the answers by instrument: its conditions, and a line for each item."""
+    found = []
+    for instrument in dict.fromkeys(row["instrument"] for row in rows):
+        mine = [row for row in rows if row["instrument"] == instrument]
+        conditions = list(dict.fromkeys(row["condition"] for row in mine))
+        cells = {(row["item"], row["condition"]): row for row in mine}
+        items = dict.fromkeys(row["item"] for row in mine)
+        lines = [(item, [cells.get((item, name)) for name in conditions]) for item in items]
+        found.append({"instrument": instrument, "conditions": conditions, "lines": lines})
+    return found

@@ -1,31 +1,57 @@
-"""Pairs of integer scores, one per participant, for two conditions."""
+"""Pairs of integer scores, one per participant, for two sides of a contrast."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.questionnaire import WEIGHTS
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
     import pandas as pd
     from numpy.typing import NDArray
 
+    from vrcomfort.report.exposures import Exposures
+
     Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
+class Side:
+    """What one side of a contrast is: a condition, a timepoint, or both."""
+
+    condition: str = ""
+    timepoint: str = ""
+    """Blank: that of exposure, with scores as the plan has them; else raw scores at it."""
+
+    @property
+    def name(self) -> str:
+        """Return how results call it."""
+        return " at ".join(part for part in (self.condition, self.timepoint) if part)
+
+    def rows(self, scored: Exposures) -> pd.DataFrame:
+        """Return the exposures, or the moments, of this side."""
+        return scored.looked_up(("rows", self), lambda: self._rows(scored))
+
+    def _rows(self, scored: Exposures) -> pd.DataFrame:
+        table = scored.moments if self.timepoint else scored.table
+        if self.timepoint:
+            table = table[table["timepoint"] == self.timepoint]
+        return table[table["condition"] == self.condition] if self.condition else table
+
+
+@dataclass(frozen=True)
 class Pairs:
-    """Scores of the same people under conditions a and b.
+    """Scores of the same people under sides a and b.
 
     Parameters
     ----------
     a, b
-        Integer raw sums, shape (n,): over all exposures of a condition, brought to a common
+        Integer raw sums, shape (n,): over all exposures of a side, brought to a common
         number of exposures.
     unit
         Points per step, per exposure: ``a * unit`` is the mean score over exposures.
@@ -53,9 +79,9 @@ def in_a_test(tests: list[dict[str, Any]], condition: str, outcome: str | None =
 
 
 def pair_up(
-    table: pd.DataFrame, outcome: str, a: str, b: str, *, complete: dict[str, int] | None = None
+    scored: Exposures, outcome: str, a: Side | str, b: Side | str, *, complete: bool = True
 ) -> Pairs:
-    """Pair each participant's scores under two conditions.
+    """Pair each participant's scores under two sides; a name is that of a condition.
 
     Sums of integers stay exact: instead of dividing by the number of exposures, every sum is
     multiplied up to the common multiple of all numbers, and the unit divided by it.
@@ -63,29 +89,60 @@ def pair_up(
     Parameters
     ----------
     complete
-        Exposures per condition that a participant must have at least; any number will do
+        Whether a participant must have every planned exposure of both sides; any number will do
         otherwise.
     """
-    people, sums, common = condition_sums(table, outcome, [a, b], complete=complete)
-    return Pairs(tuple(people), sums[:, 0], sums[:, 1], WEIGHTS[outcome] / common)
+    sides = [Side(each) if isinstance(each, str) else each for each in (a, b)]
+    people, sums, common = side_sums(scored, outcome, sides, complete=complete)
+    return Pairs(tuple(people), sums[:, 0], sums[:, 1], scored.units[outcome] / common)
 
 
-def condition_sums(
-    table: pd.DataFrame, outcome: str, conditions: list[str], *, complete: dict[str, int] | None
+def side_sums(
+    scored: Exposures, outcome: str, sides: list[Side], *, complete: bool
 ) -> tuple[list[str], Integers, int]:
-    """Return who has all conditions, their integer sums, and how many exposures each sum is of.
+    """Return who has all sides, their integer sums, and how many exposures each sum is of.
 
-    The sums have shape (n, conditions); see `pair_up` for `complete`.
+    The sums have shape (n, sides); see `pair_up` for `complete`.
     """
-    part = table[table["condition"].isin(conditions)]
-    grouped = part.groupby(["participant", "condition"])[outcome]
-    sums = grouped.sum().unstack().reindex(columns=conditions)  # noqa: PD010 - no values to pivot
-    counts = grouped.size().unstack(fill_value=0)  # noqa: PD010
-    counts = counts.reindex(columns=conditions, fill_value=0)
-    needed = [1 if complete is None else complete.get(name, 1) for name in conditions]
-    counts = counts[(counts >= needed).all(axis=1)]
-    people = sorted(counts.index, key=natural)
-    counted = counts.loc[people].to_numpy(dtype=np.int64)
+    totals = [_totals(scored, outcome, side) for side in sides]
+    needed = [needed_of(scored, outcome, side) if complete else 1 for side in sides]
+    sums = np.stack([found for found, _ in totals], axis=1)
+    counts = np.stack([count for _, count in totals], axis=1)
+    there = np.flatnonzero((counts >= needed).all(axis=1))
+    people, counted = _people(scored), counts[there]
     common = lcm(*map(int, np.unique(counted)))
-    found = sums.loc[people].to_numpy(dtype=np.float64).astype(np.int64)
-    return people, found * (common // counted), common
+    return [people[place] for place in there], sums[there] * (common // counted), common
+
+
+def _people(scored: Exposures) -> list[str]:
+    """Return everybody in the tables, in order."""
+    tables = (scored.table, scored.moments)
+    return scored.looked_up(
+        ("people",),
+        lambda: sorted({who for table in tables for who in table["participant"]}, key=natural),
+    )
+
+
+def _totals(scored: Exposures, outcome: str, side: Side) -> tuple[Integers, Integers]:
+    """Return the sum of each of `_people` under a side, and of how many scores it is."""
+
+    def places() -> Integers:
+        place = {who: number for number, who in enumerate(_people(scored))}
+        return np.array([place[who] for who in side.rows(scored)["participant"]], dtype=np.int64)
+
+    def totals() -> tuple[Integers, Integers]:
+        whose = scored.looked_up(("places", side), places)
+        values = side.rows(scored)[outcome].to_numpy(dtype=np.float64)
+        there, size = ~np.isnan(values), len(_people(scored))
+        sums = np.bincount(whose[there], values[there], minlength=size)
+        return sums.astype(np.int64), np.bincount(whose[there], minlength=size)
+
+    return scored.looked_up(("totals", outcome, side), totals)
+
+
+def needed_of(scored: Exposures, outcome: str, side: Side) -> int:
+    """Return how many scores of a side a participant is to have."""
+    if not side.timepoint:
+        return scored.planned_of.get(outcome, {}).get(side.condition, 1)
+    usual = Counter(Counter(side.rows(scored).dropna(subset=[outcome])["participant"]).values())
+    return max(usual, key=lambda count: (usual[count], count), default=1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.questionnaire import SSQ
+from vrcomfort.report.outcomes import find_outcome
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -71,7 +71,8 @@ def _never_asked(study: StudyData, plan: Plan) -> list[dict[str, str]]:
 
 def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
     """Return (participant, session) of those whose protocol asks after each exposure."""
-    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": SSQ.name}
+    instrument = find_outcome(plan.outcomes[0], study.instruments.values()).instrument
+    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
     return {
         (str(manifest.get("participant")), str(manifest.get("session")))
         for manifest in study.manifests

@@ -8,16 +8,15 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
-from vrcomfort.questionnaire import WEIGHTS
-from vrcomfort.report.contrasts import (
-    conditions_of,
-    contrasts_of,
-    run_tests,
-    sensitivity,
-)
+from vrcomfort.report.asked import unused_timepoints
+from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests, sensitivity
 from vrcomfort.report.descriptives import describe_all, describe_recovery, mean_answers
-from vrcomfort.report.exposures import score_exposures, unused_timepoints
+from vrcomfort.report.deviations import deviations
+from vrcomfort.report.exclusions import apply_rules, rules_in_words
+from vrcomfort.report.exposures import score_exposures
+from vrcomfort.report.families import adjust
 from vrcomfort.report.models import (
+    check_columns,
     check_levels,
     run_anova,
     run_crossover,
@@ -27,6 +26,7 @@ from vrcomfort.report.models import (
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.quality import quality
+from vrcomfort.report.study_data import conditions_in
 from vrcomfort.report.withdrawals import (
     count_withdrawals,
     everybody,
@@ -40,14 +40,16 @@ from vrcomfort.stats.means import RESAMPLES, SEED
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
-    from vrcomfort.report.plan import Contrast, Plan
+    from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.withdrawals import Withdrawal
 
-SOFTWARE = ("numpy", "scipy")
-SCHEMA = 1
+SOFTWARE = ("numpy", "scipy", "pandas", "pingouin")
+SCHEMA = 2
 """Version of the layout of results.json."""
+PLAN_FILE = "plan.toml"
 
 
 def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
@@ -58,24 +60,35 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     dict, Exposures
         The results (only plain values) and the scores they come from.
     """
-    scored = score_exposures(study, plan)
-    conditions = conditions_of(scored.table, study.labels)
-    contrasts = contrasts_of(plan, conditions, study.labels)
-    check_levels(plan, scored.table, study.labels)
-    named = [*conditions, *_unfinished(contrasts, conditions)]
+    scored, exclusions = apply_rules(score_exposures(study, plan), study, plan)
+    conditions = conditions_of(scored, study.labels)
+    asked = conditions_in(study, plan.exposure_timepoint)
+    there = list(dict.fromkeys([*conditions, *study.labels, *asked]))
+    contrasts = contrasts_of(plan, conditions, there)
+    check_columns(plan, scored)
+    check_levels(plan, scored, study.labels)
     found = find_withdrawals(study)
-    tests = run_tests(scored, plan, contrasts)
+    tests = run_tests(scored, plan, contrasts, lambda a, b: lost_signs(found, a, b))
+    models = _models(scored, plan, conditions, contrasts)
+    families = adjust(plan, tests, models["anova"])
     analysed = _analysed(tests, scored.table)
-    reasons = why_not(study, scored, found, in_every_test=_in_every_test(tests, analysed))
+    reasons = why_not(
+        study, scored, found, exclusions, in_every_test=_in_every_test(tests, analysed)
+    )
+    named = [*conditions, *_unfinished(contrasts, conditions)]
     results = {
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
         "study": {"title": study.title, "protocol": study.protocol},
-        "plan": plan.model_dump(mode="json"),
+        "plan": {**plan.model_dump(mode="json"), "sha256": plan.sha256, "file": PLAN_FILE},
+        "deviations": [],
         "bootstrap": {"resamples": RESAMPLES, "seed": SEED},
+        "seeds": [{"what": "bootstrap-t of means", "seed": SEED, "resamples": RESAMPLES}],
+        **_what_was_asked(scored, study),
         "score_basis": scored.basis,
-        "weights": dict(WEIGHTS),
+        "weights": dict(scored.units),
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
+        "labels": _labels(named, contrasts, study.labels),
         "participants": {
             "n": len(everybody(study)),
             "analysed": analysed,
@@ -84,53 +97,113 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
             "exposures_per_condition": scored.planned,
             "sequences": sequences(study, analysed, found),
         },
-        "notices": notices(study, scored, tests),
+        "exclusion_rules": rules_in_words(plan, scored, exclusions),
+        "exclusions": exclusions,
+        "notices": notices(study, scored, tests, exclusions),
+        "families": families,
         "tests": tests,
-        "sensitivity": _sensitivity(scored, plan, tests, found),
-        "descriptives": describe_all(scored.table, plan, conditions, tests),
-        "recovery": describe_recovery(scored.recovery, plan),
-        "items": mean_answers(scored.table, conditions, tests),
-        **_models(scored, plan, conditions, contrasts),
+        "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
+        "descriptives": describe_all(scored, plan, conditions, tests),
+        "recovery": describe_recovery(scored),
+        "items": mean_answers(scored, conditions, tests),
+        **models,
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
     }
+    results["deviations"] = deviations(study, scored, plan, results)
     return plain(results), scored
 
 
+def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
+    """Describe the outcomes and the instruments that they are of."""
+    instruments = dict.fromkeys(each.instrument for each in scored.outcomes)
+    return {
+        "outcomes": [
+            {
+                "name": each.name,
+                "title": each.title,
+                "instrument": each.instrument,
+                "unit": scored.units[each.name],
+                "basis": scored.bases[each.name],
+                "parts": each.parts,
+            }
+            for each in scored.outcomes
+        ],
+        "instruments": [
+            {
+                "name": each.name,
+                "short": each.short,
+                "title": each.title,
+                "citation": each.citation,
+                "rule": each.rule,
+                "answers": each.answers.in_words,
+                "low": each.low,
+                "high": each.high,
+                "items": [{"name": item.name, "text": item.text} for item in each.asked],
+            }
+            for each in map(study.instruments.__getitem__, instruments)
+        ],
+    }
+
+
+def _labels(named: list[str], contrasts: list[Compared], labels: dict[str, str]) -> dict[str, str]:
+    """Return the label of every condition, and of every other side of a contrast."""
+    found = {name: labels.get(name, name) for name in named}
+    for side in (side for each in contrasts for side in (each.a, each.b)):
+        condition = labels.get(side.condition, side.condition)
+        parts = [part for part in (condition, side.timepoint) if part]
+        found.setdefault(side.name, ", ".join(parts))
+    return found
+
+
 def _sensitivity(
-    scored: Exposures, plan: Plan, tests: list[dict[str, Any]], found: list[Withdrawal]
+    scored: Exposures,
+    plan: Plan,
+    tests: list[dict[str, Any]],
+    contrasts: list[Compared],
+    found: list[Withdrawal],
 ) -> list[dict[str, Any]]:
+    compared = {(each.a.name, each.b.name): each for each in contrasts}
     return [
         line
         for test in tests
-        for line in sensitivity(scored, plan, test, lost_signs(found, test["a"], test["b"]))
+        for line in sensitivity(
+            scored,
+            plan,
+            test,
+            compared[test["a"], test["b"]],
+            lost_signs(found, test["a"], test["b"]),
+        )
     ]
 
 
 def _models(
-    scored: Exposures, plan: Plan, conditions: list[str], contrasts: list[Contrast]
+    scored: Exposures, plan: Plan, conditions: list[str], contrasts: list[Compared]
 ) -> dict[str, list[dict[str, Any]]]:
-    outcomes, table = plan.outcomes, scored.table
+    outcomes = [each.name for each in scored.outcomes]
     reference = _reference(contrasts, conditions)
     several = outcomes if len(conditions) > 2 else ()
+    pairs = [(each.a.name, each.b.name) for each in contrasts if each.of_conditions]
+    mixed = outcomes if plan.mixed_model or plan.covariates else ()
     return {
-        "anova": [run_anova(table, plan, outcome) for outcome in outcomes],
-        "friedman": [run_friedman(scored, conditions, outcome) for outcome in several],
-        "crossover": [run_crossover(scored, c, outcome) for c in contrasts for outcome in outcomes],
-        "mixed_models": [run_mixed(table, plan, reference, outcome) for outcome in outcomes],
+        "anova": [run_anova(scored, plan, o) for o in (outcomes if plan.anova else ())],
+        "friedman": [run_friedman(scored, conditions, o) for o in several],
+        "crossover": [run_crossover(scored, a, b, o) for a, b in pairs for o in outcomes],
+        "mixed_models": [run_mixed(scored, plan, reference, o) for o in mixed],
     }
 
 
-def _unfinished(contrasts: list[Contrast], conditions: list[str]) -> list[str]:
+def _unfinished(contrasts: list[Compared], conditions: list[str]) -> list[str]:
     """Return the conditions that are compared although nobody finished them."""
-    compared = dict.fromkeys(name for each in contrasts for name in (each.a, each.b))
+    sides = [side for each in contrasts for side in (each.a, each.b)]
+    compared = dict.fromkeys(side.condition for side in sides if side.condition)
     return [name for name in compared if name not in conditions]
 
 
-def _reference(contrasts: list[Contrast], conditions: list[str]) -> str:
+def _reference(contrasts: list[Compared], conditions: list[str]) -> str:
     """Return what the mixed model compares with: b of the only contrast, or the first."""
-    if len(contrasts) == 1 and contrasts[0].b in conditions:
-        return contrasts[0].b
+    if len(contrasts) == 1 and contrasts[0].b.condition in conditions:
+        return contrasts[0].b.condition
     return next(iter(conditions), "")
 
 

@@ -3,22 +3,34 @@
 from __future__ import annotations
 
 import json
+from collections import Counter, defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import SSQ, Sheet, read_long
+from vrcomfort.questionnaire import (
+    FOLDER,
+    Instrument,
+    Sheet,
+    find_instrument,
+    guess,
+    instruments_in,
+    read_long,
+    shipped_instruments,
+)
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
 
 _KEYS = (
-    "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint"
+    "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint",
+    "group", "part",
 )  # fmt: skip
 NEEDED = ("participant", "condition", "item", "response")
 _NEEDED_ELSEWHERE = {
-    "participants.csv": ("participant", "status"),
+    "participants.csv": ("participant",),
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
 }
@@ -36,6 +48,8 @@ class StudyData:
     protocol: str | None
     labels: dict[str, str]
     """Condition → label, in the protocol's order; empty without a study description."""
+    instruments: Mapping[str, Instrument]
+    """Name → shipped instruments, and those of the study's own."""
     sheets: tuple[Sheet, ...]
     participants: tuple[dict[str, str], ...]
     trials: tuple[dict[str, str], ...]
@@ -44,9 +58,48 @@ class StudyData:
     files: int
     warnings: tuple[str, ...]
 
+    @property
+    def planned_participants(self) -> int | None:
+        """Return how many participants the protocol plans, where a session's manifest says so."""
+        for manifest in reversed(self.manifests):
+            planned = (manifest.get("settings") or {}).get("participants")
+            if isinstance(planned, int) and planned > 0:
+                return planned
+        return None
 
-def read_study(source: Path) -> StudyData:
+    def instruments_at(self, timepoint: str) -> tuple[str, ...]:
+        """Return the instruments asked at a timepoint, those with most questionnaires first."""
+        counts = Counter(s.keys["instrument"] for s in self.sheets if s.timepoint == timepoint)
+        return tuple(name for name, _ in counts.most_common())
+
+    def between(self, column: str) -> dict[str, str]:
+        """Return participant → value of a column, of those who have exactly one there.
+
+        The column may be one of participants.csv or, as `sequence`, of the questionnaires.
+        """
+        found: dict[str, set[str]] = defaultdict(set)
+        for person in self.participants:
+            found[person["participant"]].add(person.get(column, ""))
+        for sheet in self.sheets:
+            found[sheet.participant].add(sheet.keys.get(column, ""))
+        values = {who: those - {""} for who, those in found.items()}
+        return {who: next(iter(those)) for who, those in values.items() if len(those) == 1}
+
+
+def conditions_in(study: StudyData, timepoint: str) -> list[str]:
+    """Return the conditions asked about at a timepoint, in the protocol's order."""
+    order = {name: place for place, name in enumerate(study.labels)}
+    found = {sheet.condition for sheet in study.sheets if sheet.timepoint == timepoint} - {""}
+    return sorted(found, key=lambda name: (order.get(name, len(order)), natural(name)))
+
+
+def read_study(source: Path, instrument: str | None = None) -> StudyData:
     """Read a study folder, any folder with ``questionnaires.csv`` in it, or one such file.
+
+    Parameters
+    ----------
+    instrument
+        The name or the file of the only instrument to read; what rows without one are answers to.
 
     Raises
     ------
@@ -57,14 +110,21 @@ def read_study(source: Path) -> StudyData:
     if not files:
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     warnings: list[str] = []
-    sheets = [sheet for file in files for sheet in _sheets(file, source, warnings)]
+    known = _known_instruments(source)
+    only = None if instrument is None else find_instrument(instrument, known=known)
+    if only is not None:
+        known[only.name] = only
+    sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
+    if not sheets and only is not None:
+        raise InputError(f"no {only.short} is answered in this table", file=source)
     if not sheets:
-        raise InputError("there is no answered SSQ in these questionnaires", file=source)
+        raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
         labels=_labels(description.get("conditions")),
+        instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
@@ -149,6 +209,8 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
         else:
             found.require_numbers(_NUMBERS)
             rows += found.dicts()
+    if name == "participants.csv":
+        rows = [{"status": "", **row} for row in rows]
     return tuple(rows)
 
 
@@ -207,15 +269,76 @@ def _manifests(source: Path, warnings: list[str]) -> tuple[dict[str, Any], ...]:
     return tuple(ours)
 
 
-def _sheets(file: Path, source: Path, warnings: list[str]) -> list[Sheet]:
+def _known_instruments(source: Path) -> dict[str, Instrument]:
+    """Return the shipped instruments and those that lie in folders ``instruments`` of the study."""
+    folder = source if source.is_dir() else source.parent
+    files = folder.rglob(f"{FOLDER}/*.toml") if source.is_dir() else folder.glob(f"{FOLDER}/*.toml")
+    own = instruments_in(sorted({file.parent.parent for file in files}))
+    return {**shipped_instruments(), **own}
+
+
+def _sheets(
+    file: Path,
+    source: Path,
+    known: Mapping[str, Instrument],
+    only: Instrument | None,
+    warnings: list[str],
+) -> list[Sheet]:
     found = _read(file, source, warnings)
     if found.header:
         found.require(NEEDED)
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
-    sheets = read_long(found, SSQ, _KEYS)
-    for sheet in sheets:
-        if not sheet.participant:
-            raise found.fault("a participant is missing", sheet.line, "participant")
-        sheet.keys["timepoint"] = sheet.timepoint or "post"
-        sheet.place = f"{name}, line {sheet.line}"
-    return sheets
+    sheets = []
+    guessed = only or _of_the_items(found, known)
+    for instrument in _instruments(found, name, known, guessed, warnings):
+        if only is not None and instrument.name != only.name:
+            continue
+        nameless = guessed is not None and guessed.name == instrument.name
+        for sheet in read_long(found, instrument, _KEYS, nameless=nameless):
+            if not sheet.participant:
+                raise found.fault("a participant is missing", sheet.line, "participant")
+            sheet.keys["timepoint"] = sheet.timepoint or "post"
+            sheet.keys["instrument"] = instrument.name
+            sheet.place = f"{name}, line {sheet.line}"
+            sheets.append(sheet)
+    return sorted(sheets, key=lambda sheet: sheet.line)
+
+
+def _instruments(
+    found: CsvTable,
+    name: str,
+    known: Mapping[str, Instrument],
+    guessed: Instrument | None,
+    warnings: list[str],
+) -> list[Instrument]:
+    """Return the instruments of a table; answers of others are told and not used."""
+    columns = {heading.lower(): place for place, heading in enumerate(found.header)}
+    if not found.rows:
+        return []
+    place = columns.get("instrument")
+    cells = Counter("" if place is None else row[place] for row in found.rows)
+    named: Counter[str] = Counter()
+    for cell, count in cells.items():
+        named[cell.strip().lower()] += count
+    if blank := named.pop("", 0):
+        if guessed is None:
+            message = "the items are of no instrument that is known, or of several"
+            hint = "name it in a column `instrument`, or give --instrument"
+            raise found.fault(f"{message}; {hint}", found.lines[0], "item")
+        named[guessed.name] += blank
+    warnings += [
+        f"{name}: {named[other]} answers of `{other}` are not used: known are "
+        f"{', '.join(known)}; give the file of yours as --instrument"
+        for other in sorted(named.keys() - known.keys())
+    ]
+    return [each for each in known.values() if each.name in named]
+
+
+def _of_the_items(found: CsvTable, known: Mapping[str, Instrument]) -> Instrument | None:
+    """Return the instrument that rows without a name are of, by their items."""
+    columns = {heading.lower(): place for place, heading in enumerate(found.header)}
+    if not found.rows or "item" not in columns:
+        return None
+    item, instrument = columns["item"], columns.get("instrument")
+    items = {row[item] for row in found.rows if instrument is None or not row[instrument].strip()}
+    return guess(sorted(items), known) if items else None

@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-from vrcomfort.report.exposures import ITEMS, OUTCOMES, Exposures
+from vrcomfort.report.exposures import Exposures
 
 Row = dict[str, Any]
 
@@ -25,18 +25,23 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     exposures = [
         {
             **{c: row[c] for c in columns},
-            **{f"{o}_raw": int(row[o]) for o in OUTCOMES},
-            **{o: float(f"{row[o] * weights[o]:.12g}") for o in OUTCOMES},
-            **{item: int(row[item]) for item in ITEMS},
+            **{f"{o}_raw": _whole(row[o]) for o in weights},
+            **{o: _points(row[o], weights[o]) for o in weights},
+            **{item: _whole(row[item]) for item in scored.items},
         }
         for row in scored.table.to_dict("records")
     ]
     tables = {
         "scores": exposures,
-        "tests": [_flat_test(test) for test in results["tests"]],
+        "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
         "sensitivity": results["sensitivity"],
         "descriptives": results["descriptives"],
-        "symptoms": results["items"],
+        "symptoms": results["symptoms"],
+        "recovery": [_flat_recovery(row) for row in results["recovery_course"]],
+        "flow": _flat_flow(results["flow"]),
+        "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
+        "stimulus_time": results["stimulus_time"],
+        "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
         "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
         "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
@@ -46,6 +51,16 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def _whole(value: float | None) -> int | None:
+    """Return a whole number; None where there is none."""
+    return None if value is None or value != value else int(value)  # noqa: PLR0124 - NaN
+
+
+def _points(value: float | None, unit: float) -> float | None:
+    steps = _whole(value)
+    return None if steps is None else float(f"{steps * unit:.12g}")
 
 
 def to_csv(rows: list[Row]) -> str:
@@ -71,7 +86,22 @@ def inert(cell: Any) -> Any:
     return f"'{cell}"
 
 
-def _flat_test(test: Row) -> Row:
+def _flat_recovery(row: Row) -> Row:
+    flat = {key: value for key, value in row.items() if not isinstance(value, dict)}
+    for when in ("exposed", "recovered"):
+        flat |= {f"{stat}_{when}": row[when][stat] for stat in ("mean", "sd", "median")}
+    return flat
+
+
+def _flat_flow(flow: list[Row]) -> list[Row]:
+    return [
+        {"stage": stage["stage"], "n": stage["n"], **gone}
+        for stage in flow
+        for gone in [{"left": r["n"], "reason": r["reason"]} for r in stage["left"]] or [{}]
+    ]
+
+
+def _flat_test(test: Row, plan: Row) -> Row:
     keys = ("a", "b", "outcome", "n", "zeros", "ties", "zero_method", "alternative", "w_plus",
             "w_minus", "z", "p_exact", "p_asymptotic", "p", "method", "p_holm")  # fmt: skip
     row = {key: test.get(key) for key in keys}
@@ -81,7 +111,16 @@ def _flat_test(test: Row) -> Row:
     row |= _interval("rank_biserial", test.get("effect"))
     for name, found in (test.get("descriptives") or {}).items():
         row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
-    return {**row, "not_tested": test["not_tested"]}
+    planned = test["exposures_per_condition"]
+    return {
+        **row,
+        "planned_a": planned[test["a"]],
+        "planned_b": planned[test["b"]],
+        "confidence": plan["confidence"],
+        "shift_interval": plan["shift_interval"],
+        "family": test["family"],
+        "not_tested": test["not_tested"],
+    }
 
 
 def _interval(name: str, found: Row | None) -> Row:

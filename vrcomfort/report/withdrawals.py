@@ -164,18 +164,26 @@ def everybody(study: StudyData) -> list[str]:
 
 
 def why_not(
-    study: StudyData, scored: Exposures, found: list[Withdrawal], *, in_every_test: set[str]
+    study: StudyData,
+    scored: Exposures,
+    found: list[Withdrawal],
+    exclusions: list[dict[str, str]],
+    *,
+    in_every_test: set[str],
 ) -> list[dict[str, str]]:
     """Return everybody else, who is in no test or not in all, with all known reasons."""
     reasons: dict[str, list[str]] = defaultdict(list)
     for each in found:
-        reasons[each.participant].append(_in_words(each))
+        reasons[each.participant].append(_in_words(each, study.labels))
     for person in study.participants:
         if person["status"] == "withdrawn" and person.get("note"):
             reasons[person["participant"]].append(f"note: {person['note']}")
         if person["status"] == "excluded":
             note = person.get("note") or "no reason noted"
             reasons[person["participant"]].append(f"excluded by the experimenter ({note})")
+    for row in exclusions:
+        what = "" if row["what"] == "participant" else f"{row['what']}: "
+        reasons[row["participant"]].append(f"{what}rule {row['rule']} ({row['reason']})")
     for row in scored.excluded:
         reasons[row["participant"]].append(f"{row['questionnaire']}: {row['reason']}")
     default = ["not every exposure has a questionnaire"]
@@ -186,10 +194,11 @@ def why_not(
     ]
 
 
-def _in_words(each: Withdrawal) -> str:
+def _in_words(each: Withdrawal, labels: dict[str, str]) -> str:
     if not each.condition:
         return "withdrew before the first exposure"
-    where = f"{each.condition}, session {each.session}, exposure {each.position}"
+    label = labels.get(each.condition, each.condition)
+    where = f"{label}, session {each.session}, exposure {each.position}"
     return f"withdrew after {where}" if each.how == AFTER else f"{each.how} in {where}"
 
 

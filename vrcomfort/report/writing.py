@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -12,7 +13,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 
 RESULTS = "results.json"
-_REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.svg")
+_REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.(svg|png|pdf)")
 _NOT_IN_FILE_NAMES = str.maketrans(
     {sign: f"%{ord(sign):02X}" for sign in (*'/\\%:*?"<>|', *map(chr, range(32)), "\x7f")}
 )
@@ -33,7 +34,7 @@ def file_name(name: str) -> str:
     return f"{encoded[: LONGEST_BYTES - 13].decode(errors='ignore')}-{digest}"
 
 
-def write_report(out: Path, files: dict[str, str]) -> None:
+def write_report(out: Path, files: Mapping[str, str | bytes]) -> None:
     """Write a report; remove the tables and figures of the one before that this does not have.
 
     All texts are on the disk before the first file is removed or replaced, so a full disk or
@@ -43,7 +44,7 @@ def write_report(out: Path, files: dict[str, str]) -> None:
     Parameters
     ----------
     files
-        Path in `out` → text.
+        Path in `out` → text or bytes.
 
     Raises
     ------
@@ -56,7 +57,7 @@ def write_report(out: Path, files: dict[str, str]) -> None:
             written = Path(folder)
             for name, text in files.items():
                 _make_room(written / name)
-                (written / name).write_text(text, encoding="utf-8", newline="\n")
+                (written / name).write_bytes(text if isinstance(text, bytes) else text.encode())
             for name in _of_the_report_before(out) - files.keys():
                 (out / name).unlink(missing_ok=True)
             for name in sorted(files, key=lambda name: name != RESULTS):

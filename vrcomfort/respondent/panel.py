@@ -7,16 +7,16 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
-    MANY,
     Act,
     Cell,
     answer_cells,
     cell_at,
+    ends_of,
     question_cells,
     rest_cells,
     review_cells,
@@ -121,10 +121,11 @@ class PanelRespondent:
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
-        cells = answer_cells(question_cells(instrument, first=True))
+        answers = instrument.items[0].answers
+        cells = answer_cells(question_cells(answers, first=True))
         self._rating, self._scale_until_s = None, elapsed_s + timeout_s
         self._keys.forget()
-        ends, hint = _ends(instrument), self._hint(instrument)
+        ends, hint = ends_of(answers), self._hint(answers)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
         self._watch(self._scale)
 
@@ -181,11 +182,11 @@ class PanelRespondent:
         page = Page(
             title=f"{index + 1} of {count}. {instrument.instruction}",
             question=item.text,
-            cells=question_cells(instrument, first=index == 0),
-            ends=_ends(instrument),
+            cells=question_cells(item.answers, first=index == 0),
+            ends=ends_of(item.answers),
             done=index / count,
             chosen=answers[index],
-            hint=self._hint(instrument),
+            hint=self._hint(item.answers),
         )
         since = self._now_s()
         cell = self._choose(page)
@@ -203,10 +204,10 @@ class PanelRespondent:
         cell = self._choose(Page(title, "", review_cells(instrument, answers)))
         return cell.value if cell.act is Act.CORRECT else None
 
-    def _hint(self, instrument: Instrument) -> str:
+    def _hint(self, answers: Answers) -> str:
         if not self._keyboard:
             return ""
-        return f"Click, or type {instrument.low} to {instrument.high}, then Enter"
+        return f"Click, or type {answers.asked_in_words}, then Enter"
 
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""
@@ -280,9 +281,3 @@ class PanelRespondent:
     def _hide(self) -> None:
         self._scale = self._stopping = self._drawn = None
         self._screen.show(None)
-
-
-def _ends(instrument: Instrument) -> tuple[str, str] | None:
-    if instrument.high - instrument.low < MANY:
-        return None
-    return instrument.labels[0], instrument.labels[-1]

@@ -65,6 +65,9 @@ class KeyChoice:
             if typed in numbered:
                 self.cell, self._typed = numbered[typed], typed
                 return
+            if any(each.startswith(typed) for each in numbered):  # 1 of 15, where 1 is no answer
+                self._typed = typed
+                return
 
     def entered(self, cells: Sequence[Cell]) -> Cell | None:
         """Return what Enter chooses: where nothing else was chosen, that all answers are right."""

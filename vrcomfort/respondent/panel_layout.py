@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.questionnaire import Answer, Answers, Instrument
 
 SIZE_PX = 1024, 768
 """On a panel 45° wide a degree has 23 pixels: no text below is smaller than 1.4°, which leaves
@@ -17,6 +17,8 @@ ANSWER_TOP_PX, ANSWER_BOTTOM_PX = 372, 540
 FOOT_TOP_PX, FOOT_BOTTOM_PX = 648, 728
 HINT_PX = 614
 LIST_TOP_PX, LIST_STEP_PX, LIST_ROWS = 112, 64, 8
+LIST_LETTERS = 34
+"""Of a question in the list of all answers; the whole of a longer one stands on its own page."""
 MANY = 5
 """Scales with more steps than this become a slider."""
 
@@ -72,17 +74,29 @@ def answer_cells(cells: Sequence[Cell]) -> list[Cell]:
     return [each for each in cells if each.act is Act.ANSWER]
 
 
-def question_cells(instrument: Instrument, *, first: bool) -> list[Cell]:
+def question_cells(answers: Answers, *, first: bool) -> list[Cell]:
     """Return the cells of a question: its answers, and what stands at the foot."""
     foot = [] if first else [("Back", Act.BACK)]
     foot += [("Rather not say", Act.DECLINE), ("Stop", Act.STOP)]
-    return _answers(instrument) + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
+    return _answers(answers) + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
+
+
+def ends_of(answers: Answers) -> tuple[str, str] | None:
+    """Return the names of the two ends where the answers stand there as numbers."""
+    if not answers.labels or _stand_named(answers):
+        return None
+    return answers.labels[0], answers.labels[-1]
 
 
 def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[Cell]:
     """Return the cells of the list of all answers: each opens its question again."""
     rows = [
-        Cell(_list_box(index), f"{item.text}: {_named(instrument, answer)}", Act.CORRECT, index)
+        Cell(
+            _list_box(index),
+            f"{_short(item.text)}: {_named(item.answers, answer)}",
+            Act.CORRECT,
+            index,
+        )
         for index, (item, answer) in enumerate(zip(instrument.items, answers, strict=True))
     ]
     foot = [("All correct", Act.CONFIRM), ("Stop", Act.STOP)]
@@ -100,10 +114,14 @@ def stop_cells() -> list[Cell]:
     return _row(choices, ANSWER_TOP_PX, ANSWER_BOTTOM_PX)
 
 
-def _answers(instrument: Instrument) -> list[Cell]:
-    steps = range(instrument.low, instrument.high + 1)
+def _stand_named(answers: Answers) -> bool:
+    return answers.named and len(answers.asked) <= MANY
+
+
+def _answers(answers: Answers) -> list[Cell]:
+    steps = [int(answer) for answer in answers.asked]
     many = len(steps) > MANY
-    texts = [str(step) for step in steps] if many else list(instrument.labels)
+    texts = list(answers.labels) if _stand_named(answers) else [str(step) for step in steps]
     boxes = _columns(len(steps), ANSWER_TOP_PX, ANSWER_BOTTOM_PX, gap_px=0 if many else GAP_PX)
     return [
         Cell(box, text, Act.ANSWER, step)
@@ -129,11 +147,15 @@ def _list_box(index: int) -> tuple[int, int, int, int]:
     return left, top, right, top + LIST_STEP_PX - 6
 
 
-def _named(instrument: Instrument, answer: int | None) -> str:
+def _short(text: str) -> str:
+    return text if len(text) <= LIST_LETTERS else f"{text[: LIST_LETTERS - 1].rstrip()}…"
+
+
+def _named(answers: Answers, answer: Answer | None) -> str:
     if answer is None:
         return "–"
-    named = len(instrument.labels) > 2
-    return instrument.labels[answer - instrument.low] if named else str(answer)
+    named = answers.named and len(answers.labels) > 2
+    return answers.labels[answers.asked.index(answer)] if named else str(answer)
 
 
 def _contains(box: tuple[int, int, int, int], x: float, y: float) -> bool:

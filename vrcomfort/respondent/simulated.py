@@ -16,7 +16,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Simulation
-from vrcomfort.questionnaire import SSQ, Instrument
+from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
 
 LOADINGS: Mapping[str, float] = {
@@ -39,10 +39,14 @@ LOADINGS: Mapping[str, float] = {
 }
 """item → how much of a unit of sickness shows in it. Assumed: vision first, stomach later."""
 
-THRESHOLDS = (0.8, 1.7, 2.6)
-"""Latent levels from which people answer slight, moderate, severe."""
+USUAL_LOADING = 0.8
+"""Of any other item."""
 
-_RATING_PER_SICKNESS = {"fms": 5.0, "misc": 2.5}
+THRESHOLDS = (0.8, 1.7, 2.6)
+"""Latent levels from which people give the second, third and fourth of four answers."""
+
+_SICKNESS_OF_RANGE = 4.0
+"""Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
 _STEPS = 1000
 _UNHEARD_OF = 1e6
@@ -59,8 +63,8 @@ class SimulatedRespondent:
         self._person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
         rng = self._stream(0)
         self.susceptibility = math.exp(settings.susceptibility_sigma * rng.standard_normal())
-        levels = settings.baseline_sd * rng.standard_normal(len(SSQ.items))
-        self._levels = dict(zip((item.name for item in SSQ.items), levels.tolist(), strict=True))
+        levels = settings.baseline_sd * rng.standard_normal(len(LOADINGS))
+        self._levels: dict[str, float] = dict(zip(LOADINGS, levels.tolist(), strict=True))
         self._start_again(session=1)
 
     def _stream(self, session: int) -> np.random.Generator:
@@ -137,8 +141,7 @@ class SimulatedRespondent:
         thinking = timeout_s * self._rng.uniform(0.1, 0.6)
         self._answer_at_s = math.inf if missed else elapsed_s + thinking
         felt = float(self._after(np.array(elapsed_s))) + self._noise()
-        answer = round(_RATING_PER_SICKNESS[instrument.name] * felt)
-        self._answer = min(max(answer, instrument.low), instrument.high)
+        self._answer = _on_the_range(instrument.items[0], felt)
 
     def rating(self, elapsed_s: float) -> int | None:
         """Return the rating once it has been thought of."""
@@ -161,14 +164,25 @@ class SimulatedRespondent:
             if self._rng.random() < self._settings.question_hazard * self.sickness:
                 raise Withdrew(f"stopped at the question {item.name}")
             took_s = _SECONDS_PER_ANSWER * math.exp(0.3 * self._rng.standard_normal())
-            heard(item.name, self._response(form.instrument, item.name), round(took_s, 2))
+            heard(item.name, self._response(form.instrument, item), round(took_s, 2))
 
-    def _response(self, instrument: Instrument, item: str) -> int:
-        if instrument.name in _RATING_PER_SICKNESS:
-            felt = _RATING_PER_SICKNESS[instrument.name] * (self.sickness + self._noise())
-            return min(max(round(felt), instrument.low), instrument.high)
-        latent = self._levels[item] + LOADINGS[item] * self.sickness + self._noise()
-        return sum(latent > threshold for threshold in THRESHOLDS)
+    def _response(self, instrument: Instrument, item: Item) -> int:
+        if len(instrument.items) == 1:
+            return _on_the_range(item, self.sickness + self._noise())
+        loading = LOADINGS.get(item.name, USUAL_LOADING)
+        latent = self._level(item.name) + loading * self.sickness + self._noise()
+        asked = item.answers.asked
+        if len(asked) == len(THRESHOLDS) + 1:
+            return int(asked[sum(latent > threshold for threshold in THRESHOLDS)])
+        return _on_the_range(item, latent)
+
+    def _level(self, item: str) -> float:
+        """Return the stable level of an item; of one that is no symptom above, drawn by name."""
+        if item not in self._levels:
+            key = (self._person, int.from_bytes(hashlib.sha256(item.encode()).digest()[:4]))
+            rng = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 0)))
+            self._levels[item] = self._settings.baseline_sd * float(rng.standard_normal())
+        return self._levels[item]
 
     def _noise(self) -> float:
         return self._settings.noise_sd * float(self._rng.standard_normal())
@@ -178,3 +192,11 @@ def _sickness(value: object) -> float:
     if not isinstance(value, int | float) or not 0 <= value < _UNHEARD_OF:
         raise ValueError(value)
     return float(value)
+
+
+def _on_the_range(item: Item, latent: float) -> int:
+    """Return the answer of a scale that begins at no sickness; at its end where it is reversed."""
+    asked = item.answers.asked
+    steps = len(asked) - 1
+    place = min(max(round(latent / _SICKNESS_OF_RANGE * steps), 0), steps)
+    return int(asked[steps - place if item.reversed else place])

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from vrcomfort.errors import InputError
-from vrcomfort.questionnaire import Instrument
+from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
 from vrcomfort.respondent.lines import waiting_line
@@ -147,7 +147,7 @@ class TerminalRespondent:
         self._finish_asking_whether_to_stop()
         instrument = form.instrument
         self._console.rule(f"{instrument.title}, {form.timepoint}")
-        self._console.print(f"{instrument.instruction}\n{_scale(instrument)}")
+        self._console.print(f"{instrument.instruction}\n{_scale(instrument.answers)}")
         self._console.print(_KEYS, style="dim")
         answers: dict[int, int | None] = {}
         self._fill(instrument, answers, heard)
@@ -168,7 +168,7 @@ class TerminalRespondent:
             line = self._line(f"{index + 1:2d}. {item.text}: ")
             if line == keys.BACK:
                 return False
-            response = None if line == keys.DECLINE else self._number(line, instrument)
+            response = None if line == keys.DECLINE else self._number(line, item.answers)
             if line == keys.DECLINE or response is not None:
                 answers[index] = response
                 heard(item.name, response, self._now_s() - since)
@@ -202,20 +202,23 @@ class TerminalRespondent:
             message = "the input ended while a question was open; answers until here are kept"
             raise InputError(message) from error
 
-    def _number(self, line: str, instrument: Instrument) -> int | None:
-        if line.isdecimal() and instrument.low <= int(line) <= instrument.high:
+    def _number(self, line: str, answers: Answers) -> int | None:
+        if line.isdecimal() and answers.offers(int(line)):
             return int(line)
-        self._tell(f"{instrument.low} to {instrument.high}; {_KEYS}")
+        self._tell(f"{answers.asked_in_words}; {_KEYS}")
         return None
 
 
-def _scale(instrument: Instrument) -> str:
+def _scale(answers: Answers) -> str:
     """Name every answer, or the two ends of a long scale."""
-    if len(instrument.labels) > 2:
-        named = enumerate(instrument.labels, start=instrument.low)
+    if answers.named and len(answers.labels) > 2:
+        named = zip(answers.asked, answers.labels, strict=True)
         return ", ".join(f"{number} {label}" for number, label in named)
-    low, high = instrument.labels
-    return f"{instrument.low} {low} to {instrument.high} {high}"
+    if not answers.labels:
+        return answers.asked_in_words
+    low, high = answers.labels[0], answers.labels[-1]
+    steps = "" if answers.asked_step == 1 else f", in steps of {answers.asked_step}"
+    return f"{answers.low} {low} to {answers.high} {high}{steps}"
 
 
 def _answer_table(instrument: Instrument, answers: dict[int, int | None]) -> Table:

@@ -34,8 +34,9 @@ class TypedRating:
             return f"{line!r} was not recorded: {self.response} was given before"
         if elapsed_s > self._until_s:
             return self.too_late(line)
-        if not (line.isdecimal() and scale.low <= int(line) <= scale.high):
-            return f"{line!r} was not recorded: {scale.low} to {scale.high} is a rating"
+        answers = scale.items[0].answers
+        if not (line.isdecimal() and answers.offers(int(line))):
+            return f"{line!r} was not recorded: {answers.asked_in_words} is a rating"
         self.response = int(line)
         return ""
 

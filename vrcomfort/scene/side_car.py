@@ -17,7 +17,6 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
-from vrcomfort.protocol.settings_file import in_words
 from vrcomfort.scene.data import (
     Environment,
     Hand,
@@ -28,6 +27,7 @@ from vrcomfort.scene.data import (
     Scene,
     WalkableArea,
 )
+from vrcomfort.settings import in_words
 
 Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Share = Annotated[float, Field(ge=0, le=1)]

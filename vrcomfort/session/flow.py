@@ -272,7 +272,13 @@ class SessionFlow:
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
         ratings = protocol.ratings
-        schedule = RatingSchedule(ratings, self._respondent, full_s) if ratings else None
+        schedule = (
+            RatingSchedule(
+                ratings, protocol.instrument(ratings.instrument), self._respondent, full_s
+            )
+            if ratings
+            else None
+        )
         start_s = self._context.clock.now_s()
         try:
             return loop.show(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vrcomfort.protocol import Ask
-from vrcomfort.questionnaire import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import QuestionnaireRow
 from vrcomfort.respondent import Form
 from vrcomfort.session.context import SessionContext
@@ -34,7 +34,7 @@ class Interview:
         self._events = events
         self._ask = ask
         self._place = place
-        whole = INSTRUMENTS[ask.instrument]
+        whole = context.protocol.form(ask)
         self._instrument = open_items or whole
         self._order = {item.name: n for n, item in enumerate(whole.items, start=1)}
         self._rows: dict[str, QuestionnaireRow] = {}

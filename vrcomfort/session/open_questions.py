@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from vrcomfort.protocol import Ask
-from vrcomfort.questionnaire import INSTRUMENTS, Instrument
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import Interrupted
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
@@ -48,7 +48,7 @@ class OpenQuestions:
 
     def _open_items(self, ask: Ask, place: TrialPlace) -> Instrument:
         """Return the instrument with the items that have no row."""
-        instrument = INSTRUMENTS[ask.instrument]
+        instrument = self.context.protocol.form(ask)
         answered = self.before.answered.get((place.trial, ask.timepoint, ask.instrument), ())
         items = tuple(item for item in instrument.items if item.name not in answered)
         return replace(instrument, items=items)
@@ -71,7 +71,7 @@ class OpenQuestions:
     def _go_on(
         self, ask: Ask, place: TrialPlace, form: Instrument, *, after_withdrawal: bool
     ) -> None:
-        whole = len(INSTRUMENTS[ask.instrument].items)
+        whole = len(self.context.protocol.form(ask).items)
         what = f"{ask.timepoint} {ask.instrument}: {len(form.items)} of {whole} items were open"
         gap = f"{self._gap_s:.0f} s after the exposure"
         self.events.event("questionnaire_resumed", detail=f"{what}, {gap}")
@@ -85,7 +85,7 @@ class OpenQuestions:
         detail = f"{ask.timepoint} {ask.instrument}: {names}; {reason}"
         self.events.event("questionnaire_missed", detail=detail)
         of = f"trial {place.trial}" if place.trial else "the end of the session"
-        whole = len(INSTRUMENTS[ask.instrument].items)
+        whole = len(self.context.protocol.form(ask).items)
         return (
             f"{len(form.items)} of {whole} items of {ask.instrument} ({ask.timepoint}) after {of} "
             f"are missed: {reason}"

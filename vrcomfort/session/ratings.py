@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.protocol import Ratings
-from vrcomfort.questionnaire import INSTRUMENTS
+from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent import Respondent
 
 
@@ -33,8 +33,14 @@ class _Pending:
 class RatingSchedule:
     """Asks every `every_s` seconds, as long as the time to answer lies within the exposure."""
 
-    def __init__(self, settings: Ratings, respondent: Respondent, duration_s: float) -> None:
-        self.instrument = INSTRUMENTS[settings.instrument]
+    def __init__(
+        self,
+        settings: Ratings,
+        instrument: Instrument,
+        respondent: Respondent,
+        duration_s: float,
+    ) -> None:
+        self.instrument = instrument
         self._settings = settings
         self._respondent = respondent
         self._duration_s = duration_s

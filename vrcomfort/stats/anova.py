@@ -1,4 +1,4 @@
-"""Analysis of variance: within, between and mixed designs, type III sums of squares.
+"""Analysis of variance: within, between and mixed designs, type II or III sums of squares.
 
 Own code because the packages each lack a part (Huynh-Feldt p values, ε of two-way and mixed
 designs, type III in unbalanced mixed designs). The univariate tests are read off the
@@ -12,7 +12,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
+from math import prod
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from scipy.stats import f as f_distribution
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+
+SumsOfSquares = Literal["II", "III"]
 
 ROUNDING = 1e-26
 """Share of the total sum of squares below which an error term is rounding, not variance."""
@@ -94,7 +97,8 @@ def anova(
     value: str,
     participant: str,
     within: Sequence[str] = (),
-    between: str | None = None,
+    between: str | Sequence[str] = (),
+    sums_of_squares: SumsOfSquares = "III",
 ) -> Anova:
     """Analyse a long table with at most one row per participant and cell.
 
@@ -105,7 +109,11 @@ def anova(
     within
         Factors crossed within participants (none, one, two or more).
     between
-        A factor that groups participants.
+        A factor that groups participants, or several, crossed.
+    sums_of_squares
+        ``III``: each effect given all others, groups weighing alike. ``II``: given those that do
+        not contain it, participants weighing alike (Langsrud 2003). They differ where groups differ
+        in size.
 
     Raises
     ------
@@ -113,12 +121,19 @@ def anova(
         If a participant has two values in a cell, a factor has fewer than two levels, or there
         are too few complete participants for an error term.
     """
-    data = cells(table, value=value, participant=participant, within=within, between=between)
-    _check_levels(data, between)
-    design = _between_design(data)
+    grouping = (between,) if isinstance(between, str) else tuple(between)
+    data = cells(table, value=value, participant=participant, within=within, between=grouping)
+    _check_levels(data)
+    terms = _between_terms(data)
+    design = np.column_stack(list(terms.values()))
+    if np.linalg.matrix_rank(design) < design.shape[1]:
+        names = " and ".join(repr(name) for name in grouping)
+        raise InputError(f"no complete participant is in some combination of {names}")
     centred = data.scores - data.scores.mean()  # keeps digits when values share leading ones
     scale = float(np.sum(centred**2))
-    fits = [_fit(name, scale, centred @ m, design, between) for name, m in _strata(data.levels)]
+    fits = [
+        _fit(name, scale, centred @ m, terms, sums_of_squares) for name, m in _strata(data.levels)
+    ]
     return Anova(
         effects=tuple(_effects(fits)),
         n=data.scores.shape[0],
@@ -127,24 +142,33 @@ def anova(
     )
 
 
-def _check_levels(data: Cells, between: str | None) -> None:
+def _check_levels(data: Cells) -> None:
     short = [name for name, found in data.levels.items() if len(found) < 2]
     if short:
         raise InputError(f"factor {short[0]!r} has fewer than two levels in the data")
-    groups = 1 if data.groups is None else np.unique(data.groups).size
-    if between is not None and groups < 2:
-        raise InputError(f"factor {between!r} has fewer than two groups among the complete")
+    for name, codes in data.groups.items():
+        if np.unique(codes).size < 2:
+            raise InputError(f"factor {name!r} has fewer than two groups among the complete")
+    groups = prod(np.unique(codes).size for codes in data.groups.values())
     if data.scores.shape[0] <= groups:
         raise InputError(f"an ANOVA here needs more than {groups} complete participants")
 
 
-def _between_design(data: Cells) -> Floats:
-    """Intercept and sum-coded groups, shape (n, groups): type III needs columns that sum to 0."""
+def _between_terms(data: Cells) -> dict[tuple[str, ...], Floats]:
+    """Term (names of its factors; none: the intercept) → sum-coded columns, shape (n, df).
+
+    Type III needs columns that sum to 0 over the groups.
+    """
     n = data.scores.shape[0]
-    if data.groups is None:
-        return np.ones((n, 1))
-    indicator = (data.groups[:, None] == np.unique(data.groups)).astype(np.float64)
-    return np.column_stack([np.ones(n), indicator[:, :-1] - indicator[:, -1:]])
+    terms: dict[tuple[str, ...], Floats] = {(): np.ones((n, 1))}
+    for name, codes in data.groups.items():
+        indicator = (codes[:, None] == np.unique(codes)).astype(np.float64)
+        coded = indicator[:, :-1] - indicator[:, -1:]
+        terms |= {
+            (*term, name): (columns[:, :, None] * coded[:, None, :]).reshape(n, -1)
+            for term, columns in terms.items()
+        }
+    return dict(sorted(terms.items(), key=lambda item: len(item[0])))
 
 
 def _strata(levels: dict[str, tuple[str, ...]]) -> list[tuple[str, Floats]]:
@@ -174,20 +198,52 @@ def _contrasts(k: int) -> Floats:
     return q
 
 
-def _fit(name: str, scale: float, z: Floats, design: Floats, between: str | None) -> _Fit:
-    """Regress the contrasts `z` (n, p) on the design; test the intercept and the groups."""
-    coefficients = np.linalg.lstsq(design, z, rcond=None)[0]
-    residuals = z - design @ coefficients
-    columns = {"": slice(0, 1)}
-    if between is not None:
-        columns[between] = slice(1, design.shape[1])
-    inverse = np.linalg.inv(design.T @ design)
-    hypotheses = {}
-    for term, rows in columns.items():
-        b = coefficients[rows]
-        explained = float(np.trace(b.T @ np.linalg.solve(inverse[rows, rows], b)))
-        hypotheses[term] = (explained, b.shape[0] * z.shape[1])
+def _fit(
+    name: str,
+    scale: float,
+    z: Floats,
+    terms: dict[tuple[str, ...], Floats],
+    sums_of_squares: SumsOfSquares,
+) -> _Fit:
+    """Regress the contrasts `z` (n, p) on the between design; test each of its terms."""
+    design = np.column_stack(list(terms.values()))
+    residuals = _left(z, design)
+    explained = _type_iii(z, terms) if sums_of_squares == "III" else _type_ii(z, terms)
+    hypotheses = {
+        " × ".join(term): (squares, terms[term].shape[1] * z.shape[1])
+        for term, squares in explained.items()
+    }
     return _Fit(name, residuals.T @ residuals, z.shape[0] - design.shape[1], scale, hypotheses)
+
+
+def _type_iii(z: Floats, terms: dict[tuple[str, ...], Floats]) -> dict[tuple[str, ...], float]:
+    """Return the sum of squares of each term given all others."""
+    design = np.column_stack(list(terms.values()))
+    coefficients = np.linalg.lstsq(design, z, rcond=None)[0]
+    inverse = np.linalg.inv(design.T @ design)
+    found, start = {}, 0
+    for term, columns in terms.items():
+        rows = slice(start, start := start + columns.shape[1])
+        b = coefficients[rows]
+        found[term] = float(np.trace(b.T @ np.linalg.solve(inverse[rows, rows], b)))
+    return found
+
+
+def _type_ii(z: Floats, terms: dict[tuple[str, ...], Floats]) -> dict[tuple[str, ...], float]:
+    """Return the sum of squares of each term given those that do not contain it."""
+    found = {}
+    for term, columns in terms.items():
+        others = [part for name, part in terms.items() if not set(term) <= set(name)]
+        without = _left(z, np.column_stack(others)) if others else z
+        left = _left(z, np.column_stack([*others, columns]))
+        found[term] = float(np.sum(without**2) - np.sum(left**2))
+    return found
+
+
+def _left(z: Floats, design: Floats) -> Floats:
+    """Return the residuals of a regression."""
+    left: Floats = z - design @ np.linalg.lstsq(design, z, rcond=None)[0]
+    return left
 
 
 def _effects(fits: list[_Fit]) -> list[AnovaEffect]:
@@ -229,6 +285,6 @@ def _p(f: float | None, df_effect: int, df_error: int, epsilon: float) -> float 
 
 
 def _residuals(centred: Floats, design: Floats) -> Floats:
-    left = centred - design @ np.linalg.lstsq(design, centred, rcond=None)[0]
+    left = _left(centred, design)
     within: Floats = left - left.mean(axis=1, keepdims=True) if left.shape[1] > 1 else left
     return within

@@ -25,8 +25,8 @@ class Cells:
     """Shape (n, cells); cells in the product order of the levels."""
     levels: dict[str, tuple[str, ...]]
     """Levels of each within factor, sorted."""
-    groups: NDArray[np.int64] | None
-    """Shape (n,): number of each participant's group, if there is a between factor."""
+    groups: dict[str, NDArray[np.int64]]
+    """Between factor → number of each participant's group, shape (n,)."""
     excluded: tuple[str, ...]
     """Participants without a value in every cell."""
 
@@ -37,7 +37,7 @@ def cells(
     value: str,
     participant: str,
     within: Sequence[str] = (),
-    between: str | None = None,
+    between: Sequence[str] = (),
 ) -> Cells:
     """Arrange a long table with at most one row per participant and cell.
 
@@ -55,7 +55,7 @@ def cells(
     return Cells(
         scores=complete.to_numpy(dtype=np.float64),
         levels=levels,
-        groups=_groups(table, participant, between, complete.index),
+        groups={name: _groups(table, participant, name, complete.index) for name in between},
         excluded=tuple(str(name) for name in wide.index.difference(complete.index)),
     )
 
@@ -73,10 +73,8 @@ def _wide(
 
 
 def _groups(
-    table: pd.DataFrame, participant: str, between: str | None, people: pd.Index
-) -> NDArray[np.int64] | None:
-    if between is None:
-        return None
+    table: pd.DataFrame, participant: str, between: str, people: pd.Index
+) -> NDArray[np.int64]:
     pairs = table[[participant, between]].drop_duplicates()
     if pairs[participant].duplicated().any():
         raise InputError(f"{between!r} changes within a participant; it is not a between factor")

@@ -47,6 +47,7 @@ def mixed_model(
     participant: str,
     factors: Sequence[str],
     references: dict[str, str] | None = None,
+    covariates: Sequence[str] = (),
     confidence: float = 0.95,
 ) -> MixedModel:
     """Fit ``value ~ factors + (1 | participant)`` to every row, complete participants or not.
@@ -60,6 +61,8 @@ def mixed_model(
         Columns with categories. Those with one level are left out.
     references
         Reference level of a factor; the first in sorted order otherwise.
+    covariates
+        Columns with numbers, each an effect of one degree of freedom: points per unit.
 
     Raises
     ------
@@ -67,14 +70,16 @@ def mixed_model(
         If too few values or no variance are left for a residual, or the factors cannot be told
         apart.
     """
-    rows = table.dropna(subset=[value, participant, *factors])
+    rows = table.dropna(subset=[value, participant, *factors, *covariates])
     columns = {factor: _columns(rows, factor, (references or {}).get(factor)) for factor in factors}
+    columns |= {name: _centred(rows, name) for name in covariates}
     terms = {name: column for found in columns.values() for name, column in found.items()}
     if not terms:
         raise InputError("no effect has two levels in the data")
     design = np.column_stack([np.ones(len(rows)), *terms.values()])
     if np.linalg.matrix_rank(design) < design.shape[1]:
-        raise InputError(f"{' and '.join(factors)} cannot be told apart in these data")
+        names = " and ".join([*factors, *covariates])
+        raise InputError(f"{names} cannot be told apart in these data")
     people, groups = np.unique(rows[participant].astype(str), return_inverse=True)
     fit = fit_random_intercept(rows[value].to_numpy(dtype=np.float64), design, groups)
     unit = np.eye(design.shape[1])
@@ -99,6 +104,12 @@ def mixed_model(
         participant_sd=float(np.sqrt(fit.group_variance)),
         residual_sd=float(np.sqrt(fit.residual_variance)),
     )
+
+
+def _centred(rows: pd.DataFrame, covariate: str) -> dict[str, Floats]:
+    """Return a covariate without its mean, so that other effects are those at the mean."""
+    values = rows[covariate].to_numpy(dtype=np.float64)
+    return {covariate: values - values.mean()} if np.unique(values).size > 1 else {}
 
 
 def _columns(rows: pd.DataFrame, factor: str, reference: str | None) -> dict[str, Floats]:

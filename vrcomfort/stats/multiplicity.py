@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vrcomfort.stats.packages import pingouin, quiet
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -13,14 +15,12 @@ if TYPE_CHECKING:
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Return Holm's step-down adjusted p values (Holm 1979), in the order given.
 
-    A test that could not be made (None) stays None and does not count in the family.
+    A test that could not be made (None) stays None and does not count in the family. Computed by
+    pingouin, which does so too with NaN.
     """
-    made = [i for i, p in enumerate(p_values) if p is not None]
-    p = np.array([p_values[i] for i in made], dtype=np.float64)
-    order = np.argsort(p, kind="stable")
-    factors = np.arange(p.size, 0, -1)
-    stepped = np.minimum(1.0, np.maximum.accumulate(p[order] * factors))
-    adjusted: list[float | None] = [None] * len(p_values)
-    for place, value in zip(order, stepped, strict=True):
-        adjusted[made[place]] = float(value)
-    return adjusted
+    p = np.array([np.nan if each is None else each for each in p_values], dtype=np.float64)
+    if np.isfinite(p).sum() < 2:
+        return list(p_values)
+    with quiet():
+        _, adjusted = pingouin().multicomp(p, method="holm")
+    return [None if np.isnan(each) else float(each) for each in adjusted]

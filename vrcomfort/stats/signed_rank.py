@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 Zeros = Literal["pratt", "wilcox"]
 ShiftInterval = Literal["inverted_test", "order_statistics"]
+PValue = Literal["exact", "asymptotic"]
 
 EXACT_UP_TO = 500
 """Pairs up to which the exact distribution is computed: there a test with its intervals costs
@@ -47,7 +48,7 @@ class SignedRank:
     z: float | None
     """Tie-corrected, without continuity correction; None if every difference is zero."""
     p_exact: float | None
-    """None above `EXACT_UP_TO` pairs."""
+    """None above `EXACT_UP_TO` pairs, and where it was not asked for."""
     p_asymptotic: float
     shift: Shift | None
     """Zeros included with ``pratt``, dropped with ``wilcox``."""
@@ -103,6 +104,7 @@ def signed_rank(
     *,
     zeros: Zeros = "pratt",
     alternative: Alternative = "two-sided",
+    p_value: PValue = "exact",
     intervals: bool = True,
     shift_interval: ShiftInterval = "inverted_test",
     effect_interval: RankBiserialInterval = "normal_shift",
@@ -119,6 +121,8 @@ def signed_rank(
         Points of the questionnaire per integer step; used for the shift only.
     zeros
         ``pratt``: zeros are ranked, then dropped (Pratt 1959); ``wilcox``: dropped, then ranked.
+    p_value
+        ``exact``: up to `EXACT_UP_TO` pairs; ``asymptotic``: the normal approximation, always.
     intervals
         Without them `shift` and `effect` are None: the intervals cost dozens of tests.
     shift_interval
@@ -136,7 +140,8 @@ def signed_rank(
     values = np.asarray(differences, dtype=np.int64)
     sums = _Sums.of(values, zeros)
     nonzero = values[values != 0]
-    exact = sums.exact_p(alternative) if values.size <= EXACT_UP_TO else None
+    may = p_value == "exact" and values.size <= EXACT_UP_TO
+    exact = sums.exact_p(alternative) if may else None
     test = SignedRank(
         n=int(values.size),
         zeros=int(values.size - nonzero.size),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import stats
 
-from vrcomfort.stats.signed_rank import SignedRank, Zeros, signed_rank
+from vrcomfort.stats.signed_rank import PValue, SignedRank, Zeros, signed_rank
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ def worst_rank(
     *,
     zeros: Zeros = "pratt",
     alternative: Alternative = "two-sided",
+    p_value: PValue = "exact",
 ) -> SignedRank:
     """Repeat a signed-rank test with participants who could not be paired.
 
@@ -40,7 +41,9 @@ def worst_rank(
     signs = np.asarray(lost, dtype=np.int64)
     largest = int(np.max(np.abs(observed), initial=0))
     together = np.concatenate([observed, np.sign(signs) * (largest + 1)])
-    return signed_rank(together, zeros=zeros, alternative=alternative, intervals=False)
+    return signed_rank(
+        together, zeros=zeros, alternative=alternative, p_value=p_value, intervals=False
+    )
 
 
 def fisher_exact(counts: ArrayLike) -> float:

@@ -238,8 +238,24 @@ def counts(random: np.random.Generator) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["dataset", "went_a", "stayed_a", "went_b", "stayed_b"])
 
 
+def two_groupings(random: np.random.Generator) -> pd.DataFrame:
+    """People grouped twice, in cells of unequal size, each under three conditions."""
+    sizes = {("mono", "novice"): 5, ("mono", "expert"): 3, ("stereo", "novice"): 4,
+             ("stereo", "expert"): 7}  # fmt: skip
+    whose = [cell for cell, size in sizes.items() for _ in range(size)]
+    rows = []
+    for name, (view, skill) in zip(people(len(whose)), whose, strict=True):
+        level = random.normal(10 + 2 * (view == "mono") - 3 * (skill == "expert"), 3)
+        for k, condition in enumerate("abc"):
+            score = level + k * (1 + (view == "stereo")) + random.normal(0, 2)
+            rows.append(("unequal", name, view, skill, condition, round(score, 3)))
+    return pd.DataFrame(
+        rows, columns=["dataset", "participant", "view", "skill", "condition", "score"]
+    )
+
+
 def main() -> None:
-    makers = [pairs, crossovers, designs, blocks, exposures, p_values, counts]
+    makers = [pairs, crossovers, designs, blocks, exposures, p_values, counts, two_groupings]
     seeds = np.random.SeedSequence(SEED).spawn(len(makers))
     for make, seed in zip(makers, seeds, strict=True):
         table = make(np.random.default_rng(seed))

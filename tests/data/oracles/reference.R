@@ -73,11 +73,25 @@ rank_biserial_of <- function(...) {
   c(estimate = r$r_rank_biserial, low = r$CI_low, high = r$CI_high)
 }
 
+paired_t <- function(d) {
+  test <- t.test(d)
+  one_sided <- sapply(c("greater", "less"), function(side) t.test(d, alternative = side)$p.value)
+  c(
+    n = length(d), mean = mean(d), standard_error = test$stderr, df = unname(test$parameter),
+    t = unname(test$statistic), "p two-sided" = test$p.value,
+    setNames(one_sided, paste("p", names(one_sided))),
+    low = test$conf.int[1], high = test$conf.int[2],
+    greater_low = t.test(d, alternative = "greater")$conf.int[1],
+    cohen_dz = mean(d) / sd(d)
+  )
+}
+
 for (set in by_dataset("pairs.csv")) {
   name <- set$dataset[1]
   unit <- set$unit[1]
   whole <- set[complete.cases(set), ]
   d <- whole$a - whole$b
+  if (length(d) > 1 && sd(d) > 0) add("paired_t", name, paired_t(d * unit))
   add("signed_rank", name, c(n = length(d), zeros = sum(d == 0)))
   for (zeros in c("Pratt", "Wilcoxon")) {
     prefix <- c(Pratt = "pratt ", Wilcoxon = "wilcox ")[[zeros]]
@@ -251,6 +265,14 @@ for (set in by_dataset("designs.csv")) {
     strata <- ""
     out <- list()
   }
+  if (between && length(within)) {
+    second <- summary(Anova(model, idata = idata, idesign = design, type = 2), multivariate = FALSE)
+    second <- unclass(second$univariate.tests)[rownames(univariate), c(1, 5, 6)]
+    colnames(second) <- c("ss", "f", "p")
+    for (effect in rownames(second)) {
+      add("anova_type_ii", name, prefixed(paste0(gsub(":", " × ", effect), ": "), second[effect, ]))
+    }
+  }
   error <- sum(univariate[!duplicated(strata), "error_ss"])
   if (length(within) && !between) {  # the participants are an error term, too
     error <- error + ncol(wide) * sum((rowMeans(wide) - mean(wide))^2)
@@ -289,6 +311,27 @@ for (set in by_dataset("designs.csv")) {
     y ~ who + cell * group
   left <- residuals(lm(formula, long))
   add("anova", name, c(residual_squares = sum(left^2), residual_largest = max(abs(left))))
+}
+
+# --- Two groupings, of unequal sizes: types II and III ------------------------------------------
+for (set in by_dataset("two_groupings.csv")) {
+  wide <- tapply(set$score, list(set$participant, set$condition), identity)
+  first <- match(rownames(wide), set$participant)
+  people <- data.frame(view = factor(set$view[first]), skill = factor(set$skill[first]))
+  contrasts(people$view) <- contrasts(people$skill) <- contr.sum(2)
+  model <- lm(wide ~ view * skill, people)
+  idata <- data.frame(condition = factor(colnames(wide)))
+  for (type in c("II", "III")) {
+    table <- summary(Anova(model, idata = idata, idesign = ~condition, type = type),
+      multivariate = FALSE
+    )
+    table <- unclass(table$univariate.tests)[-1, ]
+    colnames(table) <- c("ss", "df", "error_ss", "df_error", "f", "p")
+    for (effect in rownames(table)) {
+      label <- sprintf("%s %s: ", type, gsub(":", " × ", effect))
+      add("two_groupings", set$dataset[1], prefixed(label, table[effect, ]))
+    }
+  }
 }
 
 # --- Friedman ---------------------------------------------------------------------------------

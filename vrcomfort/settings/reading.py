@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
 
 from vrcomfort.errors import InputError
 from vrcomfort.file_names import is_reserved
-from vrcomfort.protocol.hints import did_you_mean, fields_at, renamed, wrong_unit
-from vrcomfort.protocol.locate import Path as KeyPath
-from vrcomfort.protocol.locate import locate
+from vrcomfort.settings.hints import did_you_mean, fields_at, renamed, wrong_unit
+from vrcomfort.settings.locate import Path as KeyPath
+from vrcomfort.settings.locate import locate
 
 Model = TypeVar("Model", bound=BaseModel)
 
@@ -28,6 +28,12 @@ _PATTERNS = {
 }
 Name = Annotated[str, Field(pattern=_NAME)]
 Word = Annotated[str, Field(pattern=_WORD)]
+
+
+class Settings(BaseModel):
+    """A frozen table of a settings file; unknown keys are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
 @dataclass(frozen=True)

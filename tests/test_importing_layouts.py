@@ -1,0 +1,149 @@
+"""Files of other labs, in layouts that only a suggested mapping makes sense of."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from tests.support.layouts import ITEMS, LAYOUTS, Truth
+from tests.support.odd_layouts import ODD_LAYOUTS
+from vrcomfort.cli.app import app
+from vrcomfort.errors import InputError
+from vrcomfort.importing import import_files, load_mapping, write_study
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.suggest import suggest_mapping
+from vrcomfort.questionnaire import score, shipped_instruments
+from vrcomfort.report.study_data import read_study
+
+
+def answered(text: str) -> str:
+    """Answer every doubt of a mapping: what is assumed is right."""
+    return text.replace('answer = ""', 'answer = "yes"')
+
+
+def answers_of(imported: Imported) -> Truth:
+    return {
+        (m.participant, m.condition, m.timepoint): tuple(
+            _code(sheet.answers.get(item)) for item in ITEMS
+        )
+        for (_, m), sheet in imported.sheets.items()
+    }
+
+
+ALL = {**LAYOUTS, **ODD_LAYOUTS}
+
+
+def _code(answer: float | None) -> int:
+    return -1 if answer is None else int(answer)
+
+
+@pytest.fixture(params=ALL)
+def layout(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[list[Path], Truth]:
+    folder = tmp_path / "lab"
+    folder.mkdir()
+    return ALL[request.param](folder)
+
+
+def test_suggested_mapping_reads_every_answer(
+    layout: tuple[list[Path], Truth], tmp_path: Path
+) -> None:
+    files, truth = layout
+    file = tmp_path / "map.toml"
+    file.write_text(answered(suggest_mapping(files).text), encoding="utf-8")
+    mapping = load_mapping(file)
+    imported = import_files(files, mapping.mapping)
+    assert answers_of(imported) == truth
+    study = tmp_path / "study"
+    write_study(study, imported, mapping, files)
+    read = {
+        (s.participant, s.condition, s.timepoint): tuple(_code(s.answers[i]) for i in ITEMS)
+        for s in read_study(study).sheets
+    }
+    assert read == truth
+
+
+@pytest.mark.parametrize("name", ["limesurvey", "headerless", "long_numbers", "misspelt"])
+def test_open_doubts_are_refused_by_name(name: str, tmp_path: Path) -> None:
+    files, _ = LAYOUTS[name](tmp_path)
+    suggested = suggest_mapping(files)
+    assert suggested.doubts
+    file = tmp_path / "map.toml"
+    file.write_text(suggested.text, encoding="utf-8")
+    with pytest.raises(InputError, match="open in this mapping") as refusal:
+        load_mapping(file)
+    for question in re.findall(r'^question = "(.*)"$', suggested.text, re.MULTILINE):
+        assert question.replace('\\"', '"') in str(refusal.value)
+
+
+DOUBTS = {
+    "limesurvey": ["answers 1 to 4 in place of 0 to 3", "in the published order"],
+    "headerless": ["no headings", "tell participants apart", "the condition", "published order"],
+    "named_files": ["names of the files"],
+    "long_numbers": ["published order", "IPQ"],
+    "misspelt": ["salivaton", "Fullnes of head", "Stomach awarness", "Diff. concentrating"],
+    "melted": ["Which moments are T0, T1?"],
+    "asked_twice": ["asked twice in a row"],
+    "with_codes": ["999"],
+    "side_by_side": ["side by side"],
+    "baseline_once": ["'baseline' in 'Phase'"],
+    "name_once": ["blank cells of 'Participant'"],
+    "item_called_otherwise": ["'Nausea' is exactly the sum of"],
+    "from_one_without_the_highest": ["None of 320 answers is 0"],
+    "excel_sheets": ["names of the sheets", "'Mean'", "Notes"],
+}
+
+
+@pytest.mark.parametrize("name", DOUBTS)
+def test_what_is_not_certain_is_asked(name: str, tmp_path: Path) -> None:
+    files, _ = ALL[name](tmp_path)
+    doubts = suggest_mapping(files).doubts
+    for words in DOUBTS[name]:
+        assert any(words in doubt for doubt in doubts), words
+
+
+def test_every_column_is_mapped_or_ignored(tmp_path: Path) -> None:
+    files, _ = LAYOUTS["qualtrics"](tmp_path)
+    text = answered(suggest_mapping(files).text)
+    assert "StartDate" in text
+    file = tmp_path / "map.toml"
+    file.write_text(text.replace('"StartDate", ', ""), encoding="utf-8")
+    with pytest.raises(InputError, match="'StartDate': is neither mapped nor listed under ignore"):
+        import_files(files, load_mapping(file).mapping)
+
+
+def test_command_line_from_files_to_report(tmp_path: Path) -> None:
+    files, truth = LAYOUTS["spss_wide"](tmp_path)
+    run = CliRunner()
+    mapping, study, report = (tmp_path / name for name in ("map.toml", "study", "report"))
+    suggested = run.invoke(app, ["import", str(files[0]), "--suggest", "--out", str(mapping)])
+    assert suggested.exit_code == 0, suggested.output
+    assert "10 participants, 2 conditions" in suggested.stdout
+    mapping.write_text(answered(mapping.read_text("utf-8")), encoding="utf-8")
+    made = run.invoke(
+        app, ["import", str(files[0]), "--mapping", str(mapping), "--out", str(study)]
+    )
+    assert made.exit_code == 0, made.output
+    assert (study / "questionnaires.csv").read_text().count("\n") == 1 + 16 * len(truth)
+    assert (study / "participants.csv").read_text().splitlines()[:2] == [
+        "participant,sequence,status,enrolled_at,note,age,sex,group",
+        "P01,,enrolled,,,20,f,A",
+    ]
+    shown = run.invoke(app, ["report", str(study), "--out", str(report), "--quiet"])
+    assert shown.exit_code == 0, shown.output
+    assert (report / "index.html").exists()
+
+
+def test_real_answers_in_words_give_the_scores_that_are_known() -> None:
+    file = Path("tests/data/vrsq/answers.csv")
+    suggested = suggest_mapping([file])
+    assert any("Items of VRSQ are items of SSQ, too" in doubt for doubt in suggested.doubts)
+    imported = suggested.imported
+    assert imported is not None
+    vrsq = shipped_instruments()["vrsq"]
+    scores = [score(vrsq, sheet.answers) for sheet in imported.sheets.values()]
+    points = [[found[name].points for name in ("O", "D", "T")] for found in scores]
+    means = [sum(column) / len(points) for column in zip(*points, strict=True)]
+    assert means == pytest.approx([15.5556, 7.1111, 11.3333], abs=5e-5)

@@ -1,0 +1,228 @@
+"""Finds the columns that a mapping means in one table, and sees that none is left unsaid."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+from vrcomfort.importing.mapping import FACTS, Questionnaire, Scores, Table, template_pattern
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.questionnaire import Instrument, plain
+from vrcomfort.settings import did_you_mean
+
+
+@dataclass(frozen=True)
+class Block:
+    """Columns of one questionnaire (or of its scores) of one moment.
+
+    Parameters
+    ----------
+    facts
+        What the heading and the mapping say of the moment.
+    columns
+        Index of the column → item (or scale).
+    item_column, response_column, time_column
+        Indices, in long tables.
+    words
+        In long tables, text in the item column → item.
+    where
+        Index of a column → texts that a row has to have there.
+    """
+
+    source: Questionnaire | Scores
+    instrument: Instrument
+    facts: dict[str, str]
+    columns: dict[int, str]
+    item_column: int | None
+    response_column: int | None
+    time_column: int | None
+    words: dict[str, str]
+    where: dict[int, tuple[str, ...]]
+
+
+class Columns:
+    """The columns of a table, by what the mapping says of them."""
+
+    def __init__(self, table: SourceTable, mapping: Table, known: Mapping[str, Instrument]) -> None:
+        self._table = table
+        self._known = known
+        self._index = {heading: index for index, heading in enumerate(table.headings)}
+        self._mapping = mapping
+        self._used: dict[int, str] = {}
+        self.facts = {
+            name: [self.index(c, f"{name}") for c in columns]
+            for name in FACTS
+            if (columns := _columns_of(mapping, name))
+        }
+        self.participants = {
+            name: self.index(column, f"participants.{name}")
+            for name, column in mapping.participants.items()
+        }
+        self.leave_out = {
+            self.index(column, "leave_out"): _texts(texts)
+            for column, texts in mapping.leave_out.items()
+        }
+        self.blocks = [b for each in mapping.questionnaires for b in self._blocks(each)]
+        self.scores = [block for each in mapping.scores for block in self._blocks(each)]
+        self._ignore()
+
+    def index(self, heading: str, key: str) -> int:
+        """Return where a column stands, and note what it is used for."""
+        name = " ".join(heading.split())
+        if name not in self._index:
+            near = get_close_matches(name, self._index, n=1, cutoff=0.6)
+            hint = f"; did you mean `{near[0]}`?" if near else ""
+            message = f"the mapping's {key} names a column that is not there{hint}"
+            raise self._table.fault(message, column=heading)
+        self._used.setdefault(self._index[name], key)
+        return self._index[name]
+
+    def _instrument(self, name: str) -> Instrument:
+        if name not in self._known:
+            hint = did_you_mean(name, self._known)
+            raise self._table.fault(f"there is no instrument {name!r} in vrcomfort; {hint}")
+        return self._known[name]
+
+    def _take(self, index: int, what: str) -> None:
+        """Note that a column holds answers, which no other questionnaire may take."""
+        if index in self._used:
+            message = f"is taken twice, for {self._used[index]} and for {what}; keep one"
+            raise self._table.fault(message, column=index)
+        self._used[index] = what
+
+    def _blocks(self, source: Questionnaire | Scores) -> list[Block]:
+        instrument = self._instrument(source.instrument)
+        where = {
+            self.index(column, "where"): _texts(texts) for column, texts in source.where.items()
+        }
+        if isinstance(source, Questionnaire) and source.item_column is not None:
+            return [self._long_block(source, instrument, where)]
+        pieces = self._pieces(source, instrument)
+        pattern = re.compile(source.pattern) if source.pattern else template_pattern(source.heading)
+        found: dict[tuple[tuple[str, str], ...], dict[int, str]] = {}
+        for index, heading in enumerate(self._table.headings):
+            match = pattern.fullmatch(heading)
+            if match is None:
+                continue
+            captured = match.groupdict()
+            item = pieces(captured.pop("item"))
+            if item is None:
+                continue
+            facts = {name: text for name, text in captured.items() if text is not None}
+            columns = found.setdefault(tuple(sorted(facts.items())), {})
+            if item in columns.values():
+                other = next(i for i, each in columns.items() if each == item)
+                message = f"is a second column for {item}, beside {self._table.headings[other]!r}"
+                raise self._table.fault(f"{message}; keep one", column=index)
+            self._take(index, f"{instrument.name} {item}")
+            columns[index] = item
+        time = getattr(source, "time", None)
+        time_column = self.index(time, "time") if time else None
+        self._require_items(source, instrument, found)
+        return [
+            Block(
+                source, instrument, {**dict(facts), **source.constants}, columns,
+                None, None, time_column, {}, where,
+            )
+            for facts, columns in found.items()
+        ]  # fmt: skip
+
+    def _long_block(
+        self, source: Questionnaire, instrument: Instrument, where: dict[int, tuple[str, ...]]
+    ) -> Block:
+        item_column = self.index(source.item_column or "", "item_column")
+        response_column = self.index(source.response_column or "", "response_column")
+        texts = dict.fromkeys(self._table.column(item_column))
+        pieces = self._pieces(source, instrument)
+        words = {text: item for text in texts if (item := pieces(text)) is not None}
+        time_column = self.index(source.time, "time") if source.time else None
+        return Block(
+            source, instrument, source.constants, {},
+            item_column, response_column, time_column, words, where,
+        )  # fmt: skip
+
+    def _pieces(self, source: Questionnaire | Scores, instrument: Instrument) -> _Pieces:
+        if isinstance(source, Scores):
+            return _Pieces({name: (piece,) for name, piece in source.scales.items()}, None)
+        known = {item.name for item in instrument.items}
+        for item in (*source.items, *source.not_asked, *source.item_coding):
+            if item not in known:
+                near = instrument.nearest(item)
+                hint = f"; did you mean `{near}`?" if near else ""
+                message = f"the mapping names `{item}`, which is no item of {instrument.name}{hint}"
+                raise self._table.fault(message)
+        items = {item: _texts(texts) for item, texts in source.items.items()}
+        return _Pieces(items, None if items else instrument)
+
+    def _require_items(
+        self,
+        source: Questionnaire | Scores,
+        instrument: Instrument,
+        found: Mapping[tuple[tuple[str, str], ...], dict[int, str]],
+    ) -> None:
+        """Raise `InputError` where a questionnaire lacks items that it does not say it lacks."""
+        said = source.scales if isinstance(source, Scores) else source.items
+        if not found:
+            shown = source.pattern or source.heading
+            message = f"no heading is made as the mapping's {shown!r} has it, for"
+            raise self._table.fault(f"{message} {instrument.name}")
+        for facts, columns in found.items():
+            moment = ", ".join(text for _, text in facts) or instrument.name
+            absent = [name for name in said if name not in columns.values()]
+            if absent:
+                raise self._table.fault(f"there is no column for {absent[0]} of {moment}")
+            if isinstance(source, Questionnaire):
+                silent = [
+                    item.name
+                    for item in instrument.asked
+                    if item.name not in columns.values() and item.name not in source.not_asked
+                ]
+                if silent:
+                    names = ", ".join(silent)
+                    message = f"{moment} has no column for {names}; give them under items, or"
+                    raise self._table.fault(f"{message} under not_asked if they were not asked")
+
+    def _ignore(self) -> None:
+        """See that every column is said something of."""
+        for heading in self._mapping.ignore:
+            name = " ".join(heading.split())
+            index = self._index.get(name)
+            if index is None:
+                continue  # another file of the table may have it
+            if index in self._used:
+                message = f"is both ignored and taken for {self._used[index]}; keep one"
+                raise self._table.fault(message, column=index)
+            self._used[index] = "ignore"
+        unsaid = [h for i, h in enumerate(self._table.headings) if i not in self._used]
+        if unsaid:
+            others = f" (and {', '.join(unsaid[1:])})" if unsaid[1:] else ""
+            message = f"is neither mapped nor listed under ignore{others}; say what it is"
+            raise self._table.fault(message, column=unsaid[0])
+
+
+class _Pieces:
+    """Which item a piece of a heading (or a text of a long file) means."""
+
+    def __init__(self, items: Mapping[str, tuple[str, ...]], instrument: Instrument | None) -> None:
+        self._exact = {" ".join(t.split()): item for item, texts in items.items() for t in texts}
+        self._plain = {plain(text): item for text, item in self._exact.items() if plain(text)}
+        self._instrument = instrument
+
+    def __call__(self, piece: str) -> str | None:
+        """Return the item, or None."""
+        text = " ".join(piece.split())
+        if self._instrument is not None:
+            found = self._instrument.item(text)
+            return found.name if found else None
+        return self._exact.get(text) or self._plain.get(plain(text))
+
+
+def _columns_of(mapping: Table, fact: str) -> tuple[str, ...]:
+    found = mapping.fact(fact)
+    return (found.column,) if found.column is not None else found.columns
+
+
+def _texts(texts: str | Iterable[str]) -> tuple[str, ...]:
+    return (texts,) if isinstance(texts, str) else tuple(texts)

@@ -1,0 +1,320 @@
+"""The mapping: what each column of a lab's files means. Written in TOML, checked here."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from vrcomfort.errors import InputError
+from vrcomfort.importing.source import Reading
+from vrcomfort.questionnaire import Instrument, find_instrument
+from vrcomfort.settings import Problem, Settings, first_problem, parse_settings, read_text
+
+FACTS = ("participant", "session", "period", "block", "trial", "condition", "scene", "timepoint")
+"""What is known of a questionnaire beside its answers."""
+
+ScoreKind = Literal["score", "raw_sum", "other"]
+Texts = str | tuple[str, ...]
+
+
+class Fact(Settings):
+    """Where a fact comes from."""
+
+    column: str | None = None
+    columns: tuple[str, ...] = ()
+    """Several columns that together say it; their texts are joined by ``_``."""
+    constant: str | None = None
+    """The same for all rows."""
+    values: dict[str, str] = Field(default_factory=dict)
+    """The file's word → ours. Where there are any, all words of the file must be here; but
+    participants who are not here keep their names."""
+    count: bool = False
+    """Number what is met, from 1 for each participant, in the order of the rows: the different
+    texts of the column, or (without one) each exposure. For participants: number the rows."""
+
+
+class Read(Settings):
+    """How the files are read; what is left out is found out, and said."""
+
+    encoding: str | None = None
+    separator: str | None = None
+    decimal: Literal[".", ","] | None = None
+    heading_rows: tuple[Annotated[int, Field(ge=0)], ...] | None = None
+    skip_rows: tuple[Annotated[int, Field(ge=0)], ...] = ()
+    transpose: bool = False
+    """Participants stand side by side, items one below the other."""
+
+    @property
+    def reading(self) -> Reading:
+        """Return the same for the readers."""
+        return Reading(
+            self.encoding,
+            self.separator,
+            self.decimal,
+            self.heading_rows,
+            self.skip_rows,
+            self.transpose,
+        )
+
+
+class AnswerCoding(Settings):
+    """How answers stand in the file."""
+
+    answers: dict[str, int | float] = Field(default_factory=dict)
+    """The file's word → the number of the instrument."""
+    coded_from: int | None = None
+    """The number that stands for the lowest answer, where that is not the instrument's own."""
+    times: Annotated[float, Field(gt=0)] | None = None
+    """What the file's numbers are multiplied by: 5 for marks of 0 to 20 in place of 0 to 100."""
+    missing: tuple[str, ...] = ()
+    """Texts that mean that there is no answer, beside the blank."""
+
+
+class _Columns(Settings):
+    """What questionnaires and scores share: which headings are theirs, and what they say."""
+
+    instrument: str
+    heading: str = "{item}"
+    """How headings are made: ``{condition}_{item}``; ``{*}`` is anything."""
+    pattern: str = ""
+    """A regular expression instead, with named groups: ``(?P<condition>A|B)_(?P<item>.+)``."""
+    participant: str | None = None
+    session: str | None = None
+    period: str | None = None
+    block: str | None = None
+    trial: str | None = None
+    condition: str | None = None
+    scene: str | None = None
+    timepoint: str | None = None
+    where: dict[str, Texts] = Field(default_factory=dict)
+    """Column → text (or texts) that a row has to have there."""
+
+    @property
+    def constants(self) -> dict[str, str]:
+        """Return the facts that are said here."""
+        said = {fact: getattr(self, fact) for fact in FACTS}
+        return {fact: text for fact, text in said.items() if text is not None}
+
+
+class Questionnaire(_Columns, AnswerCoding):
+    """One questionnaire, or several whose headings are made alike."""
+
+    items: dict[str, Texts] = Field(default_factory=dict)
+    """Item → what stands for ``{item}`` in its heading (in long files: in `item_column`). Without
+    any: items by their own names."""
+    item_column: str | None = None
+    """Long files: the column that says which item a row answers."""
+    response_column: str | None = None
+    """Long files: the column of the answers."""
+    not_asked: tuple[str, ...] = ()
+    """Items that the lab left out by design."""
+    item_coding: dict[str, AnswerCoding] = Field(default_factory=dict)
+    """Item → how its answers stand in the file, where they differ from the others'."""
+    time: str | None = None
+    """For ratings during exposure: the column of the seconds since its start."""
+
+
+class Scores(_Columns):
+    """Scores, or raw sums, of an instrument whose answers are not there."""
+
+    scales: Annotated[dict[str, str], Field(min_length=1)]
+    """Scale → what stands for ``{item}`` in its heading."""
+    kind: ScoreKind = "score"
+    """`other`: of another formula; taken as they are, on no known range."""
+
+
+class Table(Settings):
+    """Files (or sheets) whose columns mean the same."""
+
+    files: Annotated[tuple[str, ...], Field(min_length=1)]
+    """Names of files; ``*`` and ``?`` as in a terminal."""
+    sheets: tuple[str, ...] = ("*",)
+    file_name: str = ""
+    """How the file's name (without its ending) is made: ``{participant}_{condition}``."""
+    sheet_name: str = ""
+    """How the sheet's name is made."""
+    read: Read = Field(default_factory=Read)
+    participant: Fact = Field(default_factory=Fact)
+    session: Fact = Field(default_factory=Fact)
+    period: Fact = Field(default_factory=Fact)
+    block: Fact = Field(default_factory=Fact)
+    trial: Fact = Field(default_factory=Fact)
+    condition: Fact = Field(default_factory=Fact)
+    scene: Fact = Field(default_factory=Fact)
+    timepoint: Fact = Field(default_factory=Fact)
+    questionnaires: tuple[Questionnaire, ...] = ()
+    scores: tuple[Scores, ...] = ()
+    participants: dict[str, str] = Field(default_factory=dict)
+    """Name in participants.csv → column: age, sex, group, sequence …"""
+    missing: tuple[str, ...] = ()
+    """Texts that mean missing in every column."""
+    fill_down: tuple[str, ...] = ()
+    """Columns in which a blank cell means what the cell above it says."""
+    leave_out: dict[str, Texts] = Field(default_factory=dict)
+    """Column → texts: rows that have one of them there are no participant's (means, totals)."""
+    ignore: tuple[str, ...] = ()
+    """Columns that are not taken; every other one has to be said something of."""
+
+    def fact(self, name: str) -> Fact:
+        """Return where a fact comes from."""
+        found: Fact = getattr(self, name)
+        return found
+
+
+class Doubt(Settings):
+    """A question that the files do not answer."""
+
+    question: str
+    assumed: str = ""
+    """What the mapping now says."""
+    answer: str = ""
+    """Written by a person; the mapping is refused until there is one."""
+
+
+class Mapping(Settings):
+    """What the files of a study mean."""
+
+    format_version: Literal[1]
+    name: str = ""
+    """The study's title."""
+    condition_labels: dict[str, str] = Field(default_factory=dict)
+    """Condition → label in the report, in the order in which they are to stand there."""
+    instruments: tuple[str, ...] = ()
+    """A lab's own instruments: their TOML files, beside the mapping."""
+    ignore_sheets: tuple[str, ...] = ()
+    tables: Annotated[tuple[Table, ...], Field(min_length=1)]
+    doubts: tuple[Doubt, ...] = ()
+
+
+@dataclass(frozen=True)
+class MappingFile:
+    """A mapping, the text that it was read from, and the instruments that it brings."""
+
+    mapping: Mapping
+    file: Path
+    text: str
+    instruments: tuple[Instrument, ...] = ()
+
+    @property
+    def sha256(self) -> str:
+        """Return the hash of the text."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+
+def load_mapping(file: Path) -> MappingFile:
+    """Read a mapping whose doubts are all answered.
+
+    Raises
+    ------
+    InputError
+        If it is missing or wrong, or a doubt is open; with line and column.
+    """
+    text = read_text(file, "mapping")
+    mapping = parse_mapping(text, file)
+    open_doubts = [doubt for doubt in mapping.doubts if not doubt.answer.strip()]
+    if open_doubts:
+        shown = "; ".join(f"({n}) {d.question}" for n, d in enumerate(open_doubts, start=1))
+        count = "a doubt is" if len(open_doubts) == 1 else f"{len(open_doubts)} doubts are"
+        message = f"{count} open in this mapping: {shown} - mend what is wrong, and then write"
+        raise InputError(f'{message} an answer = "…" in each [[doubts]]', file=file)
+    own = tuple(find_instrument(name, beside=file.parent) for name in mapping.instruments)
+    return MappingFile(mapping, file, text, own)
+
+
+def parse_mapping(text: str, file: Path | None) -> Mapping:
+    """Read the text of a mapping, whose doubts may be open.
+
+    Raises
+    ------
+    InputError
+        If it is wrong, with line and column.
+    """
+    mapping = parse_settings(Mapping, text, file)
+    if found := list(_problems(mapping)):
+        raise first_problem(found, text, file)
+    return mapping
+
+
+def _problems(mapping: Mapping) -> Iterator[Problem]:
+    """Yield what the types cannot say."""
+    for place, table in enumerate(mapping.tables):
+        here: tuple[str | int, ...] = ("tables", place)
+        for name in FACTS:
+            fact = table.fact(name)
+            ways = [fact.column is not None, bool(fact.columns), fact.constant is not None]
+            if sum(ways) > 1:
+                message = f"`{name}` has more than one of column, columns and constant; keep one"
+                yield Problem((*here, name), message)
+            if fact.count and name not in {"participant", "session", "period", "block", "trial"}:
+                message = f"`{name}` cannot be counted; trial and session can"
+                yield Problem((*here, name, "count"), message)
+        if "participant" in table.participants:
+            message = "`participant` is a fact; write it beside [tables.participants]"
+            yield Problem((*here, "participants", "participant"), message)
+        if not (table.questionnaires or table.scores or table.participants):
+            message = "this table gives nothing: no questionnaires, scores or participants"
+            yield Problem(here, message)
+        for index, each in enumerate(table.questionnaires):
+            yield from _problems_of(each, (*here, "questionnaires", index))
+        for index, scores in enumerate(table.scores):
+            yield from _pattern_problems(scores, (*here, "scores", index))
+
+
+def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[Problem]:
+    if (each.item_column is None) != (each.response_column is None):
+        message = "item_column and response_column go together; write both"
+        yield Problem(here, message)
+    if each.item_column is not None and (each.pattern or each.heading != "{item}"):
+        yield Problem(here, "a long questionnaire has item_column, and no heading or pattern")
+    yield from _pattern_problems(each, here)
+
+
+def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[Problem]:
+    if each.pattern:
+        try:
+            names = set(re.compile(each.pattern).groupindex)
+        except re.error as error:
+            message = f"`pattern` is no regular expression: {error}"
+            yield Problem((*here, "pattern"), message)
+            return
+    else:
+        names = set(placeholders(each.heading))
+    if "item" not in names:
+        key = "pattern" if each.pattern else "heading"
+        wanted = "(?P<item>...)" if each.pattern else "{item}"
+        yield Problem((*here, key), f"`{key}` needs {wanted}")
+    for unknown in sorted(names - {*FACTS, "item", "*"}):
+        known = ", ".join(FACTS)
+        yield Problem(here, f"`{unknown}` is no fact; there are item, {known}")
+
+
+_PLACEHOLDER = re.compile(r"\{(\*|[a-z]+)\}")
+
+
+def placeholders(template: str) -> list[str]:
+    """Return the names in the braces of a template."""
+    return _PLACEHOLDER.findall(template)
+
+
+def template_pattern(template: str) -> re.Pattern[str]:
+    """Return the regular expression that a template means; whole texts are matched with it."""
+    parts = _PLACEHOLDER.split(template)
+    seen: set[str] = set()
+    out = []
+    for place, part in enumerate(parts):
+        if place % 2 == 0:
+            out.append(re.escape(part))
+        elif part == "*":
+            out.append(".*?")
+        elif part in seen:
+            out.append(f"(?P={part})")
+        else:
+            seen.add(part)
+            out.append(f"(?P<{part}>.+?)")
+    return re.compile("".join(out), re.DOTALL)

@@ -1,0 +1,79 @@
+"""Shows in a few lines what an import makes of the files."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+
+from vrcomfort.importing.rows import Imported, Moment
+
+FIRST = 8
+
+
+def preview(imported: Imported) -> list[str]:
+    """Return the first rows as they are imported, counts, and what is missing; one line each."""
+    return [*_first_rows(imported), "", *_counts(imported), *_missing(imported)]
+
+
+def _first_rows(imported: Imported) -> list[str]:
+    sheets = list(imported.sheets.items())[:FIRST]
+    rows = [
+        [*_shown(m), instrument, " ".join(map(_cell, sheet.answers.values()))]
+        for (instrument, m), sheet in sheets
+    ]
+    rows += [
+        [*_shown(r.moment), r.instrument, f"{_cell(r.response)} at {r.onset_s:g} s"]
+        for r in imported.ratings[: max(0, FIRST - len(rows))]
+    ]
+    heading = ["participant", "session", "trial", "condition", "timepoint", "instrument", "answers"]
+    return aligned([heading, *rows])
+
+
+def _shown(m: Moment) -> list[str]:
+    return [m.participant, m.session, m.trial or m.period, m.condition, m.timepoint]
+
+
+def _cell(value: float | None) -> str:
+    return "." if value is None else f"{value:g}"
+
+
+def aligned(rows: list[list[str]]) -> list[str]:
+    """Return the lines of a table; columns without a single text are left out."""
+    kept = [i for i in range(len(rows[0])) if any(row[i] for row in rows[1:])]
+    widths = {i: max(len(row[i]) for row in rows) for i in kept}
+    return ["  ".join(row[i].ljust(widths[i]) for i in kept).rstrip() for row in rows]
+
+
+def _counts(imported: Imported) -> list[str]:
+    people: dict[tuple[str, ...], set[str]] = defaultdict(set)
+    what: Counter[tuple[str, ...]] = Counter()
+    for (instrument, m), sheet in imported.sheets.items():
+        key = (instrument, m.condition or "(no condition)", m.timepoint)
+        people[key].add(m.participant)
+        what[key] += 1
+        what["items", *key] = max(what["items", *key], len(sheet.answers))
+    lines = [
+        f"{key[0]}: {key[1]}, {key[2]}: {len(found)} participants, {what[key]} questionnaires, "
+        f"{what['items', *key]} {'scores' if key[0] in imported.scores else 'items'}"
+        for key, found in people.items()
+    ]
+    rated = Counter((r.instrument, r.moment.condition) for r in imported.ratings)
+    lines += [
+        f"{name}: {condition}: {count} ratings during exposure"
+        for (name, condition), count in rated.items()
+    ]
+    total = f"{len(imported.participants)} participants, {len(imported.conditions)} conditions"
+    names = ", ".join(imported.covariates)
+    return [total + (f"; known of participants: {names}" if names else ""), *lines]
+
+
+def _missing(imported: Imported) -> list[str]:
+    absent = Counter(
+        (instrument, item)
+        for (instrument, _), sheet in imported.sheets.items()
+        for item, answer in sheet.answers.items()
+        if answer is None
+    )
+    lines = [f"missing: {n} answers to {item} ({name})" for (name, item), n in absent.items()]
+    for name, items in imported.not_asked.items():
+        lines.append(f"not asked: {', '.join(items)} ({name})")
+    return lines or ["missing: none"]

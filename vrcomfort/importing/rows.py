@@ -1,0 +1,105 @@
+"""What an import makes of a lab's files, before it is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from vrcomfort.questionnaire import Answer, Instrument
+
+
+class Moment(NamedTuple):
+    """Whose a questionnaire is, and when it was asked; blank where that is not said."""
+
+    participant: str
+    session: str
+    period: str
+    block: str
+    trial: str
+    condition: str
+    scene: str
+    timepoint: str
+
+    @property
+    def words(self) -> str:
+        """Return the moment for people."""
+        parts = [self.participant, f"session {self.session}" if self.session else ""]
+        parts += [f"exposure {self.trial}" if self.trial else "", self.condition]
+        parts += [self.scene, self.timepoint]
+        return ", ".join(part for part in parts if part)
+
+
+class Place(NamedTuple):
+    """Where a row came from."""
+
+    file: str
+    sheet: str
+    row: int
+
+    def __str__(self) -> str:
+        sheet = f", sheet {self.sheet}" if self.sheet else ""
+        return f"{self.file}{sheet}, row {self.row}"
+
+
+@dataclass
+class Sheet:
+    """The answers to one questionnaire at one moment."""
+
+    place: Place
+    answers: dict[str, Answer | None] = field(default_factory=dict)
+
+
+class Rating(NamedTuple):
+    """One rating during exposure; None where it was missed."""
+
+    moment: Moment
+    instrument: str
+    onset_s: float
+    response: Answer | None
+
+
+@dataclass
+class Imported:
+    """Everything that the files gave.
+
+    Parameters
+    ----------
+    sheets
+        (instrument, moment) → answers, in the order of the files.
+    participants
+        Participant → covariate → text, in the order in which they were met.
+    instruments
+        Those that the answers need and that are not shipped, by name.
+    scores
+        Names of those among them that stand for scores without answers.
+    not_asked
+        Instrument → items that the mapping says were left out by design.
+    notes
+        What the user should know, one sentence each.
+    """
+
+    sheets: dict[tuple[str, Moment], Sheet] = field(default_factory=dict)
+    ratings: list[Rating] = field(default_factory=list)
+    participants: dict[str, dict[str, str]] = field(default_factory=dict)
+    instruments: dict[str, Instrument] = field(default_factory=dict)
+    scores: list[str] = field(default_factory=list)
+    not_asked: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def conditions(self) -> list[str]:
+        """Return the conditions in the order in which they were met."""
+        moments = [moment for _, moment in self.sheets]
+        moments += [rating.moment for rating in self.ratings]
+        return list(dict.fromkeys(m.condition for m in moments if m.condition))
+
+    @property
+    def covariates(self) -> list[str]:
+        """Return the names of what is known of participants."""
+        return list(dict.fromkeys(name for each in self.participants.values() for name in each))
+
+
+def moment_of(facts: Mapping[str, str]) -> Moment:
+    """Return a moment of what is said of it; the rest is blank."""
+    return Moment(*(facts.get(name, "") for name in Moment._fields))

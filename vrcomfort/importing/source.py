@@ -1,0 +1,126 @@
+"""A table as a lab's file has it: headings, text cells, and the row that each came from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+from vrcomfort.errors import InputError
+
+
+class Reading(NamedTuple):
+    """How a file is read; what is None (or blank) is found out, and said.
+
+    Parameters
+    ----------
+    encoding
+        Of a text file: any name that Python knows.
+    separator
+        Between the columns of a text file.
+    decimal
+        ``.`` or ``,``.
+    heading_rows
+        Rows that make up the heading, counted from 1 as spreadsheets do; none where columns have
+        no names.
+    skip_rows
+        Rows that hold no data, such as the question texts below a heading.
+    transpose
+        Participants stand side by side: columns are read as rows, and numbered as such.
+    """
+
+    encoding: str | None = None
+    separator: str | None = None
+    decimal: str | None = None
+    heading_rows: tuple[int, ...] | None = None
+    skip_rows: tuple[int, ...] = ()
+    transpose: bool = False
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Cells of one sheet before anything is known of them; `numbers` are their rows from 1.
+
+    Parameters
+    ----------
+    reading
+        How it was read, with everything that was found out.
+    notes
+        What was found out that the user should know, one sentence each.
+    named
+        Whether the first row holds names for certain, as in JSON.
+    """
+
+    file: Path
+    sheet: str
+    rows: tuple[tuple[str, ...], ...]
+    numbers: tuple[int, ...]
+    reading: Reading
+    notes: tuple[str, ...] = ()
+    named: bool = False
+
+
+@dataclass(frozen=True)
+class SourceTable:
+    """A table with headings.
+
+    Parameters
+    ----------
+    headings
+        One different name for each column.
+    labels
+        What skipped rows above the data say of each column, such as the text of its question.
+    rows, numbers
+        Text cells, all as many as headings, without spaces around them; and their row numbers.
+    reading
+        How it was read.
+    """
+
+    file: Path
+    sheet: str
+    headings: tuple[str, ...]
+    labels: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    numbers: tuple[int, ...]
+    reading: Reading
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def name(self) -> str:
+        """Return file and sheet, for people."""
+        return f"{self.file.name}, sheet {self.sheet}" if self.sheet else self.file.name
+
+    def column(self, index: int) -> list[str]:
+        """Return the cells of a column."""
+        return [row[index] for row in self.rows]
+
+    def fault(
+        self, message: str, row: int | None = None, column: int | str | None = None
+    ) -> InputError:
+        """Return the error of a row (as numbered in the file), a column, or a cell."""
+        heading = self.headings[column] if isinstance(column, int) else column
+        place = [f"sheet {self.sheet}"] if self.sheet else []
+        place += [f"row {row}"] if row is not None else []
+        place += [f"column {heading!r}"] if heading is not None else []
+        place_text = ", ".join([str(self.file), *place])
+        return InputError(f"{place_text}: {message}")
+
+
+def unique(headings: Sequence[str]) -> tuple[str, ...]:
+    """Name columns that share a heading ``Nausea``, ``Nausea (2)`` …; blank ones by their place."""
+    seen: dict[str, int] = {}
+    found = []
+    taken = set(headings)
+    for place, heading in enumerate(headings, start=1):
+        name = heading or f"column {place}"
+        seen[name] = seen.get(name, 0) + 1
+        if seen[name] > 1:
+            other = f"{name} ({seen[name]})"
+            while other in taken:
+                seen[name] += 1
+                other = f"{name} ({seen[name]})"
+            name = other
+            taken.add(name)
+        found.append(name)
+    return tuple(found)

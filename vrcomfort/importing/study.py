@@ -1,0 +1,171 @@
+"""Writes what was imported as a study folder, and where all of it came from."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+from vrcomfort import __version__
+from vrcomfort.errors import InputError, spare
+from vrcomfort.importing.mapping import MappingFile
+from vrcomfort.importing.rows import Imported
+from vrcomfort.questionnaire import FOLDER
+from vrcomfort.records.disk import OWNER, make_folders, replace_text
+from vrcomfort.records.names import check_study
+from vrcomfort.records.rows import (
+    Cell,
+    ParticipantRow,
+    QuestionnaireRow,
+    RatingRow,
+    cell_text,
+    csv_line,
+)
+from vrcomfort.records.schema import SCHEMA_VERSION
+
+PROVENANCE = "import.json"
+MAPPING = "mapping.toml"
+
+
+def write_study(
+    folder: Path, imported: Imported, mapping: MappingFile, files: Sequence[Path]
+) -> list[Path]:
+    """Write a study folder; return its files.
+
+    An import that stands there already is replaced; nothing else is.
+
+    Raises
+    ------
+    InputError
+        If the folder holds anything that is no import, or a file that is read would be replaced.
+    """
+    _require_room(folder)
+    check_study(folder.resolve().name)
+    texts = {
+        "dataset_description.json": _json(_description(imported, mapping, folder)),
+        ParticipantRow.FILE: _participants(imported),
+        PROVENANCE: _json(_provenance(imported, mapping, files)),
+        MAPPING: mapping.text,
+    }
+    own = imported.instruments.values()
+    texts |= {f"{FOLDER}/{each.name}.toml": each.text for each in own}
+    if imported.sheets:
+        texts[QuestionnaireRow.FILE] = _questionnaires(imported)
+    if imported.ratings:
+        texts[RatingRow.FILE] = _ratings(imported)
+    spare([mapping.file, *files], [folder / name for name in texts])
+    make_folders(folder, folder, OWNER)
+    if own:
+        make_folders(folder, folder / FOLDER, OWNER)
+    for stale in _ALL - texts.keys():
+        (folder / stale).unlink(missing_ok=True)
+    for name, text in texts.items():
+        replace_text(folder / name, text, OWNER)
+    return [folder / name for name in texts]
+
+
+_ALL = frozenset((
+    "dataset_description.json", ParticipantRow.FILE, PROVENANCE, MAPPING,
+    QuestionnaireRow.FILE, RatingRow.FILE,
+))  # fmt: skip
+
+
+def _require_room(folder: Path) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise InputError("is a file; --out needs a folder", file=folder)
+    there = {each.name for each in folder.iterdir()} if folder.exists() else set()
+    if there and PROVENANCE not in there:
+        message = "holds files that are no import; choose another --out, a new folder"
+        raise InputError(message, file=folder)
+    others = sorted(there - _ALL - {FOLDER})
+    if others:
+        message = f"holds {others[0]} beside an import; choose another --out, or move it away"
+        raise InputError(message, file=folder)
+
+
+def _json(content: object) -> str:
+    return json.dumps(content, indent=2, ensure_ascii=False) + "\n"
+
+
+def _description(imported: Imported, mapping: MappingFile, folder: Path) -> dict[str, object]:
+    labels = mapping.mapping.condition_labels
+    named = {name: labels[name] for name in labels if name in imported.conditions}
+    conditions = {**named, **{c: c for c in imported.conditions if c not in named}}
+    instruments = dict.fromkeys(name for name, _ in imported.sheets)
+    instruments |= dict.fromkeys(rating.instrument for rating in imported.ratings)
+    return {
+        "@context": "https://schema.org/",
+        "@type": "Dataset",
+        "schema_version": SCHEMA_VERSION,
+        "name": mapping.mapping.name or folder.resolve().name,
+        "description": f"Answers imported with vrcomfort; where from, {PROVENANCE} says.",
+        "conditions": conditions,
+        "instruments": list(instruments),
+        "scores_without_answers": imported.scores,
+        "not_asked": {name: list(items) for name, items in imported.not_asked.items()},
+    }
+
+
+def _provenance(
+    imported: Imported, mapping: MappingFile, files: Sequence[Path]
+) -> dict[str, object]:
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "imported_at": datetime.now(UTC).isoformat(timespec="seconds"),
+        "vrcomfort": __version__,
+        "mapping": {"file": mapping.file.name, "sha256": mapping.sha256, "copy": MAPPING},
+        "sources": [
+            {
+                "file": file.name,
+                "bytes": file.stat().st_size,
+                "sha256": hashlib.sha256(file.read_bytes()).hexdigest(),
+            }
+            for file in files
+        ],
+        "doubts": [doubt.model_dump() for doubt in mapping.mapping.doubts],
+        "notes": imported.notes,
+    }
+
+
+def _table(columns: Iterable[str], rows: Iterable[Iterable[Cell]]) -> str:
+    lines = [csv_line(columns)]
+    lines += [csv_line(map(cell_text, row)) for row in rows]
+    return "".join(lines)
+
+
+def _questionnaires(imported: Imported) -> str:
+    """Return the answers; the scene, which sessions have in trials.csv, is the last column."""
+    columns = (*QuestionnaireRow.columns(), "scene")
+    rows = [
+        (
+            m.participant, m.session, m.period, m.block, m.trial, m.condition, m.timepoint,
+            instrument, item, answer, None, None, order, None, m.scene,
+        )
+        for (instrument, m), sheet in imported.sheets.items()
+        for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
+    ]  # fmt: skip
+    return _table(columns, rows)
+
+
+_UNSAID = {"status": "enrolled"}
+
+
+def _participants(imported: Imported) -> str:
+    own = ParticipantRow.columns()
+    extra = [name for name in imported.covariates if name not in own]
+    rows = [
+        (name, *(known.get(each, "") or _UNSAID.get(each, "") for each in (*own[1:], *extra)))
+        for name, known in imported.participants.items()
+    ]
+    return _table((*own, *extra), rows)
+
+
+def _ratings(imported: Imported) -> str:
+    rows = [
+        (m.participant, m.session, m.trial, m.condition, onset_s, None, instrument, response,
+         int(response is None), None)
+        for m, instrument, onset_s, response in imported.ratings
+    ]  # fmt: skip
+    return _table(RatingRow.columns(), rows)

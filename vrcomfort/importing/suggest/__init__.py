@@ -1,0 +1,118 @@
+"""Writes a mapping from a lab's files, with what was understood and what is doubtful."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from vrcomfort.errors import InputError
+from vrcomfort.importing.convert import import_files
+from vrcomfort.importing.files import read_grids
+from vrcomfort.importing.headings import as_table
+from vrcomfort.importing.mapping import parse_mapping
+from vrcomfort.importing.rows import Imported
+from vrcomfort.importing.source import Reading, SourceTable
+from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.long_tables import stands_on_its_side
+from vrcomfort.importing.suggest.table_draft import TableDraft
+from vrcomfort.questionnaire import Instrument, usual_instruments
+
+_TOP = (
+    "What the columns of these files mean, as `vrcomfort import --suggest` understood them.",
+    "Read it, mend what is wrong, and write an answer in each [[doubts]] below: while one is",
+    "open, the import is refused. Every key: docs/import.md.",
+)
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """A mapping that is to be read by a person.
+
+    Parameters
+    ----------
+    text
+        TOML.
+    doubts
+        The questions that it leaves open, with what it takes for granted.
+    notes
+        What was found out while reading.
+    imported
+        What the mapping makes of the files as it stands; None where it is refused.
+    """
+
+    text: str
+    doubts: tuple[str, ...]
+    notes: tuple[str, ...]
+    imported: Imported | None
+
+
+def suggest_mapping(
+    files: Sequence[Path], own: Mapping[str, Instrument] | None = None
+) -> Suggestion:
+    """Write a mapping from files.
+
+    Parameters
+    ----------
+    own
+        File → instrument that is not shipped, and may be meant as well.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read.
+    """
+    own = own or {}
+    known = (*own.values(), *usual_instruments())
+    read = [table for file in files for table in _tables(file, known)]
+    groups: dict[tuple[object, ...], list[SourceTable]] = {}
+    for table in read:
+        groups.setdefault((table.headings, table.reading.heading_rows), []).append(table)
+    drafts = [TableDraft(tables, known) for tables in groups.values()]
+    useful = [draft for draft in drafts if draft.gives] or drafts
+    doubts = list(dict.fromkeys(doubt for draft in useful for doubt in draft.doubts))
+    top = Draft({"format_version": 1, "name": files[0].stem})
+    if own:
+        top.put("instruments", list(own))
+    for line in _TOP:
+        top.note(line, "format_version")
+    doubts += _ignored_sheets(top, drafts, useful)
+    top.lists["tables"] = [draft.draft for draft in useful]
+    imported, refusal = _tried(top, files, [*own.values()])
+    if refusal:
+        doubts.append(Doubt("As it stands, the import refuses the files; mend this:", refusal))
+    top.lists["doubts"] = [
+        Draft({"question": d.question, "assumed": d.assumed, "answer": ""}) for d in doubts
+    ]
+    notes = tuple(dict.fromkeys(note for table in read for note in table.notes))
+    return Suggestion(
+        top.text(), tuple(f"{d.question} Assumed: {d.assumed}" for d in doubts), notes, imported
+    )
+
+
+def _tables(file: Path, known: Sequence[Instrument]) -> list[SourceTable]:
+    grids = read_grids(file, Reading())
+    return [
+        as_table(replace(g, reading=g.reading._replace(transpose=stands_on_its_side(g, known))))
+        for g in grids
+        if g.rows
+    ]
+
+
+def _ignored_sheets(top: Draft, drafts: list[TableDraft], useful: list[TableDraft]) -> list[Doubt]:
+    """List sheets in which no answers were found, and ask."""
+    others = [d.table.sheet for d in drafts if d not in useful and d.table.sheet]
+    if not others:
+        return []
+    top.put("ignore_sheets", others)
+    return [Doubt(f"May the sheets {', '.join(others)} be left out? No answers were found.", "yes")]
+
+
+def _tried(
+    top: Draft, files: Sequence[Path], own: Sequence[Instrument]
+) -> tuple[Imported | None, str]:
+    """Return what the mapping makes of the files, or why it is refused."""
+    try:
+        return import_files(files, parse_mapping(top.text(), None), own), ""
+    except InputError as error:
+        return None, str(error)

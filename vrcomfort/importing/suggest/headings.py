@@ -1,0 +1,135 @@
+"""Which items headings name, and what else stands in them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from typing import Literal
+
+from vrcomfort.importing.suggest.spellings import spellings
+from vrcomfort.questionnaire import Instrument, plain
+
+How = Literal["name", "near", "abbreviation", "number", "position"]
+
+_TOKEN = re.compile(r"\d+|[^\W\d_]+")
+_LONGEST = 8
+_NEAR = 0.84
+
+
+@dataclass(frozen=True)
+class Named:
+    """An item that a heading names.
+
+    Parameters
+    ----------
+    before, after
+        The words of the heading around the item's name, in small letters.
+    """
+
+    column: int
+    instrument: str
+    item: str
+    how: How
+    before: tuple[str, ...]
+    after: tuple[str, ...]
+
+
+def tokens(heading: str) -> list[str]:
+    """Return the words and numbers of a heading; ``preSSQ8`` is three."""
+    parted = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", heading)
+    return [word.casefold() for word in _TOKEN.findall(parted)]
+
+
+def named_items(column: int, heading: str, label: str, instrument: Instrument) -> Named | None:
+    """Return the item of an instrument that a heading names, or else its label.
+
+    A name that is there wins over one that is nearly there, and that over an abbreviation.
+    """
+    known = spellings(instrument)
+    for find in (_exact, _near, _abbreviated):
+        for text, other in ((heading, label), (label, heading)):
+            found = find(tokens(text), known, instrument)
+            if found is not None:
+                start, end, item = found
+                words = tokens(text)
+                more = tokens(other) if text is label else []
+                before = (*more, *words[:start])
+                how: How = "name" if find is _exact else "near" if find is _near else "abbreviation"
+                return Named(column, instrument.name, item, how, before, tuple(words[end:]))
+    return None
+
+
+_Span = tuple[int, int, str]
+
+
+def _windows(words: Sequence[str]) -> Iterable[tuple[int, int, str]]:
+    """Yield start, end and letters of parts of a heading, long ones first."""
+    for length in range(min(_LONGEST, len(words)), 0, -1):
+        for start in range(len(words) - length + 1):
+            part = words[start : start + length]
+            if not (part[0].isdigit() or part[-1].isdigit()):
+                yield start, start + length, plain("".join(part))
+
+
+def _exact(words: Sequence[str], known: dict[str, str], _: Instrument) -> _Span | None:
+    for start, end, key in _windows(words):
+        if key in known:
+            return start, end, known[key]
+    return None
+
+
+def _near(words: Sequence[str], known: dict[str, str], _: Instrument) -> _Span | None:
+    best: tuple[float, _Span] | None = None
+    for start, end, key in _windows(words):
+        if len(key) < 5:
+            continue
+        for spelling, item in known.items():
+            if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
+                continue
+            ratio = SequenceMatcher(None, spelling, key).ratio()
+            if ratio >= _NEAR and (best is None or ratio > best[0]):
+                best = ratio, (start, end, item)
+    return best[1] if best else None
+
+
+def _abbreviated(words: Sequence[str], _: dict[str, str], instrument: Instrument) -> _Span | None:
+    """Find ``GenDisc`` or ``stom_aware``: beginnings of the words of exactly one item."""
+    for length in range(min(4, len(words)), 0, -1):
+        for start in range(len(words) - length + 1):
+            part = words[start : start + length]
+            if any(len(word) < 3 or word.isdigit() for word in part):
+                continue
+            found = [item.name for item in instrument.items if _abbreviates(part, item.name)]
+            enough = length > 1 or len(part[0]) >= 4
+            if len(found) == 1 and enough:
+                return start, start + length, found[0]
+    return None
+
+
+def _abbreviates(part: Sequence[str], name: str) -> bool:
+    """Return whether words are beginnings of words of a name, in order and from the first."""
+    full = [word for word in name.split("_") if word not in {"of"}]
+    if not full[0].startswith(part[0]):
+        return False
+    place = 0
+    for word in part:
+        while place < len(full) and not full[place].startswith(word):
+            place += 1
+        if place == len(full):
+            return False
+        place += 1
+    return True
+
+
+def mentions(text: str, known: Iterable[Instrument]) -> set[str]:
+    """Return the instruments that a text names by their short names."""
+    words = set(tokens(text))
+    joined = plain(text)
+    return {
+        each.name
+        for each in known
+        for name in {plain(each.name), plain(each.short)}
+        if name in words or (len(name) > 4 and name in joined)
+    }

@@ -1,0 +1,272 @@
+"""Drafts what the mapping says of one questionnaire, and asks what is doubtful in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.headings import is_number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.blocks import Found
+from vrcomfort.importing.suggest.coding import Coding, coding_of, coding_of_texts
+from vrcomfort.importing.suggest.draft import Doubt, Draft
+from vrcomfort.importing.suggest.headings import Named, mentions
+from vrcomfort.importing.suggest.long_tables import Long
+from vrcomfort.importing.suggest.ratings import FoundRating
+from vrcomfort.importing.suggest.roles import Roles, texts
+from vrcomfort.importing.suggest.scores import parts_of
+from vrcomfort.importing.suggest.vocabulary import SEVERITY
+from vrcomfort.questionnaire import Instrument, plain
+
+
+def mend_items(table: SourceTable, block: Found, roles: Roles) -> tuple[Found, list[Doubt]]:
+    """Take a sum for no item, though its heading names one; and ask."""
+    doubts = []
+    items = dict(block.items)
+    values = {table.headings[c]: _values(table, c) for c in (*block.columns, *roles.unknown)}
+    for item, named in block.items.items():
+        heading = table.headings[named.column]
+        parts = None
+        if _exceeds(values[heading], block.instrument):
+            others = {name: each for name, each in values.items() if name != heading}
+            parts = parts_of(values[heading], others)
+        if parts is None:
+            continue
+        del items[item]
+        roles.unknown.append(named.column)
+        shown = ", ".join(parts)
+        candidates = [c for c in roles.unknown if _may_answer(table, c, block.instrument)]
+        if len(candidates) == 1:
+            other = candidates[0]
+            roles.unknown.remove(other)
+            items[item] = Named(other, block.instrument.name, item, "position", (), ())
+            assumed = f"`{heading}` is ignored, and {table.headings[other]!r} is {item}"
+        else:
+            assumed = f"`{heading}` is ignored, and nobody was asked {item}"
+        question = f"{heading!r} is exactly the sum of {shown}: which column is the item {item}?"
+        doubts.append(Doubt(question, assumed))
+    return replace(block, items=items), doubts
+
+
+def _exceeds(values: Sequence[float | None], instrument: Instrument) -> bool:
+    return any(value is not None and value > instrument.high for value in values)
+
+
+def _values(table: SourceTable, column: int) -> list[float | None]:
+    return [number(cell, table.reading.decimal or ".") for cell in table.column(column)]
+
+
+def _coded_values(table: SourceTable, column: int, instrument: Instrument) -> list[float | None]:
+    """Return the answers of a column, those in words as numbers."""
+    words = coding_of(table, [column], instrument).answers
+    decimal = table.reading.decimal or "."
+    return [words.get(cell, number(cell, decimal)) for cell in table.column(column)]
+
+
+def _may_answer(table: SourceTable, column: int, instrument: Instrument) -> bool:
+    """Return whether a column holds nothing but answers of an instrument."""
+    words = texts(table, column)
+    answers = {str(n) for n in range(int(instrument.low), int(instrument.high) + 1)}
+    return bool(words) and all(word in answers or plain(word) in SEVERITY for word in words)
+
+
+def draft_block(
+    table: SourceTable, block: Found, facts: Mapping[str, str], known: Sequence[Instrument]
+) -> tuple[Draft, list[Doubt]]:
+    """Draft a questionnaire that has a column for each item."""
+    draft = Draft({"instrument": block.instrument.name, **facts})
+    doubts = _instrument_doubts(table, block, known)
+    coding = coding_of(table, block.columns, block.instrument)
+    if coding.variant is not None:
+        block = replace(block, instrument=coding.variant)
+        draft.put("instrument", block.instrument.name)
+    _coded(draft, coding)
+    doubts += coding.doubts
+    order = [item.name for item in block.instrument.items if item.name in block.items]
+    headings = {item: table.headings[block.items[item].column] for item in order}
+    doubts += _name_doubts(block, headings)
+    if block.absent:
+        draft.put("not_asked", block.absent)
+        names = ", ".join(block.absent)
+        question = f"No column was found for {names}: were they not asked?"
+        doubts.append(Doubt(question, "they were not (a short form); its scores lack them"))
+    items = Draft(dict(headings))
+    for item in order:
+        how = block.items[item].how
+        if how != "name":
+            items.note(f"found by its {'spelling' if how == 'near' else how}", item)
+    draft.tables["items"] = items
+    _of_single_items(table, block, coding, draft, doubts)
+    return draft, doubts
+
+
+def _instrument_doubts(
+    table: SourceTable, block: Found, known: Sequence[Instrument]
+) -> list[Doubt]:
+    """Ask which instrument it is, where another has all of these items, too."""
+    text = " ".join(table.headings[c] + " " + table.labels[c] for c in block.columns)
+    if block.instrument.name in mentions(f"{table.file.stem} {table.sheet} {text}", known):
+        return []
+    found = set(block.items)
+    others = [
+        other.name.upper()
+        for other in known
+        if other.name != block.instrument.name and found <= {item.name for item in other.items}
+    ]
+    if not others:
+        return []
+    question = f"Items of {block.instrument.name.upper()} are items of {', '.join(others)}, too:"
+    return [Doubt(f"{question} which was asked?", block.instrument.name.upper())]
+
+
+def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
+    """Ask about items that were not found by their own name."""
+    doubts = []
+    by_how: dict[str, list[str]] = {}
+    for item in headings:
+        by_how.setdefault(block.items[item].how, []).append(item)
+    if numbered := by_how.get("number"):
+        first, last = headings[numbered[0]], headings[numbered[-1]]
+        title, citation = block.instrument.title, block.instrument.citation.split(",")[0]
+        question = f"Are {first} … {last} in the published order of the {title} ({citation})?"
+        doubts.append(Doubt(question, f"they are: {first} is {numbered[0]}"))
+    if placed := by_how.get("position"):
+        first, last = headings[placed[0]], headings[placed[-1]]
+        if len(placed) > 1:
+            question = f"Are {first} … {last} the {block.instrument.title} in published order?"
+            doubts.append(Doubt(question, f"they are: {first} is {placed[0]}"))
+    if near := by_how.get("near"):
+        shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
+        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are misspellings"))
+    if short := by_how.get("abbreviation"):
+        shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
+        doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
+    return doubts
+
+
+def _coded(draft: Draft, coding: Coding) -> None:
+    if coding.answers:
+        draft.put("answers", dict(coding.answers))
+    if coding.coded_from is not None:
+        draft.put("coded_from", coding.coded_from)
+    if coding.times is not None:
+        draft.put("times", float(coding.times))
+    if coding.missing:
+        draft.put("missing", list(coding.missing))
+
+
+def _of_single_items(
+    table: SourceTable, block: Found, whole: Coding, draft: Draft, doubts: list[Doubt]
+) -> None:
+    """Let single columns be coded otherwise than the rest, where they go one too high."""
+    high, low = int(block.instrument.high), int(block.instrument.low)
+    if whole.coded_from is not None or whole.variant is not None:
+        return
+    own = Draft()
+    for item, named in block.items.items():
+        answers = {value for value in _values(table, named.column) if value is not None}
+        if high + 1 in answers and low not in answers and max(answers) == high + 1:
+            own.tables[item] = Draft({"coded_from": low + 1})
+            heading = table.headings[named.column]
+            question = f"Is {heading!r} counted from {low + 1}, unlike the other items?"
+            doubts.append(Doubt(question, f"it is: {low + 1} stands for {low}"))
+    if own.tables:
+        draft.tables["item_coding"] = own
+        stale = [d for d in doubts if d.question.startswith(f"What do the answers {high + 1} mean")]
+        for doubt in stale:
+            doubts.remove(doubt)
+
+
+def draft_long(
+    table: SourceTable, long: Long, known: Sequence[Instrument]
+) -> tuple[Draft, list[Doubt]]:
+    """Draft a questionnaire of a table that has a row for each answer."""
+    draft = Draft({"instrument": long.instrument.name})
+    draft.put("item_column", table.headings[long.item_column])
+    draft.put("response_column", table.headings[long.response_column])
+    rows = list(table.rows)
+    if long.instrument_column is not None:
+        column, text = long.instrument_column
+        draft.put("where", {table.headings[column]: text})
+        rows = [row for row in rows if row[column] == text]
+    words = set(long.items.values())
+    cells = [row[long.response_column] for row in rows if row[long.item_column] in words]
+    coding = coding_of_texts(cells, long.instrument, table.reading.decimal or ".")
+    _coded(draft, coding)
+    named = {
+        item: Named(long.item_column, long.instrument.name, item, how, (), ())
+        for item, how in long.hows.items()
+    }
+    block = Found(long.instrument, (), named)
+    order = [item.name for item in long.instrument.items if item.name in long.items]
+    doubts = [*coding.doubts, *_name_doubts(block, {item: long.items[item] for item in order})]
+    if long.instrument_column is None:
+        doubts += _instrument_doubts(table, block, known)
+    else:
+        doubts += _other_instruments(table, long.instrument_column[0], known)
+    if block.absent:
+        draft.put("not_asked", block.absent)
+        question = f"No row was found for {', '.join(block.absent)}: were they not asked?"
+        doubts.append(Doubt(question, "they were not (a short form); its scores lack them"))
+    if long.others and long.instrument_column is None:
+        shown = ", ".join(map(repr, long.others[:8])) + (" …" if len(long.others) > 8 else "")
+        question = f"May the rows of {shown} be left out, which are no items of this instrument?"
+        doubts.append(Doubt(question, "they are left out"))
+    draft.tables["items"] = Draft({item: long.items[item] for item in order})
+    return draft, doubts
+
+
+def _other_instruments(table: SourceTable, column: int, known: Sequence[Instrument]) -> list[Doubt]:
+    """Ask whether the rows of questionnaires that we do not know may be left out."""
+    names = {plain(name) for each in known for name in (each.name, each.short, each.title)}
+    others = [text for text in texts(table, column) if plain(text) not in names]
+    if not others:
+        return []
+    question = f"May the rows with {', '.join(others)} in {table.headings[column]!r} be left out?"
+    return [Doubt(question, "they are: no instrument of ours is called so")]
+
+
+def draft_rating(
+    table: SourceTable, rating: FoundRating, facts: Mapping[str, str]
+) -> tuple[Draft, list[Doubt]]:
+    """Draft a scale of one item: ratings during exposure, where there is a time."""
+    (item,) = rating.instrument.items
+    draft = Draft({"instrument": rating.instrument.name, **facts})
+    if rating.time is not None:
+        draft.put("time", table.headings[rating.time], "seconds since the exposure began")
+    coding = coding_of(table, [rating.column], rating.instrument)
+    _coded(draft, coding)
+    draft.tables["items"] = Draft({item.name: table.headings[rating.column]})
+    return draft, coding.doubts
+
+
+def leftovers(
+    table: SourceTable, columns: Sequence[int], blocks: Sequence[Found]
+) -> tuple[dict[int, str], list[Doubt]]:
+    """Return why columns are ignored, as far as that is known, and ask about answers in them."""
+    reasons: dict[int, str] = {}
+    doubts = []
+    items = [
+        {
+            table.headings[named.column]: _coded_values(table, named.column, block.instrument)
+            for named in block.items.values()
+        }
+        for block in blocks
+    ]
+    for column in columns:
+        words = texts(table, column)
+        heading = table.headings[column]
+        if not words:
+            reasons[column] = "empty"
+            continue
+        numeric = all(map(is_number, words))
+        sums = (parts_of(_values(table, column), each) for each in items) if numeric else ()
+        parts = next((found for found in sums if found), None)
+        if parts is not None:
+            shown = ", ".join(parts[:3]) + (f" and {len(parts) - 3} more" if parts[3:] else "")
+            reasons[column] = f"the exact (weighted) sum of {shown}"
+        elif blocks and _may_answer(table, column, blocks[0].instrument):
+            question = f"{heading!r} holds what may be answers: is it an item?"
+            doubts.append(Doubt(question, "it is not, and is ignored"))
+    return reasons, doubts

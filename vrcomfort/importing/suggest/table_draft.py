@@ -1,0 +1,296 @@
+"""Drafts the mapping of one table, or of several that are made alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.blocks import Found, find_blocks
+from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
+from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
+from vrcomfort.importing.suggest.long_tables import Long, find_long
+from vrcomfort.importing.suggest.moments import moments
+from vrcomfort.importing.suggest.questionnaires import (
+    draft_block,
+    draft_long,
+    draft_rating,
+    leftovers,
+    mend_items,
+)
+from vrcomfort.importing.suggest.ratings import FoundRating, find_ratings
+from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
+from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
+from vrcomfort.importing.suspects import alike
+from vrcomfort.questionnaire import Instrument
+
+
+def _row_keys(longs: Sequence[Long]) -> list[int]:
+    """Return the columns that tell the answers of one moment apart."""
+    columns = [long.item_column for long in longs[:1]]
+    return columns + [long.instrument_column[0] for long in longs[:1] if long.instrument_column]
+
+
+class TableDraft:
+    """The mapping of tables with the same headings.
+
+    Parameters
+    ----------
+    tables
+        The tables; the first one's reading is written down.
+    known
+        Instruments that may be meant.
+    """
+
+    def __init__(self, tables: Sequence[SourceTable], known: Sequence[Instrument]) -> None:
+        self._tables = tables
+        self._known = known
+        rows = tuple(row for table in tables for row in table.rows)
+        self.table = replace(tables[0], rows=rows)
+        self.draft = Draft()
+        self.doubts: list[Doubt] = []
+        self._totals = self._total_rows()
+        self._fill_down()
+        self.gives = False
+        """Whether there is anything to import."""
+        self._files()
+        self._longs = find_long(self.table, known)
+        self._blocks = [] if self._longs else find_blocks(self.table, known)
+        taken = self._answer_columns()
+        self._ratings = find_ratings(
+            self.table, [c for c in self._columns() if c not in taken], known
+        )
+        taken |= {rating.column for rating in self._ratings}
+        self._scores = find_scores(
+            self.table, [c for c in self._columns() if c not in taken], known
+        )
+        taken |= {c for each in self._scores for c in each.scales.values()}
+        self._taken = taken
+        self._roles = roles_of(self.table, [c for c in self._columns() if c not in taken])
+        self._write()
+
+    def _columns(self) -> range:
+        return range(len(self.table.headings))
+
+    def _answer_columns(self) -> set[int]:
+        taken = {column for block in self._blocks for column in block.columns}
+        for long in self._longs:
+            taken |= {long.item_column, long.response_column}
+            taken |= {long.instrument_column[0]} if long.instrument_column else set()
+        return taken
+
+    def _files(self) -> None:
+        names = list(dict.fromkeys(table.file.name for table in self._tables))
+        self.draft.put("files", names)
+        sheets = list(dict.fromkeys(table.sheet for table in self._tables if table.sheet))
+        if sheets:
+            self.draft.put("sheets", sheets)
+        read = self.table.reading
+        values: dict[str, object] = {}
+        alike_read = all(
+            (t.reading.encoding, t.reading.separator) == (read.encoding, read.separator)
+            for t in self._tables
+        )
+        if read.encoding is not None and alike_read and read.separator is not None:
+            values["encoding"] = read.encoding.replace("utf-8-sig", "utf-8")
+            values["separator"] = read.separator
+        if read.decimal == ",":
+            values["decimal"] = ","
+        if self.table.file.suffix.lower() not in {".json", ".jsonl", ".ndjson"}:
+            values["heading_rows"] = list(read.heading_rows or ())
+        if read.skip_rows:
+            values["skip_rows"] = list(read.skip_rows)
+        if read.transpose:
+            values["transpose"] = True
+            question = "Do participants stand side by side, and items one below the other?"
+            self.doubts.append(Doubt(question, "they do; columns are read as rows"))
+        if values:
+            self.draft.put("read", values)
+        if not read.heading_rows and "heading_rows" in values:
+            question = f"{self.table.file.name} seems to have no headings: is its first row data?"
+            self.doubts.append(Doubt(question, "it is; columns are called column 1, column 2 …"))
+
+    def _write(self) -> None:
+        facts = self._moments()
+        when = self._roles.facts.get("timepoint", [])
+        if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
+            facts[0].pop("timepoint", None)  # a column says it better
+        said = {name for each in facts for name in each}
+        exposures = draft_facts(self._exposures(said))
+        self.draft.values |= exposures.draft.values
+        self.draft.comments |= exposures.draft.comments
+        self.doubts += exposures.doubts
+        self._leave_out(exposures.participant)
+        self._questionnaires(facts)
+        self._covariates(exposures)
+        self._ignore(exposures)
+        self.gives = bool(self.draft.lists or self.draft.values.get("participants"))
+
+    def _moments(self) -> list[dict[str, str]]:
+        """Return what the headings say of each block of answers (or, without any, of scores).
+
+        Questionnaires of one instrument are told apart by their words, each instrument by itself.
+        """
+        found: Sequence[Found | FoundScores | FoundRating] = (
+            self._blocks or self._scores or self._ratings
+        )
+        facts: list[dict[str, str]] = [{} for _ in found]
+        for name in dict.fromkeys(each.instrument.name for each in found):
+            places = [i for i, each in enumerate(found) if each.instrument.name == name]
+            own, doubts = moments([found[i].context for i in places])
+            self.doubts += doubts
+            for place, said in zip(places, own, strict=True):
+                facts[place] = said
+        return facts
+
+    def _exposures(self, said: set[str]) -> Exposures:
+        answered = any(
+            (self._blocks, self._longs, self._scores, self._ratings),
+        )
+        return Exposures(
+            self.table,
+            self._tables,
+            self._roles,
+            said,
+            self._taken,
+            one_row_each=not self._longs,
+            row_keys=_row_keys(self._longs),
+            answered=answered,
+            time=next((r.time for r in self._ratings if r.time is not None), None),
+        )
+
+    def _total_rows(self) -> dict[int, list[str]]:
+        """Take rows of means and sums out of the table; return column → their texts."""
+        for column in range(min(4, len(self.table.headings))):
+            found = [text for table in self._tables for text in total_rows(table, column)]
+            if found:
+                rows = tuple(row for row in self.table.rows if row[column] not in found)
+                self.table = replace(self.table, rows=rows)
+                return {column: list(dict.fromkeys(found))}
+        return {}
+
+    def _fill_down(self) -> None:
+        """Let blank cells of a column of participants mean the one above, where they are many."""
+        for column in roles_of(self.table, range(min(4, len(self.table.headings)))).facts.get(
+            "participant", []
+        ):
+            cells = self.table.column(column)
+            if cells[0] and cells.count("") * 4 >= len(cells):
+                name, above, rows = self.table.headings[column], "", []
+                for row in self.table.rows:
+                    above = row[column] or above
+                    rows.append((*row[:column], above, *row[column + 1 :]))
+                self.table = replace(self.table, rows=tuple(rows))
+                self.draft.put("fill_down", [name])
+                question = f"Do the blank cells of {name!r} mean the participant above them?"
+                self.doubts.append(Doubt(question, "they do"))
+                return
+
+    def _leave_out(self, participant: int | None) -> None:
+        out = dict(self._totals)
+        if participant is not None and not all(self.table.column(participant)):
+            out[participant] = [*out.get(participant, []), ""]
+        if not out:
+            return
+        names = self.table.headings
+        self.draft.put("leave_out", {names[c]: found for c, found in out.items()})
+        for column, found in out.items():
+            shown = ", ".join(repr(text) if text else "nothing" for text in found)
+            question = (
+                f"May the rows with {shown} in {names[column]!r} be left out, as no person's?"
+            )
+            self.doubts.append(Doubt(question, "they are left out"))
+
+    def _questionnaires(self, facts: Sequence[dict[str, str]]) -> None:
+        drafts: list[Draft] = []
+        for block, own in zip(self._blocks, facts, strict=False):
+            mended, doubts = mend_items(self.table, block, self._roles)
+            self.doubts += doubts
+            draft, doubts = draft_block(self.table, mended, own, self._known)
+            drafts.append(draft)
+            self.doubts += doubts
+        for long in self._longs:
+            draft, doubts = draft_long(self.table, long, self._known)
+            drafts.append(draft)
+            self.doubts += doubts
+        rated = facts if not self._blocks and not self._scores else self._moments_of_ratings()
+        for rating, own in zip(self._ratings, rated, strict=True):
+            draft, doubts = draft_rating(self.table, rating, own)
+            drafts.append(draft)
+            self.doubts += doubts
+        self.doubts[:] = list(dict.fromkeys(self.doubts))
+        if drafts:
+            self.draft.lists["questionnaires"] = drafts
+        self._score_tables([] if self._blocks else facts)
+
+    def _moments_of_ratings(self) -> list[dict[str, str]]:
+        """Return what the headings of ratings say, beside questionnaires that say their own."""
+        facts: list[dict[str, str]] = []
+        for name in dict.fromkeys(each.instrument.name for each in self._ratings):
+            same = [each.context for each in self._ratings if each.instrument.name == name]
+            own, doubts = moments(same)
+            facts += own
+            self.doubts += doubts
+        return facts
+
+    def _score_tables(self, facts: Sequence[dict[str, str]]) -> None:
+        """Keep scores of instruments whose answers are not there."""
+        answered = {block.instrument.name for block in self._blocks}
+        answered |= {long.instrument.name for long in self._longs}
+        kept = [each for each in self._scores if each.instrument.name not in answered]
+        self._made = [each for each in self._scores if each.instrument.name in answered]
+        drafts = []
+        asked: dict[str, list[str]] = {}
+        own = list(facts) if facts else [{} for _ in kept]
+        for each, said in zip(kept, own, strict=False):
+            kind = kind_of(self.table, each)
+            scales = {scale: self.table.headings[c] for scale, c in each.scales.items()}
+            draft = Draft({"instrument": each.instrument.name, **said, "kind": kind})
+            draft.note("The answers are not in the file: scores alone.")
+            draft.tables["scales"] = Draft(dict(scales))
+            drafts.append(draft)
+            what = {"raw_sum": "raw sums", "score": "scores by the published formula"}.get(
+                kind, "scores by another formula"
+            )
+            asked.setdefault(f"{what} of the {each.instrument.short}", []).extend(scales.values())
+        for what, names in asked.items():
+            question = f"{', '.join(names)}: are these {what}?"
+            self.doubts.append(Doubt(question, f"they are {what}; the answers are not there"))
+        if drafts:
+            self.draft.lists["scores"] = drafts
+
+    def _covariates(self, exposures: DraftedFacts) -> None:
+        if exposures.covariates:
+            names = {n: self.table.headings[c] for n, c in exposures.covariates.items()}
+            self.draft.put("participants", names)
+        if exposures.participant is not None:
+            groups = alike(dict.fromkeys(self.table.column(exposures.participant)))
+            if groups:
+                shown = "; ".join(" and ".join(map(repr, group)) for group in groups)
+                one = {other: group[0] for group in groups for other in group[1:]}
+                said = "they are not; `values` of participant make them one: "
+                question = f"Are these participants one person each: {shown}?"
+                self.doubts.append(Doubt(question, f"{said}values = {toml_value(one)}"))
+
+    def _ignore(self, exposures: DraftedFacts) -> None:
+        """List every column that nothing was said of, with the reason."""
+        made = {c: "a score made of the answers" for e in self._made for c in e.scales.values()}
+        rest = [
+            column
+            for column in (*self._roles.metadata, *self._roles.unknown, *exposures.unused, *made)
+            if column not in exposures.used
+        ]
+        columns = sorted(set(rest))
+        if not columns:
+            return
+        asked = [column for column in columns if column not in self._roles.metadata]
+        reasons, doubts = leftovers(self.table, asked, self._blocks)
+        self.doubts += doubts
+        for column in columns:
+            name = self.table.headings[column]
+            reason = reasons.get(column) or made.get(column, "")
+            if is_personal(name):
+                reason = "may tell who the person is"
+            if reason:
+                self.draft.note(f"{name}: {reason}", "ignore")
+        self.draft.put("ignore", [self.table.headings[column] for column in columns])

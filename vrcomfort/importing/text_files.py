@@ -1,0 +1,162 @@
+"""Reads text tables of any encoding and separator, and says which they were."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import io
+import re
+from collections import Counter
+from pathlib import Path
+
+from vrcomfort.errors import InputError
+from vrcomfort.importing.source import Grid, Reading
+
+SEPARATORS = {",": "commas", ";": "semicolons", "\t": "tabs", "|": "vertical bars"}
+_MARKS = (
+    (codecs.BOM_UTF8, "utf-8-sig"),
+    (codecs.BOM_UTF16_LE, "utf-16"),
+    (codecs.BOM_UTF16_BE, "utf-16"),
+)
+_DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
+_DECIMAL_POINT = re.compile(r"-?\d+\.\d+")
+
+
+def read_text_table(file: Path, reading: Reading) -> Grid:
+    """Read a CSV, TSV or semicolon file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its text is not of the encoding that is asked for.
+    """
+    content = read_bytes(file)
+    encoding = reading.encoding or encoding_of(content)
+    text = decode(content, encoding, file)
+    separator, text = _declared(text)
+    separator = reading.separator or separator or _separator(text)
+    rows = _rows(text, separator, file)
+    decimal = reading.decimal or _decimal(rows, separator)
+    notes = []
+    if reading.encoding is None and encoding not in {"utf-8", "utf-8-sig"}:
+        notes.append(f"{file.name}: read as {encoding}, which its bytes look like")
+    if reading.decimal is None and decimal == ",":
+        notes.append(f"{file.name}: decimals are written with commas")
+    found = reading._replace(encoding=encoding, separator=separator, decimal=decimal)
+    kept = [(number, row) for number, row in enumerate(rows, start=1) if any(row)]
+    return Grid(
+        file,
+        "",
+        tuple(tuple(row) for _, row in kept),
+        tuple(number for number, _ in kept),
+        found,
+        tuple(notes),
+    )
+
+
+def read_bytes(file: Path) -> bytes:
+    """Return the content of a file.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, or is empty.
+    """
+    try:
+        content = file.read_bytes()
+    except FileNotFoundError:
+        raise InputError("there is no such file", file=file) from None
+    except OSError as error:
+        raise InputError(f"cannot be read: {error.strerror}", file=file) from None
+    if not content.strip(b"\0 \t\r\n"):
+        raise InputError("this file is empty", file=file)
+    return content
+
+
+def decode(content: bytes, encoding: str, file: Path) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    InputError
+        If the encoding is none, or the bytes are not of it, with the row.
+    """
+    try:
+        text = content.decode(encoding)
+    except LookupError:
+        message = f"encoding {encoding!r} is none; write utf-8, utf-16 or windows-1252"
+        raise InputError(message, file=file) from None
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        message = f"this line is not {encoding}; give another encoding in the mapping"
+        raise InputError(message, file=file, line=line) from None
+    if "\0" in text:
+        raise InputError("this is not a text file; save it as CSV in UTF-8", file=file)
+    return text.removeprefix("\ufeff")
+
+
+def encoding_of(content: bytes) -> str:
+    """Return the encoding that the bytes of a text look like."""
+    for mark, name in _MARKS:
+        if content.startswith(mark):
+            return name
+    if content[1:2] == b"\0" or content[:1] == b"\0":
+        return "utf-16-le" if content[1:2] == b"\0" else "utf-16-be"
+    try:
+        content.decode("utf-8")
+    except UnicodeDecodeError:
+        return "windows-1252" if _is_windows_1252(content) else "latin-1"
+    return "utf-8"
+
+
+def _is_windows_1252(content: bytes) -> bool:
+    try:
+        content.decode("windows-1252")
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _declared(text: str) -> tuple[str | None, str]:
+    """Return the separator of a first line ``sep=;``, which Excel writes, and what follows."""
+    found = re.match(r"sep=(.)\r?\n", text)
+    return (found[1], "\n" + text[found.end() :]) if found else (None, text)
+
+
+def _separator(text: str) -> str:
+    """Return the separator that divides most rows into the same number of cells, at least two."""
+    sample = text[:200_000]
+
+    def merit(sign: str) -> tuple[float, int]:
+        try:
+            widths = Counter(len(r) for r in csv.reader(io.StringIO(sample), delimiter=sign) if r)
+        except csv.Error:
+            return 0.0, 0
+        wide = {width: count for width, count in widths.items() if width > 1}
+        if not wide:
+            return 0.0, 0
+        width = max(wide, key=lambda each: (wide[each], each))
+        return round(wide[width] / sum(widths.values()), 1), width
+
+    best = max(SEPARATORS, key=merit)
+    return best if merit(best)[1] else ","
+
+
+def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
+    if len(separator) != 1:
+        raise InputError(f"separator {separator!r} is not one character", file=file)
+    if "\n" not in text:
+        text = text.replace("\r", "\n")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
+    try:
+        return [[" ".join(cell.split()) for cell in row] for row in reader]
+    except csv.Error as error:
+        message = f"not a table: {error}"
+        raise InputError(message, file=file, line=reader.line_num) from None
+
+
+def _decimal(rows: list[list[str]], separator: str) -> str:
+    cells = [cell for row in rows for cell in row if cell]
+    with_comma = sum(_DECIMAL_COMMA.fullmatch(cell) is not None for cell in cells)
+    with_point = sum(_DECIMAL_POINT.fullmatch(cell) is not None for cell in cells)
+    return "," if separator != "," and with_comma > with_point else "."

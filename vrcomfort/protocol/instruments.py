@@ -1,0 +1,89 @@
+"""The instruments that a protocol asks: found, and such that they can be asked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.model import Protocol
+from vrcomfort.questionnaire import Instrument, find_instrument
+from vrcomfort.settings import KeyPath, Problem
+
+MOST_ITEMS = 16
+"""What the list of all answers has room for, on the panel in the headset."""
+MOST_ANSWERS = 21
+
+
+def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Problem]]:
+    """Return what the protocol calls an instrument → that instrument, and what is not found."""
+    beside = protocol.file.parent if protocol.file else None
+    found: dict[str, Instrument] = {}
+    faults: list[Problem] = []
+    for path, name in _named(protocol):
+        try:
+            found[name] = find_instrument(name, beside=beside)
+        except InputError as error:
+            faults.append(Problem(path, str(error)))
+    texts: dict[str, str] = {}
+    for path, name in _named(protocol):
+        if name in found and texts.setdefault(found[name].name, found[name].text) != (
+            found[name].text
+        ):
+            message = f"two instruments of this protocol are called `{found[name].name}`"
+            faults.append(Problem(path, f"{message}; rename one"))
+    return found, faults
+
+
+def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
+    for index, ask in enumerate(protocol.questionnaires):
+        yield ("questionnaires", index, "instrument"), ask.instrument
+    if protocol.ratings is not None:
+        yield ("ratings", "instrument"), protocol.ratings.instrument
+
+
+def instrument_problems(
+    protocol: Protocol, instruments: Mapping[str, Instrument]
+) -> Iterator[Problem]:
+    """Yield what keeps the instruments that were found from being asked."""
+    for path, name in _named(protocol):
+        if name in instruments:
+            yield from _unaskable(path, instruments[name])
+    for index, ask in enumerate(protocol.questionnaires):
+        found = instruments.get(ask.instrument)
+        if found and ask.language and found.in_language(ask.language) is None:
+            message = f"the {found.short} has no complete wording in `{ask.language}`"
+            hint = "leave `language` out, or translate it in a file of your own"
+            yield Problem(("questionnaires", index, "language"), f"{message}; {hint}")
+    yield from _of_ratings(protocol, instruments)
+
+
+def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
+    if len(instrument.asked) > MOST_ITEMS:
+        message = f"the {instrument.short} has {len(instrument.asked)} items"
+        yield Problem(path, f"{message}; at most {MOST_ITEMS} can be asked, so divide it in two")
+    if not instrument.asked:
+        yield Problem(path, f"no item of the {instrument.short} is asked; leave it out")
+    for item in instrument.asked:
+        asked = item.answers.asked
+        if len(asked) > MOST_ANSWERS:
+            message = f"item {item.name} of the {instrument.short} has {len(asked)} answers"
+            yield Problem(path, f"{message}; give an `asked_step` with at most {MOST_ANSWERS}")
+        elif any(not isinstance(answer, int) or answer < 0 for answer in asked):
+            message = f"item {item.name} of the {instrument.short} has answers that cannot be typed"
+            yield Problem(path, f"{message}; let `low` and `asked_step` be whole, and 0 or more")
+
+
+def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
+    ratings = protocol.ratings
+    found = instruments.get(ratings.instrument) if ratings else None
+    if ratings is None or found is None:
+        return
+    if len(found.asked) != 1:
+        message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
+        yield Problem(("ratings", "instrument"), f"{message}: ask it in [[questionnaires]]")
+        return
+    answers = found.asked[0].answers
+    if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
+        message = f"the {found.short} goes from {answers.low} to {answers.high}"
+        hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
+        yield Problem(("ratings", "stop_at"), f"{message}; {hint}")

@@ -1,0 +1,289 @@
+"""Reads an instrument from TOML; every fault is one sentence with file, line and column."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field
+
+from vrcomfort.questionnaire.answers import Answer, Answers, exact
+from vrcomfort.questionnaire.instruments import Instrument, Item, Wording, plain
+from vrcomfort.questionnaire.scale_file import (
+    Compiled,
+    ScaleTable,
+    compile_scale,
+    of_one_item,
+    scale_problems,
+)
+from vrcomfort.questionnaire.scales import Scale
+from vrcomfort.settings import (
+    KeyPath,
+    Problem,
+    Settings,
+    Word,
+    did_you_mean,
+    first_problem,
+    parse_settings,
+    read_text,
+    repeated,
+    reserved,
+)
+
+Language = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$")]
+_MOST = 1e6
+Bound = Annotated[float, Field(ge=-_MOST, le=_MOST)]
+Step = Annotated[float, Field(gt=0, le=_MOST)]
+
+TAKEN = frozenset(
+    ["participant", "session", "period", "trial", "position", "sequence", "timepoint", "condition",
+     "scene", "early", "item", "response", "instrument", "score"]
+)  # fmt: skip
+"""Columns of our tables, which no item and no scale may be called."""
+
+
+class AnswersTable(Settings):
+    """What can be answered."""
+
+    low: int | Bound
+    high: int | Bound
+    step: int | Step = 1
+    asked_step: int | Step | None = None
+    """What two neighbours on the form are apart; `step` without it. Files may be finer."""
+    labels: tuple[str, ...] = ()
+    """Names of all answers, or of the two ends."""
+
+
+class ItemTable(Settings):
+    """An `[[items]]` table."""
+
+    name: Word
+    text: str = ""
+    """As it is asked; the lab's to give where the name stands alone."""
+    aliases: tuple[str, ...] = ()
+    reversed: bool = False
+    asked: bool = True
+    answers: AnswersTable | None = None
+    """Where they are other ones than the instrument's."""
+
+
+class WordingTable(Settings):
+    """An item in another language."""
+
+    text: str
+    aliases: tuple[str, ...] = ()
+
+
+class TranslationTable(Settings):
+    """The instrument in another language: `[translations.de]`."""
+
+    instruction: str | None = None
+    """As it is asked; without it, the words below only find columns and answers in files."""
+    labels: tuple[str, ...] = ()
+    items: dict[str, str | WordingTable] = Field(default_factory=dict)
+    """Item → its text, or its text and aliases."""
+
+
+class InstrumentTable(Settings):
+    """A whole file; see ``docs/instruments.md``."""
+
+    name: Word
+    short: str = ""
+    title: str
+    instruction: str = ""
+    language: Language = "en"
+    citation: str = ""
+    sources: tuple[str, ...] = ()
+    rule: str = ""
+    licence: str = ""
+    variant_of: str = ""
+    prefixed: bool = True
+    primary: str | None = None
+    answers: AnswersTable
+    items: Annotated[tuple[ItemTable, ...], Field(min_length=1)]
+    scales: tuple[ScaleTable, ...] = ()
+    translations: dict[str, TranslationTable] = Field(default_factory=dict)
+
+
+def read_instrument(file: Path) -> Instrument:
+    """Read an instrument's file.
+
+    Raises
+    ------
+    InputError
+        If it is no TOML, or a key or value is wrong, with line and column.
+    """
+    return parse_instrument(read_text(file, "instrument"), file)
+
+
+def parse_instrument(text: str, file: Path | None = None) -> Instrument:
+    """Return the instrument that is written in `text`; see `read_instrument`."""
+    table = parse_settings(InstrumentTable, text, file)
+    if found := list(_problems(table)):
+        raise first_problem(found, text, file)
+    items = {each.name: _item(each, table) for each in table.items}
+    if found := list(_between(table, items)):
+        raise first_problem(found, text, file)
+    scales = _scales(table, items)
+    return Instrument(
+        name=table.name,
+        short=table.short or table.name.replace("_", " ").upper(),
+        title=table.title,
+        instruction=table.instruction or table.title,
+        items=tuple(items.values()),
+        answers=_answers(table.answers, table),
+        scales=scales,
+        primary=table.primary or scales[0].name,
+        citation=table.citation,
+        sources=table.sources,
+        rule=table.rule,
+        licence=table.licence,
+        language=table.language,
+        variant_of=table.variant_of,
+        prefixed=table.prefixed,
+        instructions=tuple(
+            (language, each.instruction)
+            for language, each in table.translations.items()
+            if each.instruction is not None
+        ),
+        text=text,
+    )
+
+
+def _answers(given: AnswersTable, table: InstrumentTable) -> Answers:
+    shared = given is table.answers
+    return Answers(
+        low=_whole(given.low),
+        high=_whole(given.high),
+        step=_whole(given.step),
+        asked_step=_whole(given.step if given.asked_step is None else given.asked_step),
+        labels=given.labels,
+        more_labels=tuple(
+            each.labels for each in table.translations.values() if shared and each.labels
+        ),
+    )
+
+
+def _whole(number: float) -> Answer:
+    return int(number) if float(number).is_integer() else number
+
+
+def _item(each: ItemTable, table: InstrumentTable) -> Item:
+    wordings = []
+    for language, translation in table.translations.items():
+        said = translation.items.get(each.name)
+        if said is not None:
+            words = WordingTable(text=said) if isinstance(said, str) else said
+            wordings.append(Wording(language, words.text, words.aliases))
+    return Item(
+        name=each.name,
+        text=each.text or each.name.replace("_", " "),
+        answers=_answers(each.answers or table.answers, table),
+        aliases=each.aliases,
+        reversed=each.reversed,
+        asked=each.asked,
+        wordings=tuple(wordings),
+    )
+
+
+def _scales(table: InstrumentTable, items: Mapping[str, Item]) -> tuple[Scale, ...]:
+    """Return the scales of the file, and one for each item that none of them counts."""
+    made: dict[str, Compiled] = {}
+    for each in table.scales:
+        made[each.name] = compile_scale(each, items, made)
+    alone = [of_one_item(items[name]) for name in _alone(table)]
+    return (*(compiled.scale for compiled in made.values()), *alone)
+
+
+def _alone(table: InstrumentTable) -> list[str]:
+    counted = {name for scale in table.scales for name in scale.items}
+    counted |= {name for scale in table.scales for name in scale.weighted_by.values()}
+    return [item.name for item in table.items if item.name not in counted]
+
+
+def _problems(table: InstrumentTable) -> Iterator[Problem]:
+    """Yield what the types cannot say."""
+    yield from reserved(("name",), table.name)
+    yield from repeated(("items",), [item.name for item in table.items])
+    yield from repeated(("scales",), [scale.name for scale in table.scales])
+    yield from _range_problems(("answers",), table.answers)
+    for index, item in enumerate(table.items):
+        place: KeyPath = ("items", index)
+        if item.name in TAKEN:
+            yield Problem((*place, "name"), _taken("an item", item.name))
+        if item.answers is not None:
+            yield from _range_problems((*place, "answers"), item.answers)
+    names = [item.name for item in table.items]
+    for language, each in table.translations.items():
+        path: KeyPath = ("translations", language)
+        for name in each.items:
+            if name not in names:
+                hint = did_you_mean(name, names)
+                yield Problem((*path, "items", name), f"there is no item `{name}`; {hint}")
+        if each.labels and len(each.labels) != len(table.answers.labels):
+            message = f"{len(each.labels)} labels, but {len(table.answers.labels)} in"
+            yield Problem((*path, "labels"), f"{message} `{table.language}`; give as many")
+
+
+def _taken(what: str, name: str) -> str:
+    return f"{what} cannot be called `{name}`: a column of tables is; choose another name"
+
+
+def _range_problems(path: KeyPath, answers: AnswersTable) -> Iterator[Problem]:
+    low, high, step = exact(answers.low), exact(answers.high), exact(answers.step)
+    if low >= high:
+        message = f"the lowest answer, {answers.low}, is not below the highest, {answers.high}"
+        yield Problem((*path, "high"), f"{message}; exchange or correct them")
+        return
+    asked = step if answers.asked_step is None else exact(answers.asked_step)
+    for name, size in (("step", step), ("asked_step", asked)):
+        if ((high - low) / size).denominator != 1:
+            message = f"steps of {float(size):g} do not lead from {answers.low} to {answers.high}"
+            yield Problem((*path, name), f"{message}; give a step that does")
+            return
+    if (asked / step).denominator != 1:
+        message = "an answer on the form is none of the answers; give a multiple of `step`"
+        yield Problem((*path, "asked_step"), message)
+    count = int((high - low) / asked) + 1
+    if len(answers.labels) not in {0, 2, count}:
+        message = f"{len(answers.labels)} labels for {count} answers"
+        yield Problem((*path, "labels"), f"{message}; name all of them, or the two ends")
+
+
+def _between(table: InstrumentTable, items: Mapping[str, Item]) -> Iterator[Problem]:
+    """Yield what is wrong between items and scales."""
+    yield from _same_headings(items)
+    before: list[str] = []
+    columns: list[str] = []
+    for index, scale in enumerate(table.scales):
+        path: KeyPath = ("scales", index)
+        if scale.name in TAKEN:
+            yield Problem((*path, "name"), _taken("a scale", scale.name))
+        if scale.name in items:
+            message = f"a scale has the name of the item `{scale.name}`; call it otherwise"
+            yield Problem((*path, "name"), message)
+        yield from scale_problems(path, scale, items, before)
+        before.append(scale.name)
+        columns.append(scale.column or scale.name.lower())
+    yield from repeated(("scales",), columns)
+    known = [*before, *_alone(table)]
+    if table.primary is not None and table.primary not in known:
+        hint = did_you_mean(table.primary, known)
+        yield Problem(("primary",), f"there is no scale `{table.primary}`; {hint}")
+
+
+def _same_headings(items: Mapping[str, Item]) -> Iterator[Problem]:
+    """Yield items that share a spelling: a column of that name would mean both."""
+    owners: dict[str, str] = {}
+    for index, item in enumerate(items.values()):
+        for word in item.spellings():
+            if not plain(word):
+                message = f"`{word}` has no letter or digit; a heading needs one"
+                yield Problem(("items", index), message)
+                continue
+            other = owners.setdefault(plain(word), item.name)
+            if other != item.name:
+                message = f"`{word}` means item {other} and item {item.name}"
+                yield Problem(("items", index), f"{message}; leave it to one")
+                return

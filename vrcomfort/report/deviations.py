@@ -1,0 +1,117 @@
+"""What a report had to do otherwise than its plan says: one sentence for each."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.report.notices import names
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.withdrawals import everybody
+from vrcomfort.stats.signed_rank import EXACT_UP_TO
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.study_data import StudyData
+
+Deviation = dict[str, Any]
+
+
+def deviations(
+    study: StudyData, scored: Exposures, plan: Plan, results: dict[str, Any]
+) -> list[Deviation]:
+    """Return every deviation: its kind, a sentence without full stop, and whom it is about."""
+    return [
+        *_numbers(study, plan),
+        *_excluded_without_a_rule(study, plan),
+        *_named_and_absent(study, plan),
+        *_outcomes(scored),
+        *_baseline(scored, plan),
+        *_tests(results["tests"], plan),
+        *_models(results),
+    ]
+
+
+def _deviation(kind: str, text: str, participants: list[str] | None = None) -> Deviation:
+    return {"kind": kind, "text": text, "participants": participants or []}
+
+
+def _numbers(study: StudyData, plan: Plan) -> Iterator[Deviation]:
+    there = len(everybody(study))
+    if plan.participants is not None and there != plan.participants:
+        kind = "fewer_participants" if there < plan.participants else "more_participants"
+        were = "was" if there == 1 else "were"
+        yield _deviation(
+            kind, f"{plan.participants} participants were planned; {there} {were} there"
+        )
+
+
+def _excluded_without_a_rule(study: StudyData, plan: Plan) -> Iterator[Deviation]:
+    named = {who for rule in plan.exclusions for who in rule.participants}
+    gone = [p["participant"] for p in study.participants if p["status"] == "excluded"]
+    gone = sorted(set(gone) - named, key=natural)
+    if gone:
+        were = "was" if len(gone) == 1 else "were"
+        text = f"{names(gone)} {were} excluded by the experimenter, which no rule of the plan names"
+        yield _deviation("excluded_without_rule", text, gone)
+
+
+def _named_and_absent(study: StudyData, plan: Plan) -> Iterator[Deviation]:
+    there = set(everybody(study))
+    for rule in plan.exclusions:
+        absent = [who for who in rule.participants if who not in there]
+        if absent:
+            text = f"rule {rule.name} excludes {names(absent)}, of whom there are no data"
+            yield _deviation("exclusion_not_found", text, absent)
+
+
+def _outcomes(scored: Exposures) -> Iterator[Deviation]:
+    for name in scored.absent:
+        text = f"outcome {name} is not in the data: its questionnaire was not answered"
+        yield _deviation("outcome_not_found", text)
+
+
+def _baseline(scored: Exposures, plan: Plan) -> Iterator[Deviation]:
+    raw = [name for name, basis in scored.bases.items() if basis == "raw_post"]
+    if plan.scores == "difference_from_baseline" and raw:
+        text = (
+            f"there is no baseline to subtract from {', '.join(raw)}: raw scores after exposure "
+            "are compared"
+        )
+        yield _deviation("no_baseline", text)
+
+
+def _tests(tests: list[dict[str, Any]], plan: Plan) -> Iterator[Deviation]:
+    for reason in dict.fromkeys(test["not_tested"] for test in tests if test["not_tested"]):
+        untested = [_in_words(t) for t in tests if t["not_tested"] == reason]
+        yield _deviation("not_tested", f"no test of {'; '.join(untested)}: {reason}")
+    fallen = [t for t in tests if not t["not_tested"] and t["method"] != plan.p_value]
+    if fallen:
+        what = "; ".join(_in_words(test) for test in fallen)
+        text = f"p is {fallen[0]['method']} with more than {EXACT_UP_TO} pairs: {what}"
+        yield _deviation("other_method", text)
+
+
+def _in_words(test: dict[str, Any]) -> str:
+    return f"{test['outcome']}, {test['a']} minus {test['b']}"
+
+
+def _models(results: dict[str, Any]) -> Iterator[Deviation]:
+    for key, name in (("anova", "ANOVA"), ("mixed_models", "mixed model")):
+        for reason in dict.fromkeys(f["not_tested"] for f in results[key] if f["not_tested"]):
+            whose = [f["outcome"] for f in results[key] if f["not_tested"] == reason]
+            yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
+    wanted = {factor["name"] for factor in results["plan"]["anova"]}
+    made = [set(found["factors"]) for found in results["anova"] if not found["not_tested"]]
+    if made and (absent := sorted(wanted - set.union(*made))):
+        text = f"{', '.join(absent)} has one level in the data and is not in the ANOVA"
+        yield _deviation("factor_left_out", text)
+    left = {name for found in results["mixed_models"] for name in found.get("left_out", ())}
+    if left:
+        text = (
+            f"{', '.join(sorted(left))} cannot be told apart from the other effects and "
+            f"{'is' if len(left) == 1 else 'are'} not in the mixed model"
+        )
+        yield _deviation("effect_left_out", text)

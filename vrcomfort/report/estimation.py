@@ -1,0 +1,180 @@
+"""Estimation plots: everybody's scores under each condition, beside the differences of the tests.
+
+After Gardner & Altman (1986) and Ho et al. (2019); the difference shown is the one that is tested.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.report.canvas import (
+    FAINT,
+    GRID,
+    INK,
+    PAPER,
+    SOFT,
+    Drawing,
+    canvas,
+    dots,
+    lines,
+    spread,
+    threads,
+)
+from vrcomfort.report.pairs import Side, in_a_test, pair_up
+from vrcomfort.report.palette import colour_of, marker_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.vocabulary import Vocabulary
+
+    Floats = NDArray[np.float64]
+    Test = dict[str, Any]
+
+MOST_BESIDE = 2
+"""Comparisons that fit beside the scores; more go below them, one in a row."""
+CROWD = 60
+"""People from whom on dots and lines are drawn thin."""
+
+
+def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -> Drawing | None:
+    """Draw one outcome: scores by condition (a line is a participant), then the differences.
+
+    Parameters
+    ----------
+    tests
+        Those of one outcome.
+
+    Returns
+    -------
+    Drawing or None
+        None where nobody is in a test.
+    """
+    made = [test for test in tests if not test["not_tested"]]
+    if not made:
+        return None
+    outcome = made[0]["outcome"]
+    sides = {s.name: s for t in made for s in (Side(**side) for side in t["sides"])}
+    shown = [name for name in words.labels if name in sides]
+    scores = _scores(scored, made, [sides[name] for name in shown])
+    beside = len(made) <= MOST_BESIDE
+    left, rows = 1.0 + 0.75 * len(shown), 0.42 * len(made) + 0.9
+    size = (left + 0.9 + 1.1 * len(made), 3.7) if beside else (max(5.6, left + 0.6), 3.2 + rows)
+    with canvas(f"estimation-{outcome}", *size) as (figure, drawing):
+        if beside:
+            ratios = [left, 0.9 + 1.0 * len(made)]
+            raw, effect = figure.subplots(1, 2, width_ratios=ratios)
+        else:
+            raw, effect = figure.subplots(2, 1, height_ratios=[3.2, rows])
+        _draw_scores(raw, scores, shown, words)
+        moments = any(side.timepoint for side in sides.values())
+        basis = "score" if moments else words.bases[outcome]
+        raw.set_ylabel(lines(f"{words.outcome(outcome)}, {basis}", 40))
+        draw = _draw_beside if beside else _draw_below
+        draw(effect, [(test, differences(scored, test)) for test in made], words)
+    return drawing
+
+
+def _scores(scored: Exposures, tests: list[Test], sides: list[Side]) -> Floats:
+    """Return the mean score per exposure, people × sides; NaN where somebody is in no test."""
+    outcome = tests[0]["outcome"]
+    columns = []
+    for side in sides:
+        rows = side.rows(scored).dropna(subset=[outcome])
+        rows = rows[rows["participant"].isin(in_a_test(tests, side.name, outcome))]
+        columns.append(rows.groupby("participant")[outcome].mean() * scored.units[outcome])
+    people = sorted(set().union(*(column.index for column in columns)))
+    return np.column_stack([column.reindex(people).to_numpy(dtype=float) for column in columns])
+
+
+def differences(scored: Exposures, test: Test) -> Floats:
+    """Return the differences of a test in points, of those who answered."""
+    sides = (Side(**side) for side in test["sides"])
+    found = pair_up(scored, test["outcome"], *sides, complete=False)
+    tested = set(test["participants"])
+    chosen = [place for place, who in enumerate(found.participants) if who in tested]
+    return np.asarray(found.differences[chosen] * found.unit, dtype=float)
+
+
+def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary) -> None:
+    places = np.arange(len(shown), dtype=float)
+    crowded = len(scores) > CROWD
+    threads(axes, places, scores, color=FAINT, lw=0.5 if crowded else 0.8,
+            alpha=0.25 if crowded else 0.7, zorder=1)  # fmt: skip
+    for place, condition in enumerate(shown):
+        values = scores[:, place][~np.isnan(scores[:, place])]
+        colour = colour_of(words.place(condition))
+        across = places[place] + spread(len(values), 0.05 if len(values) > 12 else 0.0)
+        dots(axes, across, values, colour, size=2.2 if crowded else 4.0, alpha=0.55, zorder=2)
+        deviation = values.std(ddof=1) if len(values) > 1 else 0.0
+        axes.errorbar(places[place] + 0.2, values.mean(), deviation,
+                      fmt=marker_of(words.place(condition)), color=colour, ms=6, lw=1.6,
+                      mec=PAPER, mew=0.8, zorder=5)  # fmt: skip
+    axes.set_xticks(places, [lines(words.condition(c), 14) for c in shown])
+    axes.set_xlim(-0.45, len(shown) - 0.4)
+    _zero(axes.axhline)
+
+
+def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
+    for place, (test, each) in enumerate(found):
+        thin = len(each) > CROWD
+        across = place - 0.22 + spread(len(each), 0.1)
+        dots(axes, across, each, FAINT, size=2.2 if thin else 3.6, alpha=0.6, zorder=2)
+        low, high = _ends(test, each)
+        _whisker(axes, (place + 0.12, place + 0.12), (low, high))
+        _estimate(axes, place + 0.12, test["shift"])
+    names = [_difference_of(test, words, 16) for test, _ in found]
+    axes.set_xticks(range(len(found)), names)
+    axes.set_xlim(-0.55, len(found) - 0.4)
+    axes.set_ylabel("difference (points)")
+    _zero(axes.axhline)
+
+
+def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
+    for place, (test, each) in enumerate(found):
+        low, high = _ends(test, each)
+        _whisker(axes, (low, high), (place, place))
+        if test["shift"]:
+            axes.plot(test["shift"]["estimate"], place, "D", color=INK, ms=5.5, mec=PAPER, mew=0.8)
+    axes.set_yticks(range(len(found)), [_difference_of(test, words, 40) for test, _ in found])
+    axes.set_ylim(len(found) - 0.4, -0.6)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(axis="x", color=GRID)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("difference (points)")
+    _zero(axes.axvline)
+
+
+def _difference_of(test: Test, words: Vocabulary, width: int) -> str:
+    return (
+        f"{lines(words.condition(test['a']), width)}\n− {lines(words.condition(test['b']), width)}"
+    )
+
+
+def _ends(test: Test, differences: Floats) -> tuple[float, float]:
+    """Return the ends of the interval; one that is not bounded is the farthest difference."""
+    shift = test["shift"] or {}
+    low, high = shift.get("low"), shift.get("high")
+    if low is None and high is None:
+        return np.nan, np.nan
+    return (
+        float(differences.min()) if low is None else low,
+        float(differences.max()) if high is None else high,
+    )
+
+
+def _whisker(axes: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
+    axes.plot(x, y, "-", color=INK, lw=2.2, zorder=4)
+
+
+def _estimate(axes: Axes, place: float, shift: dict[str, Any] | None) -> None:
+    if shift:
+        axes.plot(place, shift["estimate"], "D", color=INK, ms=6, mec=PAPER, mew=0.8, zorder=5)
+
+
+def _zero(line: Any) -> None:
+    line(0, color=SOFT, lw=0.8, ls=(0, (4, 3)), zorder=0)

@@ -1,0 +1,318 @@
+"""The methods section: what was done in this report, no more, and the literature of it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+from vrcomfort.report.references import is_known
+from vrcomfort.report.vocabulary import answers_in_words, short
+from vrcomfort.stats.means import RESAMPLES, SEED
+from vrcomfort.stats.ranks import fewest_for_interval
+from vrcomfort.stats.signed_rank import EXACT_UP_TO
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from vrcomfort.report.vocabulary import Vocabulary
+
+Results = dict[str, Any]
+
+
+class Method(NamedTuple):
+    """One paragraph, and the keys of what it cites (see `references`)."""
+
+    title: str
+    text: str
+    cited: tuple[str, ...] = ()
+
+
+def methods(results: Results, words: Vocabulary) -> list[Method]:
+    """Return the paragraphs on everything that this report holds."""
+    plan = results["plan"]
+    made = any(not test["not_tested"] for test in results["tests"])
+    return [
+        method
+        for method in (
+            _scoring(results, words),
+            _people(results),
+            *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
+            _describing(),
+            _anova(results),
+            _friedman(results),
+            _crossover(results),
+            _mixed(results),
+            _withdrawals(results),
+            _figures(results),
+            _answering(results),
+            Method("Choices", plan["note"]) if plan["note"] else None,
+        )
+        if method
+    ]
+
+
+def basis_sentence(basis: str) -> str:
+    """Say what the scores are."""
+    if basis == "difference_from_baseline":
+        return (
+            "Scores are differences: the questionnaire after an exposure minus the nearest "
+            "baseline of the same participant."
+        )
+    return (
+        "The data hold no baseline questionnaire, so scores are raw scores after exposure and "
+        "include whatever symptoms participants brought with them."
+    )
+
+
+def _scoring(results: Results, words: Vocabulary) -> Method:
+    several = any(n > 1 for n in results["participants"]["exposures_per_condition"].values())
+    repeated = (
+        " Where a condition has several exposures their integer sums are added before testing "
+        "and reported as the mean per exposure."
+        if several
+        else ""
+    )
+    incomplete = (
+        "Missing answers count as the mean of the others of their score where enough are given."
+        if results["plan"]["missing_items"] == "prorate"
+        else "Incomplete questionnaires were not scored."
+    )
+    text = (
+        f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
+        f"{basis_sentence(results['score_basis'])}{repeated}"
+    )
+    cited = [f"instrument_{each['name']}" for each in words.instruments]
+    return Method("Scores", text, tuple(key for key in cited if is_known(key)))
+
+
+def _instrument(asked: Mapping[str, Any]) -> str:
+    """Say what was asked, after whom it was scored, and how."""
+    known = f"{short(asked)}; " if short(asked) != asked["title"] else ""
+    count, scale = len(asked["items"]), answers_in_words(asked)
+    items = f"{count} items, {scale}" if count > 1 else scale
+    after = f" after {asked['citation']}" if asked["citation"] else ""
+    rule = f": {asked['rule']}" if asked["rule"] else ""
+    return f"The {asked['title']} ({known}{items}) was scored{after}{rule}."
+
+
+def _people(results: Results) -> Method:
+    return Method(
+        "Participants",
+        "A participant is in a test with a score of every planned exposure of both its conditions. "
+        "How many are planned, the protocol says, or else the most frequent number. "
+        f"{results['participants']['n']} people were enrolled; the flow chart follows CONSORT "
+        "(Schulz et al., 2010).",
+        ("schulz_2010",),
+    )
+
+
+def _testing(results: Results, words: Vocabulary) -> Method:
+    plan = results["plan"]
+    pratt = plan["zeros"] == "pratt"
+    zeros = (
+        "pairs without a difference were ranked and then dropped (Pratt, 1959)"
+        if pratt
+        else "pairs without a difference were dropped before ranking (Wilcoxon, 1945)"
+    )
+    sides = {
+        "two-sided": "two-sided",
+        "greater": "one-sided (more discomfort under the first condition)",
+        "less": "one-sided (less discomfort under the first condition)",
+    }[plan["alternative"]]
+    text = (
+        f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
+        f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(results)} (Hollander et "
+        f"al., 2014); Z is tie-corrected, without continuity correction. {_families(plan, words)}"
+    )
+    first = "pratt_1959" if pratt else "wilcoxon_1945"
+    holm = ("holm_1979",) if any(each["method"] == "holm" for each in plan["families"]) else ()
+    return Method("Tests", text, (first, "wilcoxon_1945", "hollander_2014", *holm))
+
+
+def _families(plan: Mapping[str, Any], words: Vocabulary) -> str:
+    """Say over what p values were adjusted."""
+    holm = [each for each in plan["families"] if each["method"] == "holm"]
+    if not holm:
+        return "p values are not adjusted."
+    named = [
+        ", ".join(map(words.outcome, each["outcomes"]))
+        + (" and every effect of its ANOVA" if "anova" in each["analyses"] else "")
+        for each in holm
+    ]
+    over = "; and, apart from these, ".join(named)
+    return (
+        f"p values were adjusted with Holm’s (1979) method over {over}; each time over all "
+        "comparisons."
+    )
+
+
+def _exactness(results: Results) -> str:
+    """Say how p was found in the tests that were made."""
+    made = {test["method"] for test in results["tests"] if not test["not_tested"]}
+    exact = "from the exact permutation distribution given the ties"
+    normal = f"from the normal approximation above {EXACT_UP_TO} pairs"
+    if made == {"asymptotic"}:
+        return normal
+    return f"{exact}, {normal}" if "asymptotic" in made else exact
+
+
+def fewest_for_shift(plan: Mapping[str, Any]) -> int:
+    """Return the fewest differences with which a plan's interval of the shift has a bound."""
+    return fewest_for_interval(plan["confidence"], _sides(plan))
+
+
+def _sides(plan: Mapping[str, Any]) -> Literal[1, 2]:
+    inverted = plan["shift_interval"] == "inverted_test"
+    return 1 if inverted and plan["alternative"] != "two-sided" else 2
+
+
+def _shift(plan: Mapping[str, Any]) -> Method:
+    percent = f"{100 * plan['confidence']:g} %"
+    zeros = "including" if plan["zeros"] == "pratt" else "excluding"
+    if plan["shift_interval"] == "inverted_test":
+        how = (
+            f"Its {percent} interval is the hull of the shifts that the same test, ranked anew "
+            "after each shift is taken off, does not reject before adjustment; a round bracket is "
+            "an end that is itself rejected."
+        )
+    else:
+        how = (
+            f"Its {percent} interval is bounded by the Walsh averages at the critical ranks of the "
+            "signed-rank distribution without ties, on the conservative side; with ties it may "
+            "contradict p."
+        )
+    text = (
+        "The difference in points is the Hodges–Lehmann (1963) shift, the median of the Walsh "
+        f"averages, {zeros} pairs without a difference. {how} There is none below "
+        f"{fewest_for_shift(plan)} differences, because no fewer can reach such an exact "
+        f"{'two' if _sides(plan) == 2 else 'one'}-sided p."
+    )
+    return Method("Differences", text, ("hodges_1963", "hollander_2014"))
+
+
+def _rank_biserial(plan: Mapping[str, Any]) -> Method:
+    percent = f"{100 * plan['confidence']:g} %"
+    kind = plan["rank_biserial_interval"]
+    what = (
+        "r is the matched-pairs rank-biserial correlation (Kerby, 2014) over non-zero differences."
+    )
+    if kind == "normal_shift":
+        how = (
+            f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
+            "observed r, or one farther out, is not too rare for non-zero differences D from a "
+            "normal distribution of any mean. It drops zeros, which the test may rank, so the two "
+            "may disagree about 0. Whether there is a difference, p says."
+        )
+        return Method("Effect sizes", f"{what} {how}", ("kerby_2014",))
+    n = (
+        "the number of non-zero scores in the first condition, as R’s effectsize counts"
+        if kind == "effectsize"
+        else "the number of non-zero differences"
+    )
+    how = (
+        f"Its {percent} interval is a Fisher-z interval (Ben-Shachar et al., 2020) whose standard "
+        f"error uses {n}. It is approximate, too narrow where there is an effect, and has no width "
+        "at ±1. Whether there is a difference, p says."
+    )
+    return Method("Effect sizes", f"{what} {how}", ("kerby_2014", "effectsize"))
+
+
+def _describing() -> Method:
+    return Method(
+        "Descriptives",
+        f"Intervals of means are bootstrap-t ({RESAMPLES} resamples, seed {SEED}; Efron & "
+        "Tibshirani, 1993). Standard deviations have n − 1; medians and quartiles are those of "
+        "definition 7 of Hyndman & Fan (1996).",
+        ("efron_1993", "hyndman_1996"),
+    )
+
+
+def _anova(results: Results) -> Method | None:
+    if all(found["not_tested"] for found in results["anova"]):
+        return None
+    return Method(
+        "Analysis of variance",
+        f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
+        "al., 2018) and participants with a score in every cell. Sphericity: Mauchly’s (1940) "
+        "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
+        "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
+        "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro "
+        "& Wilk (1965) and are plotted over normal quantiles at Blom’s (1958) positions.",
+        ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
+         "steiger_2004", "shapiro_1965", "blom_1958"),
+    )  # fmt: skip
+
+
+def _friedman(results: Results) -> Method | None:
+    if all(found["not_tested"] for found in results["friedman"]):
+        return None
+    return Method(
+        "More than two conditions",
+        "All conditions together were compared with Friedman’s (1937) test, corrected for ties, on "
+        "integer sums of participants with every exposure; Kendall’s W is its effect size (Kendall "
+        "& Babington Smith, 1939).",
+        ("friedman_1937", "kendall_1939"),
+    )
+
+
+def _crossover(results: Results) -> Method | None:
+    if all(found["not_tested"] for found in results["crossover"]):
+        return None
+    return Method(
+        "Crossover",
+        "The crossover analysis tests condition and position on differences and sums of the two "
+        "positions within the two orders, and the order (carry-over) on the means of participants "
+        "(Hills & Armitage, 1979).",
+        ("hills_1979",),
+    )
+
+
+def _mixed(results: Results) -> Method | None:
+    if all(found["not_tested"] for found in results["mixed_models"]):
+        return None
+    return Method(
+        "Mixed model",
+        "The mixed model has a random intercept per participant (Laird & Ware, 1982) and is fitted "
+        "by restricted maximum likelihood to every scored exposure; its standard errors are those "
+        "of generalised least squares at the fitted variances, its degrees of freedom "
+        "Satterthwaite’s (1946; Kuznetsova et al., 2017).",
+        ("laird_1982", "satterthwaite_1946", "kuznetsova_2017"),
+    )
+
+
+def _withdrawals(results: Results) -> Method | None:
+    found = results["withdrawals"]
+    if not found["n"]:
+        return None
+    fisher = found["by_first_condition"].get("fisher_p") is not None
+    text = (
+        "Withdrawals are counted by condition, scene and position. In the sensitivity analyses "
+        "each is ranked as worse than every observed difference (worst-rank analysis; Lachin, "
+        "1999)."
+    )
+    also = " First conditions were compared with Fisher’s (1935) exact test." if fisher else ""
+    return Method(
+        "Withdrawals", text + also, ("lachin_1999", *(("fisher_1935",) if fisher else ()))
+    )
+
+
+def _figures(results: Results) -> Method | None:
+    if all(test["not_tested"] for test in results["tests"]):
+        return None
+    return Method(
+        "Figures",
+        "Estimation plots (Gardner & Altman, 1986; Ho et al., 2019) show every participant, and "
+        "the difference with the interval that belongs to its test. Colours are after Okabe & Ito "
+        "(2008); each condition has a shape of its own as well.",
+        ("gardner_1986", "ho_2019", "okabe_2008"),
+    )
+
+
+def _answering(results: Results) -> Method | None:
+    if not results["answering"]["times"]:
+        return None
+    return Method(
+        "Answering times",
+        "A questionnaire is called fast with a median of less than 2 s per question (Huang et al., "
+        "2012). Nothing is excluded for it.",
+        ("huang_2012",),
+    )

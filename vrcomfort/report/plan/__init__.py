@@ -1,0 +1,25 @@
+"""Analysis plans: read, checked, derived from data, and written again."""
+
+from vrcomfort.report.plan.derived import plan_of
+from vrcomfort.report.plan.model import Contrast, Exclusion, Factor, Family, Plan
+from vrcomfort.report.plan.reading import (
+    ShippedPlan,
+    find_plan,
+    load_plan,
+    read_plan,
+    shipped_plans,
+)
+
+__all__ = [
+    "Contrast",
+    "Exclusion",
+    "Factor",
+    "Family",
+    "Plan",
+    "ShippedPlan",
+    "find_plan",
+    "load_plan",
+    "plan_of",
+    "read_plan",
+    "shipped_plans",
+]

@@ -1,0 +1,149 @@
+"""The plan that a report follows where none is given: written down, so that it can be given."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vrcomfort.questionnaire import score_all
+from vrcomfort.report.outcomes import Outcome, outcomes_of
+from vrcomfort.report.plan.reading import read_plan
+from vrcomfort.report.study_data import conditions_in
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from vrcomfort.report.plan.model import Plan
+    from vrcomfort.report.study_data import StudyData
+
+BASELINES = ("baseline", "pre", "before", "pretest", "pre_test")
+EXPOSURES = ("post", "after", "posttest", "post_test")
+RECOVERIES = ("recovery", "followup", "follow_up")
+"""Words for the moments of a study, the usual one first."""
+
+_HEAD = """\
+# Derived from the data by `vrcomfort report`, which was given no plan. Change it, and pass it back
+# with --plan, to decide otherwise. As it was written after the data, it is no pre-registration.
+"""
+
+
+def plan_of(study: StudyData) -> Plan:
+    """Return the plan that the data suggest: every score, every pair of conditions.
+
+    Its text, read again, is the same plan.
+    """
+    text = _HEAD + "".join(f"{line}\n" for line in _lines(study))
+    return read_plan(text, None, study.instruments.values())
+
+
+def _lines(study: StudyData) -> Iterator[str]:
+    moments = _moments(study)
+    conditions = conditions_in(study, moments["exposure_timepoint"])
+    outcomes = _outcomes(study, moments["exposure_timepoint"])
+    yield 'name = "derived"'
+    yield f"title = {_text(_title(conditions))}"
+    yield f"note = {_text('The plan was derived from the data, because none was given.')}"
+    if study.planned_participants:
+        yield f"participants = {study.planned_participants}"
+    yield f"outcomes = {_list(each.name for each in outcomes)}"
+    if not any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets):
+        yield 'scores = "raw"'
+    yield from (f"{key} = {_text(name)}" for key, name in moments.items())
+    groups = _groups(study)
+    scenes = {s.scene for s in study.sheets} | {t.get("scene", "") for t in study.trials}
+    factors = ["condition"] if len(conditions) > 1 else []
+    factors += ["scene"] if len(scenes - {""}) > 1 else []
+    factors += groups
+    yield f"mixed_model = {_list([*factors, 'position', 'session'])}"
+    if not factors:
+        yield "anova = []"
+    yield from _contrasts(study, conditions, moments)
+    yield from _families(outcomes)
+    for column in factors:
+        yield from ("", "[[anova]]", f"name = {_text(column)}", f"column = {_text(column)}")
+
+
+def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
+    """Return the scores of what was asked then, that everybody who answered all of it has."""
+    found: list[Outcome] = []
+    asked = [s for s in study.sheets if s.timepoint == timepoint]
+    exposed = {s.keys["instrument"] for s in asked if s.condition}  # of a session: no condition
+    for name in study.instruments_at(timepoint):
+        if exposed and name not in exposed:
+            continue
+        instrument = study.instruments[name]
+        sheets = [s.answers for s in study.sheets if s.keys["instrument"] == name]
+        known = score_all(instrument, sheets).known
+        needed = [known[scale] for scale in instrument.needed]
+        complete = np.logical_and.reduce([np.ones(len(sheets), dtype=bool), *needed])
+        found += [
+            each
+            for each in outcomes_of(instrument)
+            if each.scale.name in instrument.needed
+            or (complete.any() and known[each.scale.name][complete].all())
+        ]
+    return tuple(found)
+
+
+def _title(conditions: list[str]) -> str:
+    if len(conditions) == 1:
+        return "Before and after exposure"
+    return "Every pair of conditions"
+
+
+def _moments(study: StudyData) -> dict[str, str]:
+    """Return the timepoints by what they are, as far as their names say."""
+    there = Counter(sheet.timepoint for sheet in study.sheets)
+    known = {name.casefold(): name for name in there}
+
+    def first(words: tuple[str, ...], otherwise: str) -> str:
+        return next((known[word] for word in words if word in known), otherwise)
+
+    baseline, recovery = first(BASELINES, BASELINES[0]), first(RECOVERIES, RECOVERIES[0])
+    others = [name for name, _ in there.most_common() if name not in {baseline, recovery}]
+    exposure = first(EXPOSURES, next(iter(others), EXPOSURES[0]))
+    return {
+        "baseline_timepoint": baseline,
+        "exposure_timepoint": exposure,
+        "recovery_timepoint": recovery,
+    }
+
+
+def _contrasts(study: StudyData, conditions: list[str], moments: dict[str, str]) -> Iterator[str]:
+    for a, b in combinations(conditions, 2):
+        yield from ("", "[[contrasts]]", f"a = {_text(a)}", f"b = {_text(b)}")
+    baseline, exposure = moments["baseline_timepoint"], moments["exposure_timepoint"]
+    if len(conditions) == 1 and any(sheet.timepoint == baseline for sheet in study.sheets):
+        yield from ("", "[[contrasts]]", f"a_timepoint = {_text(exposure)}")
+        yield f"b_timepoint = {_text(baseline)}"
+
+
+def _families(outcomes: tuple[Outcome, ...]) -> Iterator[str]:
+    """Adjust the totals, and what they are summed from, apart: they say the same twice."""
+    totals = [each.name for each in outcomes if each.parts]
+    others = [each.name for each in outcomes if not each.parts]
+    named = {"total": totals, "subscales": others} if totals else {"scores": others}
+    for name, members in named.items():
+        if members:
+            yield from ("", "[[families]]", f"name = {_text(name)}")
+            yield f"outcomes = {_list(members)}"
+
+
+def _groups(study: StudyData) -> list[str]:
+    """Return `group` where everybody is in one of a few."""
+    groups = study.between("group")
+    sizes = Counter(groups.values())
+    return ["group"] if len(sizes) > 1 and min(sizes.values()) > 1 else []
+
+
+def _text(text: str) -> str:
+    """Return a TOML string."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _list(names: Iterable[str]) -> str:
+    return f"[{', '.join(map(_text, names))}]"

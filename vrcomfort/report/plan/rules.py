@@ -1,0 +1,109 @@
+"""What the types of a plan cannot say: names that must be there, and keys that go together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+
+from vrcomfort.questionnaire import Instrument
+from vrcomfort.report.outcomes import Outcome, known_outcomes, unknown_outcome
+from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
+from vrcomfort.settings import Problem, did_you_mean, repeated
+
+_TAKEN = {"participant", "score"}
+
+
+def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Iterator[Problem]:
+    """Yield every fault of a plan whose scores are those of instruments, or of shipped ones."""
+    known = known_outcomes(instruments)
+    yield from repeated(("outcomes",), plan.outcomes)
+    yield from repeated(("mixed_model",), plan.mixed_model)
+    yield from repeated(("covariates",), plan.covariates)
+    yield from repeated(("figures",), plan.figures)
+    yield from _named_twice(plan)
+    yield from _outcomes(plan, known)
+    yield from _families(plan)
+    for index, contrast in enumerate(plan.contrasts):
+        yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
+    for index, factor in enumerate(plan.anova):
+        if factor.name in _TAKEN:
+            message = f"`{factor.name}` cannot name a factor; choose another word"
+            yield Problem(("anova", index, "name"), message)
+    for index, rule in enumerate(plan.exclusions):
+        yield from (
+            Problem(("exclusions", index), said) for said in _of_exclusion(rule, plan, known)
+        )
+
+
+def _named_twice(plan: Plan) -> Iterator[Problem]:
+    yield from repeated(("anova",), [factor.name for factor in plan.anova])
+    yield from repeated(("families",), [family.name for family in plan.families])
+    yield from repeated(("exclusions",), [rule.name for rule in plan.exclusions])
+
+
+def _outcomes(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
+    for index, name in enumerate(plan.outcomes):
+        if name not in known:
+            yield Problem(("outcomes", index), unknown_outcome(name, known))
+
+
+def _families(plan: Plan) -> Iterator[Problem]:
+    place: dict[tuple[str, str], str] = {}
+    for index, family in enumerate(plan.families):
+        for number, name in enumerate(family.outcomes):
+            path = ("families", index, "outcomes", number)
+            if name not in plan.outcomes:
+                hint = did_you_mean(name, plan.outcomes)
+                yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
+            for analysis in family.analyses:
+                before = place.setdefault((name, analysis), family.name)
+                if before != family.name:
+                    message = f"the {analysis} of `{name}` are in family `{before}` already"
+                    yield Problem(path, f"{message}; adjust them once")
+
+
+def _of_contrast(contrast: Contrast, plan: Plan) -> Iterator[str]:
+    sides = [
+        (condition, timepoint or plan.exposure_timepoint)
+        for condition, timepoint in (
+            (contrast.a, contrast.a_timepoint),
+            (contrast.b, contrast.b_timepoint),
+        )
+    ]
+    if sides[0] == sides[1]:
+        what = f"condition `{contrast.a}`" if contrast.a else f"timepoint `{sides[0][1]}`"
+        yield f"{what} is compared with itself; name another one"
+    elif bool(contrast.a) != bool(contrast.b) and sides[0][1] == sides[1][1]:
+        absent = "a" if not contrast.a else "b"
+        yield f"`{absent}` is missing; name a condition, or another timepoint"
+
+
+def _of_exclusion(rule: Exclusion, plan: Plan, known: Mapping[str, Outcome]) -> Iterator[str]:
+    given = [
+        name
+        for name, value in (
+            ("participants", rule.participants),
+            ("score", rule.score),
+            ("trial", rule.trial),
+            ("column", rule.column),
+        )
+        if value
+    ]
+    if len(given) != 1:
+        what = f"has {' and '.join(given)}" if given else "names nothing to go by"
+        yield f"rule `{rule.name}` {what}; give one of participants, score, trial or column"
+        return
+    limits = rule.above is not None or rule.below is not None
+    if given == ["participants"]:
+        if limits or rule.equals or rule.removes == "exposure":
+            yield f"rule `{rule.name}` names people; it excludes them as they are"
+        return
+    if not limits and not rule.equals:
+        yield f"rule `{rule.name}` has no limit; give above, below or equals"
+    if rule.score and rule.score not in known:
+        yield unknown_outcome(rule.score, known)
+    if rule.removes == "exposure" and (
+        rule.column or (rule.score and rule.timepoint not in {"", plan.exposure_timepoint})
+    ):
+        yield f"rule `{rule.name}` goes by what belongs to no exposure; let it remove participants"
+    if rule.equals and rule.column == "":
+        yield f"rule `{rule.name}` goes by a number; give above or below instead of equals"

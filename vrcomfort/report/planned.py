@@ -1,0 +1,53 @@
+"""How many exposures of each condition a participant is to have, and when what was asked."""
+
+from __future__ import annotations
+
+from collections import Counter, defaultdict
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vrcomfort.questionnaire import Sheet
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.study_data import StudyData
+
+
+def planned_exposures(
+    study: StudyData, plan: Plan, sheets: list[Sheet], instrument: str
+) -> dict[str, int]:
+    """Return how many exposures of each condition a participant of the study is to have.
+
+    As the protocol has it, where that asks after each exposure; else what most participants have
+    (of two numbers that are as frequent, the larger one: an exposure is lost more easily than one
+    is added). One more exposure of somebody never changes what the others need.
+    """
+    met = Counter((sheet.participant, sheet.condition) for sheet in sheets)
+    counts: dict[str, Counter[int]] = defaultdict(Counter)
+    for (_, condition), count in met.items():
+        counts[condition][count] += 1
+    usual = {
+        condition: max(found, key=lambda count: (found[count], count))
+        for condition, found in counts.items()
+    }
+    protocol = _of_the_protocol(study, plan, instrument)
+    return usual | {c: n for c, n in protocol.items() if c in usual}
+
+
+def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str, int]:
+    """Return the exposures per condition of the sequence, or of the crossing with the scenes."""
+    asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
+    for manifest in reversed(study.manifests):
+        settings = manifest.get("settings") or {}
+        order, scenes = settings.get("order"), settings.get("scenes")
+        asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
+        if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
+            continue
+        if order.get("rule") != "explicit":
+            return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
+        trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
+        alike = {c: {found[c] for found in trials} for found in trials for c in found}
+        return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
+    return {}
+
+
+def _conditions_of(sequence: dict[str, Any]) -> list[str]:
+    return [str(trial["condition"]) for session in sequence["sessions"] for trial in session]

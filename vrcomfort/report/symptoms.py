@@ -1,0 +1,84 @@
+"""Each question of the questionnaire by condition, and how people were after recovery."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.report.descriptives import describe, of_the_tested
+from vrcomfort.report.pairs import in_a_test
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from vrcomfort.report.exposures import Exposures
+
+    Floats = NDArray[np.float64]
+
+Row = dict[str, Any]
+
+
+def symptom_rows(scored: Exposures, conditions: Iterable[str], tests: list[Row]) -> list[Row]:
+    """Describe the answers by item and condition, of those tested (of all, if nobody is).
+
+    Returns
+    -------
+    list of dict
+        By instrument and item: `n` exposures, `mean`, `sd`, and `above` of them with an answer
+        above 0 (with a baseline: above that of the baseline).
+    """
+    tested = any(in_a_test(tests, condition) for condition in conditions)
+    table = scored.table
+    found = []
+    for condition in conditions:
+        if tested:
+            part = of_the_tested(table, tests, condition)
+        else:
+            part = table[table["condition"] == condition]
+        for column, (instrument, item) in scored.items.items():
+            values = part[column].dropna().to_numpy(dtype=float)
+            if not values.size:
+                continue
+            deviation = float(np.std(values, ddof=1)) if values.size > 1 else None
+            found.append({
+                "instrument": instrument, "item": item, "condition": condition,
+                "n": int(values.size), "mean": float(values.mean()), "sd": deviation,
+                "above": int((values > 0).sum()),
+            })  # fmt: skip
+    return found
+
+
+def recovery_rows(scored: Exposures) -> list[Row]:
+    """Describe scores after the session's exposures and after recovery, of the same sessions.
+
+    Returns
+    -------
+    list of dict
+        `sessions` with both; `exposed`, the last score after an exposure of the session;
+        `recovered`; and in how many sessions the score `fell`, was `no_higher_than_baseline`.
+    """
+    found = []
+    for outcome in scored.units:
+        one, two = recovery_course(scored, outcome)
+        if not one.size:
+            continue
+        found.append({
+            "outcome": outcome, "sessions": int(one.size), "exposed": describe(one),
+            "recovered": describe(two), "fell": int((two < one).sum()),
+            "no_higher_than_baseline": int((two <= 0).sum()),
+        })  # fmt: skip
+    return found
+
+
+def recovery_course(scored: Exposures, outcome: str) -> tuple[Floats, Floats]:
+    """Return scores after a session's last exposure and after recovery, of sessions with both."""
+    keys, unit = ["participant", "session"], scored.units[outcome]
+    after, rest = (t.dropna(subset=[outcome]) for t in (scored.table, scored.recovery))
+    last = after.sort_values("position", kind="stable").groupby(keys)[outcome].last()
+    recovered = rest.groupby(keys)[outcome].last()
+    both = last.index.intersection(recovered.index)
+    one, two = (each.loc[both].to_numpy(dtype=float) * unit for each in (last, recovered))
+    return one, two

@@ -1,0 +1,31 @@
+"""Settings in TOML files: read strictly, and every fault said with its place."""
+
+from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings.locate import Path as KeyPath
+from vrcomfort.settings.reading import (
+    Name,
+    Problem,
+    Settings,
+    Word,
+    first_problem,
+    in_words,
+    parse_settings,
+    read_text,
+    repeated,
+    reserved,
+)
+
+__all__ = [
+    "KeyPath",
+    "Name",
+    "Problem",
+    "Settings",
+    "Word",
+    "did_you_mean",
+    "first_problem",
+    "in_words",
+    "parse_settings",
+    "read_text",
+    "repeated",
+    "reserved",
+]
