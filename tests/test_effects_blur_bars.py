@@ -206,8 +206,8 @@ def test_more_samples_are_closer_to_the_ideal(ctx):
 def test_depth_of_field_owns_no_more_textures_than_it_needs(
     ctx, count_objects, width_px, limit_percent, textures_
 ):
-    """Points, two of tiles, two of the widest disc, the result; where discs can be wide also levels,
-    and what is gathered at half resolution.
+    """Points, two of tiles, two of the widest disc, the result; where discs can be wide also
+    levels, and what is gathered at half resolution.
     """
     rgb = np.zeros((3, width_px, 3))
     colour, depth = textures(ctx, rgb, 1.0)
