@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.answers import AnswerReader, number
 from vrcomfort.importing.columns import Block, Columns
+from vrcomfort.importing.courses import sum_up
 from vrcomfort.importing.facts import TIMEPOINT, Numbers, RowFacts
 from vrcomfort.importing.files import read_grids
 from vrcomfort.importing.headings import as_table
-from vrcomfort.importing.mapping import Mapping, Questionnaire, ScoreKind, Scores, Table
+from vrcomfort.importing.mapping import (
+    Mapping,
+    Questionnaire,
+    ScoreKind,
+    Scores,
+    Summary,
+    Table,
+)
 from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of
 from vrcomfort.importing.score_instruments import (
     ScoreInstrument,
@@ -44,7 +53,7 @@ def import_files(
     """
     imported = Imported()
     numbers = Numbers()
-    made: dict[str, ScoreInstrument] = {}
+    made = _Made()
     known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()
@@ -66,8 +75,9 @@ def import_files(
             names = ", ".join(table.files)
             raise InputError(f"the mapping has a table for {names}, which was not given; give it")
     imported.instruments = {each.name: each for each in own}
-    imported.instruments |= {name: each.made() for name, each in made.items()}
-    imported.scores = list(made)
+    imported.instruments |= {name: each.made() for name, each in made.scores.items()}
+    imported.scores = list(made.scores)
+    sum_up(imported, made.courses, known)
     _finish(imported)
     return imported
 
@@ -103,6 +113,16 @@ KnownInstruments = dict[str, Instrument]
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
+@dataclass
+class _Made:
+    """What becomes of all tables together: scores without answers, courses of ratings."""
+
+    scores: dict[str, ScoreInstrument] = field(default_factory=dict)
+    courses: dict[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]] = field(
+        default_factory=dict
+    )
+
+
 class _Import:
     """The import of one table."""
 
@@ -113,7 +133,7 @@ class _Import:
         known: KnownInstruments,
         imported: Imported,
         numbers: Numbers,
-        made: dict[str, ScoreInstrument],
+        made: _Made,
     ) -> None:
         self._made = made
         self._table = table
@@ -238,13 +258,17 @@ class _Import:
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(moment, block.instrument.name, onset_s, response)
             self._imported.ratings.append(rating)
+            here = Place(self._table.file.name, self._table.sheet, row)
+            summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
+            key = block.instrument.name, moment
+            self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
 
     def _scores(self, block: Block, moment: Moment, cells: tuple[str, ...], row: int) -> None:
         source = block.source
         if not isinstance(source, Scores):
             raise TypeError(source)
         name = name_of(block.instrument, source.kind)
-        made = self._made.setdefault(name, ScoreInstrument(block.instrument, source.kind))
+        made = self._made.scores.setdefault(name, ScoreInstrument(block.instrument, source.kind))
         here = Place(self._table.file.name, self._table.sheet, row)
         found: dict[int, tuple[str, Answer | None]] = {}
         for column, scale in block.columns.items():
