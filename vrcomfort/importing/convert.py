@@ -141,6 +141,8 @@ class _Import:
         self._imported = imported
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
+        self._all_blocks = (*self._columns.blocks, *self._columns.scores)
+        self._known_moments: dict[tuple[object, ...], list[Moment]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: Counter[str] = Counter()
@@ -162,23 +164,39 @@ class _Import:
         return self._table.sheet
 
     def _row(self, cells: tuple[str, ...], row: int) -> None:
-        of_row = self._facts.of_row(cells, row)
-        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         elsewhere: list[str] = []
-        for number_, block in enumerate((*self._columns.blocks, *self._columns.scores)):
-            if any(cells[i] not in texts for i, texts in block.where.items()):
+        taken: list[int] = []
+        for place, block in enumerate(self._all_blocks):
+            if block.where and any(cells[i] not in texts for i, texts in block.where.items()):
                 elsewhere += [cells[i] for i in block.where]
-                continue
-            facts = {**of_row, **self._renamed(block, row)}
-            key = tuple(sorted(facts.items()))
-            if key not in counted:  # questionnaires of one moment are of one exposure
-                counted[key] = self._facts.counted(facts, _item_text(block, cells))
-            moment = self._moment(counted[key], row)
-            self._take(number_, block, moment, cells, row)
-        if elsewhere and not counted:
+            else:
+                taken.append(place)
+        for place, moment in zip(taken, self._moments_of(taken, cells, row), strict=True):
+            self._take(place, self._all_blocks[place], moment, cells, row)
+        if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         if self._columns.participants:
-            self._covariates(of_row.get("participant", ""), cells, row)
+            who = self._facts.of_row(cells, row).get("participant", "")
+            self._covariates(who, cells, row)
+
+    def _moments_of(self, blocks: list[int], cells: tuple[str, ...], row: int) -> list[Moment]:
+        """Return the moment of each block of a row; rows that say the same are looked up."""
+        said = self._facts.key(cells)
+        key = (*blocks, said)
+        if said is not None and key in self._known_moments:
+            return self._known_moments[key]
+        of_row = self._facts.of_row(cells, row)
+        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        found = []
+        for block in map(self._all_blocks.__getitem__, blocks):
+            facts = {**of_row, **self._renamed(block, row)}
+            same = tuple(sorted(facts.items()))
+            if same not in counted:  # questionnaires of one moment are of one exposure
+                counted[same] = self._facts.counted(facts, _item_text(block, cells))
+            found.append(self._moment(counted[same], row))
+        if said is not None:
+            self._known_moments[key] = found
+        return found
 
     def _renamed(self, block: Block, row: int) -> dict[str, str]:
         said = block.source.constants

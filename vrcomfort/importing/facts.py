@@ -48,6 +48,12 @@ class RowFacts:
             name for name in ("session", "period", "block", "trial") if mapping.fact(name).count
         ]
 
+    def key(self, cells: tuple[str, ...]) -> tuple[str, ...] | None:
+        """Return the cells that say the facts of a row; None where rows are counted, too."""
+        if self._counted or self._mapping.participant.count:
+            return None
+        return tuple([cells[i] for _, _, columns in self._sources for i in columns or ()])
+
     def _captured(self, template: str, text: str, what: str) -> dict[str, str]:
         if not template:
             return {}
