@@ -111,7 +111,7 @@ def test_a_table_written_by_hand_needs_no_last_line_end(tmp_path):
     file.write_text(' a , b\n1,"2\n3"\n,\n\n4,5', encoding="utf-8")
     table = CsvTable.read(file)
     assert table.header == ("a", "b")
-    assert (table.rows, table.lines) == ((["1", "2\n3"], ["4", "5"]), (3, 6))
+    assert (table.rows, table.lines) == ((("1", "2\n3"), ("4", "5")), (3, 6))
     assert CsvTable.read(file, appended=True).lines == (3,)
 
 

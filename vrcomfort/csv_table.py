@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, islice
 from pathlib import Path
-from typing import BinaryIO, Self
+from typing import BinaryIO, NoReturn, Self
 
 from vrcomfort.errors import InputError
 
@@ -27,7 +27,7 @@ class CsvTable:
     header
         Column names, without spaces around them; empty where there is no whole header row.
     rows
-        One list of cells per row, all as long as the header; blank is missing.
+        The cells of each row, as many as the header has; blank is missing.
     lines
         The 1-based line of each row.
     warnings
@@ -36,7 +36,7 @@ class CsvTable:
 
     file: Path
     header: tuple[str, ...]
-    rows: tuple[list[str], ...]
+    rows: tuple[tuple[str, ...], ...]
     lines: tuple[int, ...]
     warnings: tuple[str, ...] = ()
 
@@ -143,32 +143,40 @@ class _Text:
         self._cut_line = 0
         self._has_lines = _check_text(file, appended=appended)
 
-    def records(self) -> Iterator[tuple[int, list[str]]]:
+    def records(self) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Yield line and cells of the rows that hold anything."""
         with self._file.open("rb") as stream:
             reader = csv.reader(self._lines(stream))
             try:
                 for cells in reader:
-                    if any(map(str.strip, cells)):
-                        yield reader.line_num, cells
+                    if cells and (cells[0].strip() or any(map(str.strip, cells))):
+                        yield reader.line_num, tuple(cells)  # no work for the garbage collector
             except csv.Error as error:
                 message = f"not a CSV table: {error}"
                 raise InputError(message, file=self._file, line=reader.line_num) from None
 
     def _lines(self, stream: BinaryIO) -> Iterator[str]:
-        for number, line in enumerate(stream, start=1):
-            if self._appended and self._has_lines and not line.endswith(b"\n"):
-                self._cut_line = number
-                return
-            try:
-                text = str(line.removeprefix(BYTE_ORDER_MARK) if number == 1 else line, "utf-8")
-            except UnicodeDecodeError:
-                message = "this line is not UTF-8; save the file as CSV in UTF-8"
-                raise InputError(message, file=self._file, line=number) from None
+        before = 0
+        while lines := stream.readlines(_BLOCK):
+            if self._appended and self._has_lines and not lines[-1].endswith(b"\n"):
+                self._cut_line = before + len(lines)
+                lines.pop()
+            text = self._decoded(lines, before)
             if not self._has_lines:
                 text = self._of_carriage_returns(text)
-            several = "\r" in text[:-2] or not self._has_lines
-            yield from io.StringIO(text, newline="") if several else (text,)
+            alone = text.count("\r") > text.count("\r\n")
+            yield from io.StringIO(text, newline="" if alone else "\n")
+            before += len(lines)
+
+    def _decoded(self, lines: list[bytes], before: int) -> str:
+        """Return the text of some lines; so many have been read before."""
+        whole = b"".join(lines)
+        try:
+            return str(whole.removeprefix(BYTE_ORDER_MARK) if before == 0 else whole, "utf-8")
+        except UnicodeDecodeError:
+            wrong = next(n for n, line in enumerate(lines, start=1) if not _is_utf8(line))
+            message = "this line is not UTF-8; save the file as CSV in UTF-8"
+            raise InputError(message, file=self._file, line=before + wrong) from None
 
     def _of_carriage_returns(self, text: str) -> str:
         """Return the text of a file that ends its lines with carriage returns alone."""
@@ -179,28 +187,25 @@ class _Text:
         return text[: text.rfind("\n") + 1]
 
     def whole_rows(
-        self, records: Iterable[tuple[int, list[str]]], header: Sequence[str]
-    ) -> Iterator[tuple[int, list[str]]]:
+        self, records: Iterable[tuple[int, tuple[str, ...]]], header: Sequence[str]
+    ) -> Iterator[tuple[int, tuple[str, ...]]]:
         """Yield the rows, all as long as the header; not the last of an appended file if short."""
-        before: tuple[int, list[str]] | None = None
+        before: tuple[int, tuple[str, ...]] | None = None
+        width = len(header)
         for record in records:
             if before is not None:
-                yield self._of_width(before, header)
+                yield before if len(before[1]) == width else self._other_width(before, header)
             before = record
         if before is None:
             return
-        if self._appended and not self._cut_line and len(before[1]) < len(header):
+        if self._appended and not self._cut_line and len(before[1]) < width:
             self._cut_line = before[0]
         else:
-            yield self._of_width(before, header)
+            yield before if len(before[1]) == width else self._other_width(before, header)
 
-    def _of_width(
-        self, record: tuple[int, list[str]], header: Sequence[str]
-    ) -> tuple[int, list[str]]:
+    def _other_width(self, record: tuple[int, tuple[str, ...]], header: Sequence[str]) -> NoReturn:
         line, cells = record
-        if len(cells) != len(header):
-            raise InputError(_other_width(cells, header), file=self._file, line=line)
-        return record
+        raise InputError(_other_width(cells, header), file=self._file, line=line)
 
     def left_out(self, what: str) -> tuple[str, ...]:
         """Return what is said of a row that was left out, once all are read."""
@@ -235,8 +240,16 @@ def _check_text(file: Path, *, appended: bool) -> bool:
     return has_lines
 
 
-def _header(file: Path, records: list[tuple[int, list[str]]]) -> tuple[str, ...]:
-    line, cells = records[0]
+def _is_utf8(line: bytes) -> bool:
+    try:
+        line.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _header(file: Path, records: list[tuple[int, tuple[str, ...]]]) -> tuple[str, ...]:
+    line, cells = records[0][0], list(records[0][1])
     if len(cells) == 1:
         for sign, name in ((";", "`;`"), ("\t", "tabs")):
             if sign in cells[0]:
@@ -252,7 +265,7 @@ def _header(file: Path, records: list[tuple[int, list[str]]]) -> tuple[str, ...]
     return header
 
 
-def _other_width(cells: list[str], header: Sequence[str]) -> str:
+def _other_width(cells: Sequence[str], header: Sequence[str]) -> str:
     widths = f"this row has {len(cells)} cells, the header has {len(header)}"
     if len(cells) < len(header):
         return f"{widths}; fill it up, or remove it"

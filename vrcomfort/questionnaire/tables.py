@@ -286,13 +286,18 @@ def read_long(
         If an item is none or is answered twice, or an answer is no integer or out of range. With
         line and column.
     """
+    if not table.rows:
+        return []
     sheets = _LongSheets(table, instrument, keys, coded_from)
-    names = [heading.lower() for heading in table.header]
+    own = {instrument.name, ""} if nameless else {instrument.name}
+    name = sheets.column("instrument")
+    mine: dict[str, bool] = {}
     for line, cells in zip(table.lines, table.rows, strict=True):
-        row = dict(zip(names, map(str.strip, cells), strict=True))
-        name = row.get("instrument", "").lower()
-        if name == instrument.name or (nameless and not name):
-            sheets.add(row, line)
+        named = "" if name is None else cells[name]
+        if named not in mine:
+            mine[named] = named.strip().lower() in own
+        if mine[named]:
+            sheets.add(cells, line)
     return list(sheets.found.values())
 
 
@@ -310,35 +315,64 @@ class _LongSheets:
         self._coded_from = coded_from
         self._instrument = instrument
         self._keys = keys
+        names = [name.lower() for name in table.header]
+        self._columns = {name: place for place, name in enumerate(names)}
+        self._places = [self._columns[name] for name in keys if name in self._columns]
+        self._item, self._response = self._columns["item"], self._columns["response"]
+        self._resumed = self._columns.get("resumed")
         self._runs: dict[tuple[str, str], int] = {}
+        self._answered: dict[tuple[str, str], tuple[Item, Answer | None]] = {}
+        self._before: tuple[list[str], Sheet] | None = None
         self.found: dict[tuple[str | int, ...], Sheet] = {}
 
-    def add(self, row: Mapping[str, str], line: int) -> None:
+    def column(self, name: str) -> int | None:
+        """Return the place of a column, None where there is none of that name."""
+        return self._columns.get(name)
+
+    def add(self, cells: Sequence[str], line: int) -> None:
         """Put one answer where it belongs."""
-        item = self._instrument.item(row["item"])
-        if item is None:
-            raise self._table.fault(_unknown_item(self._instrument, row["item"]), line, "item")
-        whose = tuple([row.get(name, "") for name in self._keys])
-        run = self._run(row, whose, item.name)
-        sheet = self.found.get((*whose, run))
-        if sheet is None:
-            sheet = Sheet(line, dict(zip(self._keys, whose, strict=True)), run=run)
-            self.found[*whose, run] = sheet
+        said = cells[self._item], cells[self._response]
+        if said not in self._answered:
+            self._answered[said] = self._read(*said, line)
+        item, answer = self._answered[said]
+        sheet = self._sheet(cells, line, item.name)
         sheet.require_unanswered(item, self._table, line)
-        answer = _answer(self._table, item, row["response"], line, "response", self._coded_from)
         sheet.answers[item.name] = answer
 
-    def _run(self, row: Mapping[str, str], whose: tuple[str, ...], item: str) -> int:
-        """Return how often the session had been resumed: each run asks something once."""
+    def _read(self, heading: str, response: str, line: int) -> tuple[Item, Answer | None]:
+        item = self._instrument.item(heading.strip())
+        if item is None:
+            message = _unknown_item(self._instrument, heading.strip())
+            raise self._table.fault(message, line, "item")
+        answer = _answer(self._table, item, response, line, "response", self._coded_from)
+        return item, answer
+
+    def _sheet(self, cells: Sequence[str], line: int, item: str) -> Sheet:
+        """Return the sheet of a row: mostly that of the row before."""
+        whose = [cells[place] for place in self._places]
+        again = self._resumed is not None and cells[self._resumed].strip() not in {"", "0"}
+        if self._before is not None and not again and self._before[0] == whose:
+            return self._before[1]
+        there = [name for name in self._keys if name in self._columns]
+        row = {name: cells[self._columns[name]].strip() for name in there}
+        key = tuple(row.get(name, "") for name in self._keys)
         session = row.get("participant", ""), row.get("session", "")
+        run = self._run(session, key, item) if again else self._runs.get(session, 0)
+        sheet = self.found.get((*key, run))
+        if sheet is None:
+            sheet = Sheet(line, dict(zip(self._keys, key, strict=True)), run=run)
+            self.found[*key, run] = sheet
+        self._before = None if again else (whose, sheet)
+        return sheet
+
+    def _run(self, session: tuple[str, str], key: tuple[str, ...], item: str) -> int:
+        """Return how often the session had been resumed: each run asks something once."""
         run = self._runs.get(session, 0)
-        if row.get("resumed", "") not in {"", "0"}:
-            sheet = self.found.get((*whose, run))
-            if sheet is not None and item not in sheet.answers:
-                return run  # what an interruption cut off has been finished
-            repeated = sheet is not None
-            run = max(run, 1) + (repeated and run > 0)
-            self._runs[session] = run
+        sheet = self.found.get((*key, run))
+        if sheet is not None and item not in sheet.answers:
+            return run  # what an interruption cut off has been finished
+        run = max(run, 1) + (sheet is not None and run > 0)
+        self._runs[session] = run
         return run
 
 

@@ -142,7 +142,11 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         "confounded": None,
     }
     if contrast.of_conditions:
-        result["confounded"] = _confounded(scored.table, a.name, b.name, pairs.participants)
+        people = pairs.participants
+        result["confounded"] = scored.looked_up(
+            ("confounded", a, b, people),
+            lambda: _confounded(scored.table, a.name, b.name, people),
+        )
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
         return result

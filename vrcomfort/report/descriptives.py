@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
 
-PRIMARY = "primary"
+PRIMARY, ALL = "primary", "all"
 
 
 def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
@@ -86,16 +86,33 @@ def _primary(
 
 
 def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Described:
-    table, unit = scored.table.dropna(subset=[outcome]), scored.units[outcome]
-    parts = [("all", "", table)]
+    values = scored.table[outcome].to_numpy(dtype=float) * scored.units[outcome]
+    there = ~np.isnan(values)
+    cells = scored.looked_up(("cells",), lambda: _cells(scored.table, conditions))
+    filled = [(by, level, condition, there & rows) for by, level, condition, rows in cells]
+    filled = [cell for cell in filled if cell[3].any()]
+    levels = {by: {level for other, level, *_ in filled if other == by} for by, *_ in filled}
+    return [
+        (by, level, condition, describe(values[rows]))
+        for by, level, condition, rows in filled
+        if by == ALL or len(levels[by]) > 1
+    ]
+
+
+_Cells = list[tuple[str, str, str, "NDArray[np.bool_]"]]
+
+
+def _cells(table: pd.DataFrame, conditions: list[str]) -> _Cells:
+    """Return what a description is by, its level, its condition, and the rows of that."""
+    parts = [(ALL, "", np.ones(len(table), dtype=bool))]
     for by in ("scene", "position", "session"):
         levels = sorted(table[by].unique(), key=lambda level: natural(str(level)))
-        parts += [(by, str(lv), table[table[by] == lv]) for lv in levels if len(levels) > 1]
+        parts += [(by, str(level), (table[by] == level).to_numpy()) for level in levels]
+    met = {condition: (table["condition"] == condition).to_numpy() for condition in conditions}
     return [
-        (by, level, condition, _in_points(part[part["condition"] == condition], outcome, unit))
-        for by, level, part in parts
+        (by, level, condition, rows & met[condition])
+        for by, level, rows in parts
         for condition in conditions
-        if (part["condition"] == condition).any()
     ]
 
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import pandas as pd
 
@@ -23,7 +23,7 @@ from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, unknown
 from vrcomfort.report.planned import planned_exposures
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
 
     from vrcomfort.questionnaire import Instrument, Sheet
     from vrcomfort.report.plan import Plan
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 Basis = Literal["difference_from_baseline", "raw_post"]
 Row = dict[str, Any]
+Found = TypeVar("Found")
 COLUMNS = (
     "participant", "session", "number", "position", "timepoint", "condition", "scene", "part",
     "early", "sequence", "group",
@@ -84,6 +85,15 @@ class Exposures:
     excluded: tuple[dict[str, str], ...]
     planned_of: dict[str, dict[str, int]]
     people: dict[str, dict[str, str]]
+    found: dict[Any, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    """What was looked up in the tables before, by what it is; see `looked_up`."""
+
+    def looked_up(self, key: tuple[Any, ...], look: Callable[[], Found]) -> Found:
+        """Return what `look` found when it was asked for first: tests ask for the same rows."""
+        if key not in self.found:
+            self.found[key] = look()
+        there: Found = self.found[key]
+        return there
 
     @property
     def titles(self) -> dict[str, str]:

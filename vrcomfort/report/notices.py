@@ -51,7 +51,8 @@ def _losses(
     excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
     met = {(s.participant, s.condition) for s in study.sheets}
     met |= {(t["participant"], t["condition"]) for t in study.trials}
-    for test in {(test["a"], test["b"]): test for test in tests}.values():
+    primary = {(test["a"], test["b"]): test for test in reversed(tests)}
+    for test in reversed(primary.values()):
         people = {who for who, what in met if what in (test["a"], test["b"])} - excluded
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):

@@ -35,6 +35,9 @@ class Side:
 
     def rows(self, scored: Exposures) -> pd.DataFrame:
         """Return the exposures, or the moments, of this side."""
+        return scored.looked_up(("rows", self), lambda: self._rows(scored))
+
+    def _rows(self, scored: Exposures) -> pd.DataFrame:
         table = scored.moments if self.timepoint else scored.table
         if self.timepoint:
             table = table[table["timepoint"] == self.timepoint]
@@ -101,16 +104,40 @@ def side_sums(
 
     The sums have shape (n, sides); see `pair_up` for `complete`.
     """
-    rows = [side.rows(scored)[["participant", outcome]].dropna() for side in sides]
-    grouped = [table.groupby("participant")[outcome] for table in rows]
-    sums, counts = [g.sum() for g in grouped], [g.size() for g in grouped]
+    totals = [_totals(scored, outcome, side) for side in sides]
     needed = [needed_of(scored, outcome, side) if complete else 1 for side in sides]
-    there = [set(n.index[n >= least]) for n, least in zip(counts, needed, strict=True)]
-    people = sorted(set.intersection(*there), key=natural)
-    counted = np.stack([n.loc[people].to_numpy(dtype=np.int64) for n in counts], axis=1)
-    found = np.stack([s.loc[people].to_numpy(dtype=np.float64) for s in sums], axis=1)
+    sums = np.stack([found for found, _ in totals], axis=1)
+    counts = np.stack([count for _, count in totals], axis=1)
+    there = np.flatnonzero((counts >= needed).all(axis=1))
+    people, counted = _people(scored), counts[there]
     common = lcm(*map(int, np.unique(counted)))
-    return people, found.astype(np.int64) * (common // counted), common
+    return [people[place] for place in there], sums[there] * (common // counted), common
+
+
+def _people(scored: Exposures) -> list[str]:
+    """Return everybody in the tables, in order."""
+    tables = (scored.table, scored.moments)
+    return scored.looked_up(
+        ("people",),
+        lambda: sorted({who for table in tables for who in table["participant"]}, key=natural),
+    )
+
+
+def _totals(scored: Exposures, outcome: str, side: Side) -> tuple[Integers, Integers]:
+    """Return the sum of each of `_people` under a side, and of how many scores it is."""
+
+    def places() -> Integers:
+        place = {who: number for number, who in enumerate(_people(scored))}
+        return np.array([place[who] for who in side.rows(scored)["participant"]], dtype=np.int64)
+
+    def totals() -> tuple[Integers, Integers]:
+        whose = scored.looked_up(("places", side), places)
+        values = side.rows(scored)[outcome].to_numpy(dtype=np.float64)
+        there, size = ~np.isnan(values), len(_people(scored))
+        sums = np.bincount(whose[there], values[there], minlength=size)
+        return sums.astype(np.int64), np.bincount(whose[there], minlength=size)
+
+    return scored.looked_up(("totals", outcome, side), totals)
 
 
 def needed_of(scored: Exposures, outcome: str, side: Side) -> int:

@@ -70,7 +70,11 @@ def _lines(study: StudyData) -> Iterator[str]:
 def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
     """Return the scores of what was asked then, that everybody who answered all of it has."""
     found: list[Outcome] = []
+    asked = [s for s in study.sheets if s.timepoint == timepoint]
+    exposed = {s.keys["instrument"] for s in asked if s.condition}  # of a session: no condition
     for name in study.instruments_at(timepoint):
+        if exposed and name not in exposed:
+            continue
         instrument = study.instruments[name]
         sheets = [s.answers for s in study.sheets if s.keys["instrument"] == name]
         known = score_all(instrument, sheets).known
