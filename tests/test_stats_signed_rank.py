@@ -294,3 +294,11 @@ def test_losses_in_one_condition_push_the_result_there():
 
 def test_six_of_ten_against_none_of_ten():
     assert fisher_exact([[6, 4], [0, 10]]) == pytest.approx(0.0108359, abs=1e-7)
+
+
+def test_an_interval_ends_where_ties_leave_no_shift_that_is_not_rejected():
+    """A coarse scale and many people: p jumps from one side's rejection to the other's."""
+    values = np.array([((7 * i + i // 11) % 21) - ((5 * i + i // 7) % 20) for i in range(20_000)])
+    shift = signed_rank(values).shift
+    assert shift.low <= shift.estimate <= shift.high
+    assert shift.high - shift.low <= 0.5

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cache
-from itertools import count
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +25,8 @@ if TYPE_CHECKING:
 QUARTERS = 4
 DOUBT = 0.5
 """Share of the level down to which the asymptotic p is not trusted to say that the test rejects."""
+PLACES = 12
+"""Walsh averages on either side of the median at which an accepted shift is looked for."""
 MOST_STEPS = 400
 """Walsh averages looked at beyond the first that is rejected; reached with n > 100 alone."""
 
@@ -101,7 +102,12 @@ def _lower_end(
     outside = int(scaled.min()) - 1
     if accepted(outside):
         return None
-    lowest = _first_accepted(accepted, outside, sums.median_of_four())
+    middle = sums.median_of_four()
+    near = _places_near(middle, differences)
+    inside = next(filter(accepted, near), None)
+    if inside is None:  # so many ties that p jumps from one side's rejection to the other's
+        return Bound(middle / QUARTERS, closed=True)
+    lowest = _first_accepted(accepted, outside, inside)
     theta = lowest
     for _ in range(MOST_STEPS):
         theta = _next_below(theta, sums, outside)
@@ -114,10 +120,23 @@ def _lower_end(
     return Bound(_next_below(lowest, sums, outside) / QUARTERS, closed=False)
 
 
-def _first_accepted(accepted: Callable[[int], bool], outside: int, middle: int) -> int:
+def _places_near(middle: int, differences: Integers) -> list[int]:
+    """Return shifts of different results around the median Walsh average, the nearest first."""
+    found = [middle]
+    for sign in (1, -1):
+        sums, theta = WalshSums(sign * differences), sign * middle
+        outside = QUARTERS * int((sign * differences).min()) - 1
+        for _ in range(PLACES):
+            theta = _next_below(theta, sums, outside)
+            if theta == outside:
+                break
+            found.append(sign * theta)
+    return sorted(found, key=lambda theta: abs(theta - middle))
+
+
+def _first_accepted(accepted: Callable[[int], bool], outside: int, inside: int) -> int:
     """Return an accepted shift whose neighbour below is rejected."""
-    nearest = (middle + sign * step for step in count() for sign in (1, -1))
-    low, high = outside, next(filter(accepted, nearest))
+    low, high = outside, inside
     while high - low > 1:
         between = (low + high) // 2
         low, high = (low, between) if accepted(between) else (between, high)
