@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from tests.support.layouts import ITEMS, LAYOUTS, Truth
+from tests.support.layouts import ITEMS, LAYOUTS, Truth, write
 from tests.support.odd_layouts import ODD_LAYOUTS
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
@@ -147,3 +147,11 @@ def test_real_answers_in_words_give_the_scores_that_are_known() -> None:
     points = [[found[name].points for name in ("O", "D", "T")] for found in scores]
     means = [sum(column) / len(points) for column in zip(*points, strict=True)]
     assert means == pytest.approx([15.5556, 7.1111, 11.3333], abs=5e-5)
+
+
+def test_conditions_in_headings_keep_their_capital_letters(tmp_path: Path) -> None:
+    rows = [["ID", *(f"{c} {text}" for c in ("Blur", "NoBlur") for text in ITEMS)]]
+    rows += [[f"P{n}", *[n % 4] * 32] for n in range(5)]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert suggested.imported is not None
+    assert suggested.imported.conditions == ["Blur", "No_Blur"]

@@ -37,9 +37,14 @@ class Named:
 
 
 def tokens(heading: str) -> list[str]:
-    """Return the words and numbers of a heading; ``preSSQ8`` is three."""
+    """Return the words and numbers of a heading in small letters; ``preSSQ8`` is three."""
+    return [word.casefold() for word in words_of(heading)]
+
+
+def words_of(heading: str) -> list[str]:
+    """Return the words and numbers of a heading."""
     parted = re.sub(r"(?<=[a-zß-ÿ])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", " ", heading)
-    return [word.casefold() for word in _TOKEN.findall(parted)]
+    return _TOKEN.findall(parted)
 
 
 def named_items(column: int, heading: str, label: str, instrument: Instrument) -> Named | None:

@@ -235,6 +235,7 @@ def draft_rating(
     draft = Draft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
         draft.put("time", table.headings[rating.time], "seconds since the exposure began")
+        draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
     coding = coding_of(table, [rating.column], rating.instrument)
     _coded(draft, coding)
     draft.tables["items"] = Draft({item.name: table.headings[rating.column]})
