@@ -29,7 +29,7 @@ int bits = 0;
 void compare(vec2 these, vec2 those) {
     vec2 far = max(these, those), step_px = abs(these - those);
     vec2 widest = max(abs(these), abs(those));
-    bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.15 * abs(far)));
+    bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.06 * abs(far)));
     bits |= (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5) ? EDGE : 0;
 }
 
