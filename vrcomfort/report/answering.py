@@ -21,7 +21,7 @@ FAST_S = 2.0
 """Seconds per question below which answers are suspected to be given without reading (Huang et
 al., 2012)."""
 FEWEST_ITEMS = 3
-_WHOSE = ("participant", "session", "trial", "timepoint", "instrument")
+_WHOSE = ("participant", "session", "trial", "condition", "timepoint", "instrument")
 
 
 def answering(study: StudyData, files: Iterable[Path]) -> dict[str, Any]:
