@@ -63,7 +63,9 @@ def find_instrument(
     if text.endswith(".toml"):
         raise InputError("there is no such instrument file; check the path", file=text)
     hint = did_you_mean(text, there)
-    raise InputError(f"there is no instrument `{text}`; {hint} (a lab's own is given as a file, NAME.toml)")
+    raise InputError(
+        f"there is no instrument `{text}`; {hint} (a lab's own is given as a file, NAME.toml)"
+    )
 
 
 def own_instrument(file: Path) -> Instrument:
