@@ -40,6 +40,14 @@ def plan_of(study: StudyData) -> Plan:
     return read_plan(text, None, study.instruments.values())
 
 
+def with_outcomes(plan: Plan, study: StudyData) -> Plan:
+    """Return a plan with the outcomes that the data have, where it names none."""
+    if plan.outcomes:
+        return plan
+    found = _outcomes(study, plan.exposure_timepoint)
+    return plan.model_copy(update={"outcomes": tuple(each.name for each in found)})
+
+
 def _lines(study: StudyData) -> Iterator[str]:
     moments = _moments(study)
     conditions = conditions_in(study, moments["exposure_timepoint"])

@@ -97,10 +97,9 @@ class Plan(Settings):
     participants: Participants | None = None
     """Planned number; fewer in the data is a deviation."""
 
-    instrument: str = "ssq"
-    """Whose scores are meant by names without an instrument."""
-    outcomes: Annotated[tuple[str, ...], Field(min_length=1)] = ("T", "N", "O", "D")
-    """Scores of any instrument by name; the first is the primary one."""
+    outcomes: tuple[str, ...] = ()
+    """Scores of any instrument by name; the first is the primary one. Empty: every score of what
+    was asked after exposures."""
     scores: Literal["difference_from_baseline", "raw"] = "difference_from_baseline"
     """What conditions are compared on. Without any baseline in the data they are raw."""
     missing_items: Literal["leave_out", "prorate"] = "leave_out"
