@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, mask, memory, python_time, requires
+from bench import effects, many_answers, mask, memory, python_time, requires
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -39,6 +39,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "memory_openxr": lambda ctx, options: _openxr().measure_memory(
         ctx, frames=options.memory_frames // 50
     ),
+    "answers": lambda _, options: many_answers.measure(options.people),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
 }
 
@@ -53,6 +54,7 @@ def main() -> None:
     parser.add_argument("--against", help="a revision to compare python_time with, as 05fae2d")
     parser.add_argument("--scene", choices=SCENES, help="python_time in one scene alone")
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
+    parser.add_argument("--people", type=int, default=1000, help="whose answers are reported")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

@@ -2,25 +2,49 @@
 
 Makes a study of 16 questionnaires for each participant (four conditions in two scenes, a baseline
 before each; 256,000 answers of 1,000 people), reports it, and prints the processor time of each
-part.
+part: for these people, and for a quarter and a sixteenth of them, each in a program of its own on
+one thread. The slope is that of the logarithm of time over that of answers: 1 is linear.
 """
 
 from __future__ import annotations
 
 import argparse
 import csv
+import json
+import math
+import os
+import subprocess
+import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
+from bench.clocked import replaced
+from bench.table import Result
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import build as report
-from vrcomfort.report.plan import plan_of
 
 CONDITIONS, SCENES = ("off", "weak", "middle", "strong"), ("near", "far")
 SEED = 20150323
+PARTS = {
+    "reading": "read_study",
+    "analysing": "analyse",
+    "describing": "records",
+    "residuals": "residuals_of",
+    "drawing": "draw_figures",
+    "figure files": "_figure_files",
+    "page": "render_page",
+    "tables": "all_tables",
+}
+"""Part of a report → the function in `vrcomfort.report.build` that makes it."""
+SHARES = (16, 4, 1)
+"""Sizes, as parts of the people asked for."""
 
 
 def write_study(file: Path, people: int) -> int:
@@ -48,27 +72,74 @@ def write_study(file: Path, people: int) -> int:
     return rows
 
 
+def measure(people: int) -> Result:
+    """Report a study of so many people, and smaller ones; return what each part cost."""
+    rows = [_in_a_program(max(people // share, 2)) for share in SHARES]
+    for row in rows:
+        row["all s"] = sum(value for name, value in row.items() if name.endswith(" s"))
+        row["slope"] = float("nan")
+    for before, row in pairwise(rows):
+        grown = math.log(row["answers"] / before["answers"])
+        row["slope"] = math.log(row["all s"] / before["all s"]) / grown
+    notes = [
+        "CPU time of the whole process, one thread of BLAS; packages that are imported on the way "
+        "are in it.",
+        "Slope of log time over log answers, from the row before: 1 is linear.",
+    ]
+    return Result("A report of many answers", rows, notes)
+
+
+def _in_a_program(people: int) -> dict[str, Any]:
+    command = [sys.executable, "-m", "bench.many_answers", "--once", "--people", str(people)]
+    alone = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    shown = subprocess.run(command, env=alone, capture_output=True, text=True, check=True)
+    parts: dict[str, Any] = json.loads(shown.stdout)
+    return parts
+
+
+def once(people: int) -> dict[str, Any]:
+    """Return the people, their answers, and the seconds of each part."""
+    times = dict.fromkeys([f"{name} s" for name in (*PARTS, "rest")], 0.0)
+    with tempfile.TemporaryDirectory() as folder, ExitStack() as timed:
+        file = Path(folder) / "questionnaires.csv"
+        answers = write_study(file, people)
+        for name, function in PARTS.items():
+            timed.enter_context(_timed(function, times, f"{name} s"))
+        start = time.process_time()
+        report.build_report(file, out=Path(folder) / "report")
+        times["rest s"] = time.process_time() - start - sum(times.values())
+    return {"people": people, "answers": answers, **times}
+
+
+@contextmanager
+def _timed(function: str, times: dict[str, float], name: str) -> Iterator[None]:
+    """Add the time that a part of the report takes to `times`."""
+    plain = getattr(report, function)
+
+    def clocked(*arguments: Any, **named: Any) -> Any:
+        start = time.process_time()
+        made = plain(*arguments, **named)
+        times[name] += time.process_time() - start
+        return made
+
+    with replaced(report, function, clocked):
+        yield
+
+
 def main() -> None:
-    """Read the command line, make the study and report it."""
+    """Read the command line, make the studies and report them."""
     parser = argparse.ArgumentParser(prog="python -m bench.many_answers", description=__doc__)
     parser.add_argument("--people", type=int, default=1000)
-    people = parser.parse_args().people
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "questionnaires.csv"
-        rows = write_study(file, people)
-        times = [time.process_time()]
-        study = report.read_study(file)
-        times.append(time.process_time())
-        results, scored = report.analyse(study, plan_of(study))
-        times.append(time.process_time())
-        figures = report.draw_figures(study, results, scored)
-        times.append(time.process_time())
-        report.render_page(results, figures)
-        times.append(time.process_time())
-    parts = np.diff(times)
-    names = ("reading", "analysing", "drawing", "page")
-    print(f"{rows} answers of {people} people: {parts.sum():.1f} s of CPU")
-    print(", ".join(f"{name} {part:.1f} s" for name, part in zip(names, parts, strict=True)))
+    parser.add_argument("--once", action="store_true", help="this size alone, as JSON")
+    options = parser.parse_args()
+    if options.once:
+        print(json.dumps(once(options.people)))
+        return
+    result = measure(options.people)
+    for row in result.rows:
+        parts = ", ".join(f"{n[:-2]} {v:.2f}" for n, v in row.items() if n.endswith(" s"))
+        slope = "" if math.isnan(row["slope"]) else f", slope {row['slope']:.2f}"
+        print(f"{row['answers']} answers of {row['people']} people, s of CPU: {parts}{slope}")
 
 
 if __name__ == "__main__":

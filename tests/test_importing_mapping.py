@@ -131,6 +131,21 @@ def test_ratings_during_exposure_have_their_time(tmp_path: Path) -> None:
     ]
 
 
+def test_courses_of_ratings_are_summed_up_for_the_report(tmp_path: Path) -> None:
+    rows: list[list[object]] = [["who", "what", "t", "sick"]]
+    rows += [["a", "b", time, answer] for time, answer in ((4, 2), (2, 7), (6, ""), (8, 4))]
+    file = write(tmp_path / "x.csv", rows)
+    rating = (
+        '[[tables.questionnaires]]\ninstrument = "fms"\ntime = "t"\n'
+        'summaries = ["peak", "mean", "last"]\nitems = { fms = "sick" }\n'
+    )
+    found = imported([file], f"{TOP}{FACTS}{rating}")
+    (((name, _), sheet),) = found.sheets.items()
+    assert (name, sheet.answers) == ("fms_course", {"peak": 7, "mean": 4.3333, "last": 4})
+    with pytest.raises(InputError, match="`summaries` are of ratings during exposure"):
+        parse_mapping(f"{TOP}{FACTS}{rating.replace('time = ', '# ')}", None)
+
+
 def test_scores_without_answers_are_kept_as_scores(tmp_path: Path) -> None:
     rows = [["who", "what", "SSQ total", "N"], ["a", "b", "37.4000001", "9.5"], ["a", "c", "", "0"]]
     file = write(tmp_path / "x.csv", rows)

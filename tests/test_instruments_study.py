@@ -86,6 +86,16 @@ def test_the_report_has_the_scores_of_both_and_no_word_of_an_ssq(study, tmp_path
     assert float(row["room_quality.presence"]) == int(row["room_quality.presence_raw"]) / 2
 
 
+def test_a_plan_without_outcomes_takes_those_that_the_data_have(study, tmp_path):
+    plan = tmp_path / "plan.toml"
+    plan.write_text('name = "mine"\ntitle = "Mine"\nanova = []\nmixed_model = []\n')
+    build_report(study, plan=plan, out=tmp_path / "o", instrument="vrsq")
+    results = json.loads((tmp_path / "o/results.json").read_text(encoding="utf-8"))
+    names = ["vrsq.total", "vrsq.oculomotor", "vrsq.disorientation"]
+    assert results["plan"]["outcomes"] == names
+    assert {test["outcome"] for test in results["tests"]} == set(names)
+
+
 def test_one_instrument_of_a_study_is_reported_alone(study, tmp_path):
     build_report(study, out=tmp_path, instrument="vrsq")
     results = json.loads((tmp_path / "results.json").read_text(encoding="utf-8"))

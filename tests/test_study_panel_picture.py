@@ -11,7 +11,14 @@ from vrcomfort.geometry import Pose, Quad, yaw_pitch_roll
 from vrcomfort.headset import pointer
 from vrcomfort.headset.pointer import pointer_picture, pointer_quad
 from vrcomfort.questionnaire import Instrument, shipped_instruments
-from vrcomfort.respondent.panel_layout import SIZE_PX, Act, Cell, question_cells, review_cells
+from vrcomfort.respondent.panel_layout import (
+    ANSWER_TOP_PX,
+    SIZE_PX,
+    Act,
+    Cell,
+    question_cells,
+    review_cells,
+)
 from vrcomfort.respondent.panel_picture import Page, Painter
 from vrcomfort.session.rehearsal import aim_at
 
@@ -99,3 +106,24 @@ def test_a_ray_from_behind_or_beside_misses() -> None:
     assert quad.intersection(Pose(np.array([0.0, 0.0, -2.0]))) is None
     assert quad.intersection(Pose(np.array([0.6, 0.0, 0.0]))) is None
     assert quad.intersection(Pose(orientation=yaw_pitch_roll(np.pi / 2, 0.0, 0.0))) is None
+
+
+@pytest.mark.parametrize("instrument", shipped_instruments().values(), ids=lambda each: each.name)
+def test_no_question_of_a_shipped_instrument_reaches_into_its_answers(
+    instrument: Instrument,
+) -> None:
+    for item in instrument.asked:
+        cells = question_cells(item.answers, first=True)
+        with_question = Painter().draw(Page("", item.text, cells), None)
+        without = Painter().draw(Page("", "", cells), None)
+        changed = np.flatnonzero((with_question != without).any(axis=(1, 2)))
+        assert changed.size
+        assert changed.max() < ANSWER_TOP_PX
+
+
+def test_long_questions_are_told_apart_in_the_list_of_answers() -> None:
+    asked = shipped_instruments()["csq_vr"]
+    texts = [cell.text for cell in review_cells(asked, [1] * 6) if cell.act is Act.CORRECT]
+    assert len(set(texts)) == 6
+    assert texts[5].startswith("6. Do you experience")
+    assert texts[5].endswith("…: absent")

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.importing.answers import AnswerReader, number
 from vrcomfort.importing.columns import Block, Columns
+from vrcomfort.importing.courses import sum_up
 from vrcomfort.importing.facts import TIMEPOINT, Numbers, RowFacts
 from vrcomfort.importing.files import read_grids
 from vrcomfort.importing.headings import as_table
-from vrcomfort.importing.mapping import Mapping, Questionnaire, ScoreKind, Scores, Table
+from vrcomfort.importing.mapping import (
+    Mapping,
+    Questionnaire,
+    ScoreKind,
+    Scores,
+    Summary,
+    Table,
+)
 from vrcomfort.importing.rows import Imported, Moment, Place, Rating, Sheet, moment_of
 from vrcomfort.importing.score_instruments import (
     ScoreInstrument,
@@ -44,7 +53,7 @@ def import_files(
     """
     imported = Imported()
     numbers = Numbers()
-    made: dict[str, ScoreInstrument] = {}
+    made = _Made()
     known = {**shipped_instruments(), **{each.name: each for each in own}}
     _require_names(files)
     used: set[int] = set()
@@ -66,8 +75,9 @@ def import_files(
             names = ", ".join(table.files)
             raise InputError(f"the mapping has a table for {names}, which was not given; give it")
     imported.instruments = {each.name: each for each in own}
-    imported.instruments |= {name: each.made() for name, each in made.items()}
-    imported.scores = list(made)
+    imported.instruments |= {name: each.made() for name, each in made.scores.items()}
+    imported.scores = list(made.scores)
+    sum_up(imported, made.courses, known)
     _finish(imported)
     return imported
 
@@ -103,6 +113,16 @@ KnownInstruments = dict[str, Instrument]
 STATUSES = ("enrolled", "completed", "withdrawn", "excluded")
 
 
+@dataclass
+class _Made:
+    """What becomes of all tables together: scores without answers, courses of ratings."""
+
+    scores: dict[str, ScoreInstrument] = field(default_factory=dict)
+    courses: dict[tuple[str, Moment], tuple[Place, Sequence[Summary], list[Rating]]] = field(
+        default_factory=dict
+    )
+
+
 class _Import:
     """The import of one table."""
 
@@ -113,7 +133,7 @@ class _Import:
         known: KnownInstruments,
         imported: Imported,
         numbers: Numbers,
-        made: dict[str, ScoreInstrument],
+        made: _Made,
     ) -> None:
         self._made = made
         self._table = table
@@ -121,6 +141,8 @@ class _Import:
         self._imported = imported
         self._columns = Columns(table, mapping, known)
         self._facts = RowFacts(table, mapping, self._columns, numbers)
+        self._all_blocks = (*self._columns.blocks, *self._columns.scores)
+        self._known_moments: dict[tuple[object, ...], list[Moment]] = {}
         self._left_out = 0
         self._blank: Counter[str] = Counter()
         self._unknown_items: Counter[str] = Counter()
@@ -142,23 +164,39 @@ class _Import:
         return self._table.sheet
 
     def _row(self, cells: tuple[str, ...], row: int) -> None:
-        of_row = self._facts.of_row(cells, row)
-        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
         elsewhere: list[str] = []
-        for number_, block in enumerate((*self._columns.blocks, *self._columns.scores)):
-            if any(cells[i] not in texts for i, texts in block.where.items()):
+        taken: list[int] = []
+        for place, block in enumerate(self._all_blocks):
+            if block.where and any(cells[i] not in texts for i, texts in block.where.items()):
                 elsewhere += [cells[i] for i in block.where]
-                continue
-            facts = {**of_row, **self._renamed(block, row)}
-            key = tuple(sorted(facts.items()))
-            if key not in counted:  # questionnaires of one moment are of one exposure
-                counted[key] = self._facts.counted(facts, _item_text(block, cells))
-            moment = self._moment(counted[key], row)
-            self._take(number_, block, moment, cells, row)
-        if elsewhere and not counted:
+            else:
+                taken.append(place)
+        for place, moment in zip(taken, self._moments_of(taken, cells, row), strict=True):
+            self._take(place, self._all_blocks[place], moment, cells, row)
+        if elsewhere and not taken:
             self._elsewhere[", ".join(dict.fromkeys(elsewhere))] += 1
         if self._columns.participants:
-            self._covariates(of_row.get("participant", ""), cells, row)
+            who = self._facts.of_row(cells, row).get("participant", "")
+            self._covariates(who, cells, row)
+
+    def _moments_of(self, blocks: list[int], cells: tuple[str, ...], row: int) -> list[Moment]:
+        """Return the moment of each block of a row; rows that say the same are looked up."""
+        said = self._facts.key(cells)
+        key = (*blocks, said)
+        if said is not None and key in self._known_moments:
+            return self._known_moments[key]
+        of_row = self._facts.of_row(cells, row)
+        counted: dict[tuple[tuple[str, str], ...], dict[str, str]] = {}
+        found = []
+        for block in map(self._all_blocks.__getitem__, blocks):
+            facts = {**of_row, **self._renamed(block, row)}
+            same = tuple(sorted(facts.items()))
+            if same not in counted:  # questionnaires of one moment are of one exposure
+                counted[same] = self._facts.counted(facts, _item_text(block, cells))
+            found.append(self._moment(counted[same], row))
+        if said is not None:
+            self._known_moments[key] = found
+        return found
 
     def _renamed(self, block: Block, row: int) -> dict[str, str]:
         said = block.source.constants
@@ -238,13 +276,17 @@ class _Import:
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(moment, block.instrument.name, onset_s, response)
             self._imported.ratings.append(rating)
+            here = Place(self._table.file.name, self._table.sheet, row)
+            summaries = block.source.summaries if isinstance(block.source, Questionnaire) else ()
+            key = block.instrument.name, moment
+            self._made.courses.setdefault(key, (here, summaries, []))[2].append(rating)
 
     def _scores(self, block: Block, moment: Moment, cells: tuple[str, ...], row: int) -> None:
         source = block.source
         if not isinstance(source, Scores):
             raise TypeError(source)
         name = name_of(block.instrument, source.kind)
-        made = self._made.setdefault(name, ScoreInstrument(block.instrument, source.kind))
+        made = self._made.scores.setdefault(name, ScoreInstrument(block.instrument, source.kind))
         here = Place(self._table.file.name, self._table.sheet, row)
         found: dict[int, tuple[str, Answer | None]] = {}
         for column, scale in block.columns.items():

@@ -39,6 +39,20 @@ class RowFacts:
         self._of_table = self._captured(mapping.sheet_name, table.sheet, "sheet")
         name = table.file.name.removesuffix(table.file.suffix)
         self._of_table |= self._captured(mapping.file_name, name, "file's name")
+        self._sources = [
+            (name, mapping.fact(name), columns.facts.get(name))
+            for name in FACTS
+            if columns.facts.get(name) or mapping.fact(name).constant or name in self._of_table
+        ]
+        self._counted = [
+            name for name in ("session", "period", "block", "trial") if mapping.fact(name).count
+        ]
+
+    def key(self, cells: tuple[str, ...]) -> tuple[str, ...] | None:
+        """Return the cells that say the facts of a row; None where rows are counted, too."""
+        if self._counted or self._mapping.participant.count:
+            return None
+        return tuple([cells[i] for _, _, columns in self._sources for i in columns or ()])
 
     def _captured(self, template: str, text: str, what: str) -> dict[str, str]:
         if not template:
@@ -57,19 +71,21 @@ class RowFacts:
             If a text is not among the mapping's values, with row and column.
         """
         facts = {}
-        for name in FACTS:
-            fact = self._mapping.fact(name)
-            text = self._said(name, fact, cells)
+        for name, fact, columns in self._sources:
+            text = self._said(name, fact, columns, cells)
             if text:
-                facts[name] = self.renamed(name, text, row)
+                facts[name] = self.renamed(name, text, row) if fact.values else text
         if self._mapping.participant.count:
             facts["participant"] = f"R{row:03d}"
         return facts
 
-    def _said(self, name: str, fact: Fact, cells: tuple[str, ...]) -> str:
-        columns = self._columns.facts.get(name)
+    def _said(
+        self, name: str, fact: Fact, columns: list[int] | None, cells: tuple[str, ...]
+    ) -> str:
         if columns:
-            texts = ["" if t in self._mapping.missing else t for t in (cells[i] for i in columns)]
+            texts = [cells[i] for i in columns]
+            if self._mapping.missing:
+                texts = ["" if text in self._mapping.missing else text for text in texts]
             return "_".join(texts) if all(texts) else ""
         return fact.constant or self._of_table.get(name, "")
 
@@ -101,12 +117,10 @@ class RowFacts:
             What a row of a long table answers: an exposure is asked of each item once.
         """
         out = dict(facts)
-        for name in ("session", "period", "block", "trial"):
-            fact = self._mapping.fact(name)
-            if fact.count:
-                session = "" if name == "session" else out.get("session", "")
-                group = (name, out.get("participant", ""), session)
-                out[name] = self._numbers.of(group, out.get(name) or self._exposure(out, item))
+        for name in self._counted:
+            session = "" if name == "session" else out.get("session", "")
+            group = (name, out.get("participant", ""), session)
+            out[name] = self._numbers.of(group, out.get(name) or self._exposure(out, item))
         return out
 
     def _exposure(self, facts: Mapping[str, str], item: str) -> str:

@@ -20,6 +20,7 @@ FACTS = ("participant", "session", "period", "block", "trial", "condition", "sce
 """What is known of a questionnaire beside its answers."""
 
 ScoreKind = Literal["score", "raw_sum", "other"]
+Summary = Literal["peak", "mean", "last"]
 Texts = str | tuple[str, ...]
 
 
@@ -118,6 +119,8 @@ class Questionnaire(_Columns, AnswerCoding):
     """Item → how its answers stand in the file, where they differ from the others'."""
     time: str | None = None
     """For ratings during exposure: the column of the seconds since its start."""
+    summaries: tuple[Summary, ...] = ()
+    """What the report is to have of each course of ratings: its highest, mean and last one."""
 
 
 class Scores(_Columns):
@@ -272,6 +275,8 @@ def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[P
         yield Problem(here, message)
     if each.item_column is not None and (each.pattern or each.heading != "{item}"):
         yield Problem(here, "a long questionnaire has item_column, and no heading or pattern")
+    if each.summaries and each.time is None:
+        yield Problem((*here, "summaries"), "`summaries` are of ratings during exposure; give time")
     yield from _pattern_problems(each, here)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
+import io
 import json
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
@@ -137,16 +139,18 @@ def _table(columns: Iterable[str], rows: Iterable[Iterable[Cell]]) -> str:
 
 def _questionnaires(imported: Imported) -> str:
     """Return the answers; the scene, which sessions have in trials.csv, is the last column."""
-    columns = (*QuestionnaireRow.columns(), "scene")
-    rows = [
-        (
-            m.participant, m.session, m.period, m.block, m.trial, m.condition, m.timepoint,
-            instrument, item, answer, None, None, order, None, m.scene,
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow((*QuestionnaireRow.columns(), "scene"))
+    for (instrument, m), sheet in imported.sheets.items():
+        whose = [*map(cell_text, (m.participant, m.session, m.period, m.block, m.trial))]
+        whose += [*map(cell_text, (m.condition, m.timepoint, instrument))]
+        scene = cell_text(m.scene)
+        writer.writerows(
+            (*whose, item, cell_text(answer), "", "", order, "", scene)
+            for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
         )
-        for (instrument, m), sheet in imported.sheets.items()
-        for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
-    ]  # fmt: skip
-    return _table(columns, rows)
+    return text.getvalue()
 
 
 _UNSAID = {"status": "enrolled"}

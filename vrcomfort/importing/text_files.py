@@ -149,14 +149,21 @@ def _rows(text: str, separator: str, file: Path) -> list[list[str]]:
         text = text.replace("\r", "\n")
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator)
     try:
-        return [[" ".join(cell.split()) for cell in row] for row in reader]
+        return [[_trimmed(cell) for cell in row] for row in reader]
     except csv.Error as error:
         message = f"not a table: {error}"
         raise InputError(message, file=file, line=reader.line_num) from None
 
 
+def _trimmed(cell: str) -> str:
+    """Return a cell with single spaces between its words, and none around it."""
+    return cell if cell.isalnum() else " ".join(cell.split())
+
+
 def _decimal(rows: list[list[str]], separator: str) -> str:
+    if separator == ",":
+        return "."
     cells = [cell for row in rows for cell in row if cell]
     with_comma = sum(_DECIMAL_COMMA.fullmatch(cell) is not None for cell in cells)
     with_point = sum(_DECIMAL_POINT.fullmatch(cell) is not None for cell in cells)
-    return "," if separator != "," and with_comma > with_point else "."
+    return "," if with_comma > with_point else "."

@@ -12,6 +12,8 @@ from vrcomfort.settings import KeyPath, Problem
 MOST_ITEMS = 16
 """What the list of all answers has room for, on the panel in the headset."""
 MOST_ANSWERS = 21
+MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
+"""Of a question and of an instruction, which are then as small as can be read in a headset."""
 
 
 def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Problem]]:
@@ -63,8 +65,14 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
         yield Problem(path, f"{message}; at most {MOST_ITEMS} can be asked, so divide it in two")
     if not instrument.asked:
         yield Problem(path, f"no item of the {instrument.short} is asked; leave it out")
+    if len(instrument.instruction) > MOST_OF_INSTRUCTION:
+        message = f"the instruction of the {instrument.short} has {len(instrument.instruction)}"
+        yield Problem(path, f"{message} letters; give one of at most {MOST_OF_INSTRUCTION}")
     for item in instrument.asked:
         asked = item.answers.asked
+        if len(item.text) > MOST_LETTERS:
+            message = f"item {item.name} of the {instrument.short} has {len(item.text)} letters"
+            yield Problem(path, f"{message}; a question that is read has at most {MOST_LETTERS}")
         if len(asked) > MOST_ANSWERS:
             message = f"item {item.name} of the {instrument.short} has {len(asked)} answers"
             yield Problem(path, f"{message}; give an `asked_step` with at most {MOST_ANSWERS}")

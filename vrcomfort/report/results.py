@@ -25,6 +25,7 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
 from vrcomfort.report.study_data import conditions_in
 from vrcomfort.report.withdrawals import (
@@ -60,6 +61,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     dict, Exposures
         The results (only plain values) and the scores they come from.
     """
+    plan = with_outcomes(plan, study)
     scored, exclusions = apply_rules(score_exposures(study, plan), study, plan)
     conditions = conditions_of(scored, study.labels)
     asked = conditions_in(study, plan.exposure_timepoint)

@@ -93,7 +93,7 @@ def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[
     rows = [
         Cell(
             _list_box(index),
-            f"{_short(item.text)}: {_named(item.answers, answer)}",
+            f"{_short(item.text, index + 1)}: {_named(item.answers, answer)}",
             Act.CORRECT,
             index,
         )
@@ -147,8 +147,11 @@ def _list_box(index: int) -> tuple[int, int, int, int]:
     return left, top, right, top + LIST_STEP_PX - 6
 
 
-def _short(text: str) -> str:
-    return text if len(text) <= LIST_LETTERS else f"{text[: LIST_LETTERS - 1].rstrip()}…"
+def _short(text: str, number: int) -> str:
+    """Return a question for the list; a long one is cut, and told by its number."""
+    if len(text) <= LIST_LETTERS:
+        return text
+    return f"{number}. {text[: LIST_LETTERS - 5].rstrip()}…"
 
 
 def _named(answers: Answers, answer: Answer | None) -> str:

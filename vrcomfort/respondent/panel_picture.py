@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from vrcomfort.respondent.panel_layout import (
+    ANSWER_TOP_PX,
     HINT_PX,
     MARGIN_PX,
     SIZE_PX,
@@ -25,6 +26,8 @@ STOP = 112, 44, 44, 255
 TEXT, QUIET = (240, 240, 240, 255), (176, 184, 194, 255)
 
 LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
+QUESTION_TOP_PX, QUESTION_PX = 190, (LARGE_PX, 52, 44, MIDDLE_PX, SMALL_PX)
+"""Where a question begins, and the sizes that it may have: a long one is smaller."""
 
 Picture = NDArray[np.uint8]
 
@@ -120,11 +123,21 @@ def _draw_head(canvas: ImageDraw.ImageDraw, page: Page) -> None:
     width = SIZE_PX[0] - 2 * MARGIN_PX
     title = _wrapped(canvas, page.title, SMALL_PX, width)
     canvas.multiline_text((MARGIN_PX, 36), title, fill=QUIET, font=_font(SMALL_PX), spacing=10)
-    question = _wrapped(canvas, page.question, LARGE_PX, width)
-    canvas.multiline_text((MARGIN_PX, 190), question, fill=TEXT, font=_font(LARGE_PX), spacing=12)
+    _draw_question(canvas, page.question, width)
     if page.done is not None:
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width, 144), fill=CELL)
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width * page.done, 144), fill=POINTED)
+
+
+def _draw_question(canvas: ImageDraw.ImageDraw, question: str, width: float) -> None:
+    """Draw the question as large as it has room for above its answers."""
+    top = MARGIN_PX, QUESTION_TOP_PX
+    for size in QUESTION_PX:
+        text = _wrapped(canvas, question, size, width)
+        bottom = canvas.multiline_textbbox(top, text, font=_font(size), spacing=12)[3]
+        if bottom <= ANSWER_TOP_PX - 8 or size == QUESTION_PX[-1]:
+            canvas.multiline_text(top, text, fill=TEXT, font=_font(size), spacing=12)
+            return
 
 
 def _draw_cell(

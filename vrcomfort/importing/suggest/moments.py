@@ -25,6 +25,8 @@ def moments(contexts: Sequence[tuple[str, ...]]) -> tuple[list[dict[str, str]], 
     if len(contexts) == 1:
         return _of_one(contexts[0])
     shared = set.intersection(*map(set, contexts))
+    if any(set(context) <= shared for context in contexts) and max(map(len, contexts)) <= 4:
+        shared = set()  # such as Blur and No Blur
     facts: list[dict[str, str]] = []
     doubts: list[Doubt] = []
     for context in contexts:

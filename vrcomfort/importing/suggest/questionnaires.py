@@ -139,7 +139,7 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
     if near := by_how.get("near"):
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
         doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are misspellings"))
-    if short := by_how.get("abbreviation"):
+    if short := [*by_how.get("abbreviation", ()), *by_how.get("initials", ())]:
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
         doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
     return doubts
@@ -235,6 +235,7 @@ def draft_rating(
     draft = Draft({"instrument": rating.instrument.name, **facts})
     if rating.time is not None:
         draft.put("time", table.headings[rating.time], "seconds since the exposure began")
+        draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
     coding = coding_of(table, [rating.column], rating.instrument)
     _coded(draft, coding)
     draft.tables["items"] = Draft({item.name: table.headings[rating.column]})

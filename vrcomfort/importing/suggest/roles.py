@@ -32,7 +32,7 @@ _STRONG: dict[str, frozenset[str]] = {
     ),
     "timepoint": frozenset(["timepoint", "messzeitpunkt"]),
     "session": frozenset(["session", "sitzung"]),
-    "trial": frozenset(["trial", "durchgang"]),
+    "trial": frozenset(["durchgang"]),
 }  # fmt: skip
 _AGE = frozenset(["old", "age", "alter"])
 
@@ -145,12 +145,11 @@ def total_rows(table: SourceTable, column: int) -> list[str]:
     cells = table.column(column)
     last = cells[-8:]
     found = [text for text in dict.fromkeys(last) if _is_total(text) and cells.count(text) == 1]
-    others = [text for text in cells if not _is_total(text)]
-    return found if len(others) >= len(found) else []
+    return found if len(cells) >= 2 * len(found) else []
 
 
 def _is_total(text: str) -> bool:
-    return text.casefold().strip(" :.") in TOTALS or plain(text) in {plain(t) for t in TOTALS}
+    return text.casefold().strip(" :.") in TOTALS
 
 
 def are_timepoints(words: Sequence[str]) -> bool:

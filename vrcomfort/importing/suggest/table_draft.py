@@ -9,6 +9,7 @@ from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import Found, find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
 from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
+from vrcomfort.importing.suggest.headings import words_of
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.moments import moments
 from vrcomfort.importing.suggest.questionnaires import (
@@ -140,8 +141,19 @@ class TableDraft:
             own, doubts = moments([found[i].context for i in places])
             self.doubts += doubts
             for place, said in zip(places, own, strict=True):
-                facts[place] = said
+                facts[place] = self._spelt(said)
         return facts
+
+    def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
+        """Return conditions with the capital letters that the headings have."""
+        said = facts.get("condition", "")
+        words = {
+            word.casefold(): word
+            for text in (*self.table.labels, *self.table.headings)
+            for word in words_of(text)
+        }
+        spelt = "_".join(words.get(word, word) for word in said.split("_"))
+        return {**facts, "condition": spelt} if said else facts
 
     def _exposures(self, said: set[str]) -> Exposures:
         answered = any(
@@ -171,9 +183,9 @@ class TableDraft:
 
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
-        for column in roles_of(self.table, range(min(4, len(self.table.headings)))).facts.get(
-            "participant", []
-        ):
+        first = range(min(4, len(self.table.headings)))
+        columns = roles_of(self.table, first).facts.get("participant", [])
+        for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
             if cells[0] and cells.count("") * 4 >= len(cells):
                 name, above, rows = self.table.headings[column], "", []
@@ -229,7 +241,7 @@ class TableDraft:
         for name in dict.fromkeys(each.instrument.name for each in self._ratings):
             same = [each.context for each in self._ratings if each.instrument.name == name]
             own, doubts = moments(same)
-            facts += own
+            facts += [self._spelt(said) for said in own]
             self.doubts += doubts
         return facts
 

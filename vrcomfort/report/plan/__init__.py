@@ -1,6 +1,6 @@
 """Analysis plans: read, checked, derived from data, and written again."""
 
-from vrcomfort.report.plan.derived import plan_of
+from vrcomfort.report.plan.derived import plan_of, with_outcomes
 from vrcomfort.report.plan.model import Contrast, Exclusion, Factor, Family, Plan
 from vrcomfort.report.plan.reading import (
     ShippedPlan,
@@ -22,4 +22,5 @@ __all__ = [
     "plan_of",
     "read_plan",
     "shipped_plans",
+    "with_outcomes",
 ]

@@ -17,7 +17,9 @@ from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
-FigureName = Literal["paired", "subscales", "symptoms", "recovery", "exposures", "residuals"]
+FigureName = Literal[
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
     "hidden_s", "unfocused_s",
@@ -95,10 +97,9 @@ class Plan(Settings):
     participants: Participants | None = None
     """Planned number; fewer in the data is a deviation."""
 
-    instrument: str = "ssq"
-    """Whose scores are meant by names without an instrument."""
-    outcomes: Annotated[tuple[str, ...], Field(min_length=1)] = ("T", "N", "O", "D")
-    """Scores of any instrument by name; the first is the primary one."""
+    outcomes: tuple[str, ...] = ()
+    """Scores of any instrument by name; the first is the primary one. Empty: every score of what
+    was asked after exposures."""
     scores: Literal["difference_from_baseline", "raw"] = "difference_from_baseline"
     """What conditions are compared on. Without any baseline in the data they are raw."""
     missing_items: Literal["leave_out", "prorate"] = "leave_out"

@@ -21,7 +21,7 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from repeated(("figures",), plan.figures)
     yield from _named_twice(plan)
     yield from _outcomes(plan, known)
-    yield from _families(plan)
+    yield from _families(plan, known)
     for index, contrast in enumerate(plan.contrasts):
         yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
     for index, factor in enumerate(plan.anova):
@@ -46,12 +46,14 @@ def _outcomes(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
             yield Problem(("outcomes", index), unknown_outcome(name, known))
 
 
-def _families(plan: Plan) -> Iterator[Problem]:
+def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
     place: dict[tuple[str, str], str] = {}
     for index, family in enumerate(plan.families):
         for number, name in enumerate(family.outcomes):
             path = ("families", index, "outcomes", number)
-            if name not in plan.outcomes:
+            if not plan.outcomes and name not in known:
+                yield Problem(path, unknown_outcome(name, known))
+            elif plan.outcomes and name not in plan.outcomes:
                 hint = did_you_mean(name, plan.outcomes)
                 yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
             for analysis in family.analyses:
