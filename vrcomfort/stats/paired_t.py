@@ -96,6 +96,7 @@ def paired_t(
 def _bayes_factor(t: float, n: int) -> float:
     """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
     try:
-        return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
+        with np.errstate(over="ignore"):
+            return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
     except ZeroDivisionError:
         return math.inf
