@@ -155,3 +155,47 @@ def test_conditions_in_headings_keep_their_capital_letters(tmp_path: Path) -> No
     suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
     assert suggested.imported is not None
     assert suggested.imported.conditions == ["Blur", "No_Blur"]
+
+
+def questionnaire(folder: Path, name: str, headings: list[str], answers: list[list[int]]) -> Path:
+    rows = [["Participant", "Condition", *headings]]
+    rows += [[f"P{n // 2}", "ab"[n % 2], *row] for n, row in enumerate(answers)]
+    return write(folder / name, rows)
+
+
+def test_five_answers_are_asked_about_and_are_another_instrument(tmp_path: Path) -> None:
+    answers = [[(n * k) % 5 for k in range(16)] for n in range(8)]
+    suggested = suggest_mapping([questionnaire(tmp_path, "x.csv", [*ITEMS], answers)])
+    assert any("from 0 to 4: is this the five-point SSQ?" in each for each in suggested.doubts)
+    assert suggested.imported is not None
+    assert {name for name, _ in suggested.imported.sheets} == {"ssq_five_point"}
+
+
+def test_marks_of_the_task_load_index_are_asked_about(tmp_path: Path) -> None:
+    tlx = shipped_instruments()["nasa_tlx"]
+    answers = [[(n * k) % 21 for k in range(1, 7)] for n in range(8)]
+    names = [item.name for item in tlx.asked]
+    suggested = suggest_mapping([questionnaire(tmp_path, "tlx.csv", names, answers)])
+    assert any("these 0 to 20: are they marks?" in doubt for doubt in suggested.doubts)
+    assert suggested.imported is not None
+    found = [[*sheet.answers.values()] for sheet in suggested.imported.sheets.values()]
+    assert found == [[5 * mark for mark in row] for row in answers]
+
+
+def test_a_labs_own_instrument_is_found_and_travels_with_the_study(tmp_path: Path) -> None:
+    own = tmp_path / "glare.toml"
+    own.write_text(
+        'name = "glare"\ntitle = "Glare"\n[answers]\nlow = 0\nhigh = 5\n'
+        + "".join(f'[[items]]\nname = "{name}"\n' for name in ("dazzle", "halo", "tears", "blink"))
+    )
+    answers = [[(n * k) % 6 for k in range(1, 5)] for n in range(12)]
+    file = questionnaire(tmp_path, "x.csv", ["Dazzle", "Halo", "Tears", "Blink"], answers)
+    mapping, study = tmp_path / "map.toml", tmp_path / "study"
+    run = CliRunner()
+    asked = ["import", str(file), "--suggest", "--instrument", str(own), "--out", str(mapping)]
+    assert run.invoke(app, asked).exit_code == 0
+    made = run.invoke(app, ["import", str(file), "--mapping", str(mapping), "--out", str(study)])
+    assert made.exit_code == 0, made.output
+    assert (study / "instruments" / "glare.toml").read_text() == own.read_text()
+    found = [[*sheet.answers.values()] for sheet in read_study(study).sheets]
+    assert found == answers

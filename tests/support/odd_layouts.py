@@ -144,7 +144,7 @@ def name_once(folder: Path) -> Made:
 
 
 def item_called_otherwise(folder: Path) -> Made:
-    """A column `Nausea` that is the sum of others, and an item nausea with another heading."""
+    """A column `Nausea` that is the sum of others; the item has another heading."""
     truth = study(times=("post",))
     names = ["Feeling sick" if text == "Nausea" else text for text in ENGLISH]
     rows: list[Sequence[object]] = [["Participant", "Condition", *names, "Nausea"]]
@@ -165,11 +165,53 @@ def from_one_without_the_highest(folder: Path) -> Made:
     return [write(folder / "x.csv", rows)], truth
 
 
+def in_initials(folder: Path) -> Made:
+    """Items called by their initials."""
+    truth = study()
+    short = ["GD", "F", "H", "ES", "DF", "IS", "S", "N", "DC", "FH", "BV", "DEO", "DEC", "V"]
+    short += ["SA", "B"]
+    names = [f"SSQ_{time}_{each}" for time in ("pre", "post") for each in short]
+    rows: list[Sequence[object]] = [["participant", "condition", *names]]
+    for person in PEOPLE:
+        for condition in CONDITIONS:
+            answers = [a for time in TIMES for a in truth[person, condition, time]]
+            rows.append([person, condition, *answers])
+    return [write(folder / "x.csv", rows)], truth
+
+
+def sheet_per_person(folder: Path) -> Made:
+    """A sheet for each person, items in rows, before and after side by side."""
+    from openpyxl import Workbook
+
+    truth = {(p, "all", t): a for (p, _, t), a in study(("",)).items()}
+    book = Workbook()
+    for person in PEOPLE:
+        sheet = book.create_sheet(person)
+        sheet.append(["Symptom", "Pre", "Post"])
+        for n, text in enumerate(ENGLISH):
+            sheet.append([text, *(truth[person, "all", time][n] for time in TIMES)])
+    del book["Sheet"]
+    file = folder / "ssq.xlsx"
+    book.save(file)
+    return [file], truth
+
+
+def one_row_per_screen(folder: Path) -> Made:
+    """A logger's table: rows of other screens have no answers."""
+    truth = study(times=("post",))
+    names = [f"ssq.{item}" for item in ITEMS]
+    rows: list[Sequence[object]] = [["participant", "condition", *names, "frameRate", "rt"]]
+    for (person, condition, _), answers in truth.items():
+        rows += [[person, condition, *[""] * 16, 60.1, ""]]
+        rows += [[person, condition, *answers, 60.1, 0.3]]
+    return [write(folder / "x.csv", rows)], truth
+
+
 ODD_LAYOUTS: dict[str, Callable[[Path], Made]] = {
     each.__name__: each
     for each in (
         melted, asked_twice, json_columns, numbered, with_codes, side_by_side, with_demographics,
         in_sentences, baseline_once, name_once, item_called_otherwise,
-        from_one_without_the_highest,
+        from_one_without_the_highest, in_initials, sheet_per_person, one_row_per_screen,
     )
 }  # fmt: skip

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from vrcomfort.importing.source import SourceTable
-from vrcomfort.importing.suggest.headings import Named, mentions, named_items, tokens
+from vrcomfort.importing.suggest.headings import Named, initials, mentions, named_items, tokens
 from vrcomfort.questionnaire import Instrument
 
 FEWEST = 4
@@ -54,6 +54,9 @@ def find_blocks(table: SourceTable, known: Sequence[Instrument]) -> list[Found]:
     taken = {column for block in found for column in block.columns}
     by_number = [b for i in known for b in _by_number(table, i, taken)]
     found += _best(table, by_number, known)
+    taken = {column for block in found for column in block.columns}
+    by_initials = [b for i in known for b in _by_initials(table, i, taken)]
+    found += _best(table, by_initials, known)
     if not found and not table.reading.heading_rows:
         found = _by_position(table, known)
     return sorted(found, key=lambda block: block.columns)
@@ -160,7 +163,7 @@ def _best(table: SourceTable, found: Sequence[Found], known: Sequence[Instrument
 def _is_worth(block: Found, items: dict[str, Named]) -> bool:
     """Return whether what is left is still a questionnaire, and not a few words of another."""
     hows = Counter(named.how for named in items.values())
-    sure = hows["name"] + hows["number"]
+    sure = hows["name"] + hows["number"] + hows["initials"]
     return len(items) == len(block.items) and sure * 3 >= len(items)
 
 
@@ -191,6 +194,29 @@ def _by_number(table: SourceTable, instrument: Instrument, taken: set[int]) -> l
     return found
 
 
+def _by_initials(table: SourceTable, instrument: Instrument, taken: set[int]) -> list[Found]:
+    """Find ``SSQ_GD``, ``SSQ_DEO``: initials of at least nine in ten items of an instrument."""
+    count = len(instrument.asked)
+    known = {**initials(instrument), **_ODD_INITIALS.get(instrument.name, {})}
+    own = set(tokens(instrument.name))
+    groups: dict[Context, dict[str, Named]] = defaultdict(dict)
+    for column, heading in enumerate(table.headings):
+        words = [word for word in tokens(heading) if word not in own]
+        for place, word in enumerate(words):
+            if column not in taken and word in known:
+                before, after = tuple(words[:place]), tuple(words[place + 1 :])
+                named = Named(column, instrument.name, known[word], "initials", before, after)
+                groups[*before, *after].setdefault(known[word], named)
+    return [
+        Found(instrument, context, items)
+        for context, items in groups.items()
+        if count >= FEWEST and len(items) * 10 >= count * 9
+        if _are_answers(table, [named.column for named in items.values()])
+    ]
+
+
+_ODD_INITIALS = {"ssq": {"es": "eyestrain", "is": "increased_salivation"}}
+"""Of what is one word to us."""
 _NUMBERED = frozenset(["q", "sq", "item", "question", "i", "frage", "symptom", "no", "nr"])
 
 

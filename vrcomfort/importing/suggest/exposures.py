@@ -86,6 +86,7 @@ class _Facts:
         self._named: dict[str, list[str]] = {}
         self._varying: list[int] = []
         self._participant_column()
+        self._order()
         self._names_of_files()
         self._participant()
         if known.time is not None:
@@ -133,6 +134,18 @@ class _Facts:
                 question = f"Which of the columns {names} tells participants apart?"
                 self._doubt(question, f"`{self._heading(columns[0])}`")
 
+    def _order(self) -> None:
+        """Take an order that differs within somebody for the number of the exposure."""
+        column = self._roles.covariates.get("sequence")
+        who = self.found.participant
+        if column is None or who is None or not is_numeric(self._table, column):
+            return
+        if varies_within(self._table, column, who):
+            del self._roles.covariates["sequence"]
+            self._roles.facts["trial"].append(column)
+            question = f"Is {self._heading(column)!r} the place of an exposure in its order?"
+            self._doubt(question, "it is, from 1")
+
     def _names_of_files(self) -> None:
         """Take what differs between the names of sheets, or of files."""
         known = self._known
@@ -179,7 +192,11 @@ class _Facts:
             whole = len(words) == rows or (
                 not self._known.one_row_each and 1 < len(words) <= rows / 4
             )
-            repeated = not self._table.reading.heading_rows and len(words) * 4 >= rows
+            reading = self._table.reading
+            repeated = not reading.heading_rows and len(words) * 4 >= rows
+            repeated = repeated or (reading.transpose and column == 0 and len(words) > 1)
+            if words and all(timepoint(word) for word in words):
+                continue
             if (whole or repeated) and max(map(len, words), default=99) <= 24:
                 heading = self._heading(column)
                 self._doubt(f"Does {heading!r} tell participants apart?", "it does")
@@ -408,6 +425,8 @@ class _Facts:
         seen: set[tuple[str, ...]] = set()
         for table in self._known.tables:
             for row in table.rows:
+                if not any(row[column] for column in self._known.taken):
+                    continue
                 key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
                 if key in seen and row[self.found.participant]:
                     self._count_exposures()

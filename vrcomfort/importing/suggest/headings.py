@@ -11,10 +11,10 @@ from typing import Literal
 from vrcomfort.importing.suggest.spellings import spellings
 from vrcomfort.questionnaire import Instrument, plain
 
-How = Literal["name", "near", "abbreviation", "number", "position"]
+How = Literal["name", "near", "abbreviation", "initials", "number", "position"]
 
 _TOKEN = re.compile(r"\d+|[^\W\d_]+")
-_LONGEST = 8
+_LONGEST = 40
 _NEAR = 0.84
 
 
@@ -126,6 +126,23 @@ def _abbreviates(part: Sequence[str], name: str) -> bool:
             return False
         place += 1
     return True
+
+
+def initials(instrument: Instrument) -> dict[str, str]:
+    """Return ``gd``, ``deo``, ``n`` … → item, where no two items share them."""
+    found: dict[str, set[str]] = {}
+    for item in instrument.asked:
+        words = item.name.split("_")
+        short = {"".join(word[0] for word in words)}
+        short.add("".join(word[0] for word in words if word != "of"))
+        if len(words) == 1:
+            short |= {item.name[:2], item.name[:3]}
+        for word in tokens(item.text):
+            if len(words) == 1 and tokens(item.text) == [word]:
+                short.add(word[:4])
+        for each in short:
+            found.setdefault(each, set()).add(item.name)
+    return {each: names.pop() for each, names in found.items() if len(names) == 1}
 
 
 def mentions(text: str, known: Iterable[Instrument]) -> set[str]:

@@ -139,7 +139,7 @@ def _name_doubts(block: Found, headings: Mapping[str, str]) -> list[Doubt]:
     if near := by_how.get("near"):
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in near)
         doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are misspellings"))
-    if short := by_how.get("abbreviation"):
+    if short := [*by_how.get("abbreviation", ()), *by_how.get("initials", ())]:
         shown = "; ".join(f"{headings[item]!r} is {item}" for item in short)
         doubts.append(Doubt(f"Is it right that {shown}?", "it is: these are abbreviations"))
     return doubts

@@ -32,7 +32,7 @@ _STRONG: dict[str, frozenset[str]] = {
     ),
     "timepoint": frozenset(["timepoint", "messzeitpunkt"]),
     "session": frozenset(["session", "sitzung"]),
-    "trial": frozenset(["trial", "durchgang"]),
+    "trial": frozenset(["durchgang"]),
 }  # fmt: skip
 _AGE = frozenset(["old", "age", "alter"])
 

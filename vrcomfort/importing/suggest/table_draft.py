@@ -183,9 +183,9 @@ class TableDraft:
 
     def _fill_down(self) -> None:
         """Let blank cells of a column of participants mean the one above, where they are many."""
-        for column in roles_of(self.table, range(min(4, len(self.table.headings)))).facts.get(
-            "participant", []
-        ):
+        first = range(min(4, len(self.table.headings)))
+        columns = roles_of(self.table, first).facts.get("participant", [])
+        for column in columns or ([0] if self.table.reading.transpose else []):
             cells = self.table.column(column)
             if cells[0] and cells.count("") * 4 >= len(cells):
                 name, above, rows = self.table.headings[column], "", []

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from vrcomfort.questionnaire.instruments import plain
 
 _FACT_HEADINGS: Mapping[str, str] = {
-    "participant": "participant, participant id, participantid, participant number, "
+    "participant": "p, participant, participant id, participantid, participant number, "
     "participant no, "
     "participant code, part id, id participant, subject, subject id, subjectid, subject number, "
     "subject no, subj, subj id, sub, sub id, pid, ppid, p id, pp, ppn, pp nr, vp, vpn, vp nr, "

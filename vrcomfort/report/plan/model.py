@@ -17,7 +17,9 @@ from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
-FigureName = Literal["paired", "subscales", "symptoms", "recovery", "exposures", "residuals"]
+FigureName = Literal[
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
     "hidden_s", "unfocused_s",
