@@ -70,7 +70,7 @@ def paired_t(
     values = np.asarray(differences, dtype=np.float64)
     if values.size < 2 or np.ptp(values) == 0:
         return None
-    with quiet():
+    with quiet(), np.errstate(over="ignore"):
         found = pingouin().ttest(values, 0.0, alternative=alternative).iloc[0]
         t, df = float(found["T"]), int(found["dof"])
         bayes = _bayes_factor(t, values.size)
@@ -96,7 +96,6 @@ def paired_t(
 def _bayes_factor(t: float, n: int) -> float:
     """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
     try:
-        with np.errstate(over="ignore"):
-            return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
+        return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
     except ZeroDivisionError:
         return math.inf
