@@ -374,6 +374,16 @@ def test_deviations_are_told(tmp_path):
     assert "excluded_without_rule" not in kinds(ruled)
 
 
+def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
+    results = analysed(
+        timed(tmp_path / "questionnaires.csv", PRE_POST),
+        'outcomes = ["T"]\n[[contrasts]]\na_timepoint = "post"\nb_timepoint = "basline"\n',
+    )
+    found = {each["kind"]: each["text"] for each in results["deviations"]}
+    assert "`basline` (did you mean `baseline`?)" in found["timepoint_not_found"]
+    assert results["tests"][0]["not_tested"].startswith("0 complete pairs")
+
+
 def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
     scores = {f"P{i}": {"a": i % 7, "b": (i * 5) % 6} for i in range(520)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
