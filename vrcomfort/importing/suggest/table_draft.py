@@ -22,6 +22,7 @@ from vrcomfort.importing.suggest.questionnaires import (
 from vrcomfort.importing.suggest.ratings import FoundRating, find_ratings
 from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
 from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
+from vrcomfort.importing.suggest.templates import template_of
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import Instrument
 
@@ -232,8 +233,46 @@ class TableDraft:
             self.doubts += doubts
         self.doubts[:] = list(dict.fromkeys(self.doubts))
         if drafts:
-            self.draft.lists["questionnaires"] = drafts
+            self.draft.lists["questionnaires"] = self._in_short(drafts, facts)
         self._score_tables([] if self._blocks else facts)
+
+    def _in_short(self, drafts: list[Draft], facts: Sequence[dict[str, str]]) -> list[Draft]:
+        """Say questionnaires in one whose headings are made alike, and whose answers are."""
+        count = len(self._blocks)
+        names = {draft.values["instrument"] for draft in drafts[:count]}
+        if count < 2 or len(names) > 1:
+            return drafts
+        first = drafts[0]
+        own = {key: value for key, value in first.values.items() if key not in facts[0]}
+        own.pop("answers", None)
+        answers: dict[str, int] = {}
+        notes = first.tables["items"].comments
+        for draft, said in zip(drafts[:count], facts, strict=True):
+            rest = {key: value for key, value in draft.values.items() if key not in said}
+            words = rest.pop("answers", {})
+            answers |= words if isinstance(words, dict) else {}
+            alike = set(draft.tables) == {"items"} and draft.tables["items"].comments == notes
+            if rest != own or not alike:
+                return drafts
+        headings = [
+            {item: str(text) for item, text in draft.tables["items"].values.items()}
+            for draft in drafts[:count]
+        ]
+        taken = {text for each in headings for text in each.values()}
+        others = [text for text in self.table.headings if text not in taken]
+        found = template_of(headings, facts, others)
+        if found is None:
+            return drafts
+        for fact, values in found.values.items():
+            if any(text != value for text, value in values.items()):
+                self.draft.put(fact, {"values": values})
+        whole = Draft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
+        if answers:
+            whole.put("answers", dict(sorted(answers.items(), key=lambda each: each[1])))
+        whole.tables["items"] = Draft(dict(found.items), dict(notes))
+        shown = "; ".join(f"{fact}: {', '.join(texts)}" for fact, texts in found.values.items())
+        whole.note(f"{count} questionnaires in a row: {shown}")
+        return [whole, *drafts[count:]]
 
     def _moments_of_ratings(self) -> list[dict[str, str]]:
         """Return what the headings of ratings say, beside questionnaires that say their own."""
