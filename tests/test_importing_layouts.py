@@ -218,3 +218,24 @@ def test_headings_that_one_template_would_mistake_are_listed(tmp_path: Path) -> 
     found = answers_of(suggested.imported)
     assert found["P2", "no_blur", "post"] == (2,) * 16
     assert found["P2", "blur", "post"] == (3,) * 16
+
+
+def test_ratings_side_by_side_are_courses_of_exposures(tmp_path: Path) -> None:
+    minutes = range(5)
+    rows: list[list[object]] = [
+        ["PID", *(f"{c} FMS {minute} min" for c in ("near", "far") for minute in minutes)]
+    ]
+    rows += [[f"P{n}", *(minute + n for minute in minutes), *[n] * 5] for n in range(6)]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert any("minutes after its start" in doubt for doubt in suggested.doubts)
+    imported = suggested.imported
+    assert imported is not None
+    ratings = [
+        (r.onset_s, r.response)
+        for r in imported.ratings
+        if r.moment[0] == "P3" and r.moment.condition == "near"
+    ]
+    assert ratings == [(60.0 * minute, minute + 3) for minute in minutes]
+    found = {(m.participant, m.condition): s.answers for (_, m), s in imported.sheets.items()}
+    assert found["P3", "near"] == {"peak": 7, "mean": 5, "last": 7}
+    assert found["P3", "far"] == {"peak": 3, "mean": 3, "last": 3}
