@@ -201,13 +201,13 @@ def test_more_samples_are_closer_to_the_ideal(ctx):
 
 
 @pytest.mark.parametrize(
-    ("width_px", "limit_percent", "textures_"), [(100, 1.0, 6), (100, 5.0, 9), (130, 9.0, 10)]
+    ("width_px", "limit_percent", "textures_"), [(100, 1.0, 6), (100, 5.0, 8), (130, 9.0, 9)]
 )
 def test_depth_of_field_owns_no_more_textures_than_it_needs(
     ctx, count_objects, width_px, limit_percent, textures_
 ):
-    """Points, two of tiles, two of the widest disc, the result; where discs can be wide half of the
-    image, what is gathered there, and a texture for each level.
+    """Points, two of tiles, two of the widest disc, the result; where discs can be wide also
+    levels, and what is gathered at half resolution.
     """
     rgb = np.zeros((3, width_px, 3))
     colour, depth = textures(ctx, rgb, 1.0)

@@ -248,7 +248,9 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     few = Condition(name="few", depth_of_field=DepthOfField(samples=16))
     focus = Focus(method="autofocus_zone")
     zone = Condition(name="zone", focus=focus, depth_of_field=DepthOfField())
-    for condition in (*every_choice(rng), wide, few, zone):
+    order = ("motion_blur", "depth_of_field")
+    later = zone.model_copy(update={"motion_blur": MotionBlur(), "effect_order": order})
+    for condition in (*every_choice(rng), wide, few, zone, later):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()

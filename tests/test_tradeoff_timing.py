@@ -25,7 +25,7 @@ def test_each_part_is_clocked_once_for_each_eye_and_methods_are_put_back():
         renderer.render(frames(case, scope)[1], 0.0)
     timed = told(laps)
     calls = {name: calls for name, (_, calls) in timed.items()}
-    assert calls == {"focus": 1, "scene": 2, "depth_of_field": 2, "tone_map": 2}
+    assert calls == {"focus": 1, "scene": 2, "resolve": 2, "depth_of_field": 2, "tone_map": 2}
     assert all(timed[name][0] > 0 for name in ("scene", "depth_of_field", "tone_map"))
     assert not any("render" in vars(part) for _, part in renderer.parts())
 
@@ -35,6 +35,7 @@ def test_what_a_plain_frame_has_too_is_no_effect():
     assert effect_s(plain) == 0
     assert effect_s({**plain, "focus": (2.0, 1), "depth_of_field": (3.0, 2)}) == pytest.approx(3)
     assert effect_s({**plain, "lens_views": (20.0, 2)}) == pytest.approx(20)
+    assert effect_s({**plain, "resolve": (3.0, 2)}, 2.0) == pytest.approx(1)
 
 
 def test_time_stamps_work_inside_a_frame_that_is_timed_and_leave_nothing(ctx, monkeypatch):
@@ -98,7 +99,7 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
     assert (len(timed_methods), timed.rounds) == (2, 2)
     assert timed.effect_p95_ms >= timed.effect_ms >= 0
     assert timed.effect_p99_ms is None
-    assert set(timed.parts_ms) == {"scene", "motion_blur", "tone_map"}
+    assert set(timed.parts_ms) == {"scene", "resolve", "motion_blur", "tone_map"}
     assert timed.cost >= 1
     assert found.plain_ms > 0
 

@@ -4,7 +4,7 @@
 //
 // Input:  tiles (coc_tile_min_max.frag).
 // Output: r, g = least and greatest signed RADIUS (px of image width); b = levels whose discs come here,
-//         as bits; a = class of the tile: SHARP, ONE_SURFACE or LAYERED.
+//         as bits; a = class of the tile (include/tile_classes.glsl).
 #include "levels.glsl"
 #include "tile_dilate.glsl"
 #include "tile_classes.glsl"
@@ -31,6 +31,7 @@ void main() {
             all |= int(t.a);
         }
     bool sharp = max(-radii.x, radii.y) <= 0.5;
-    int tile_class = sharp ? SHARP : (all & EDGE) != 0 ? LAYERED : ONE_SURFACE;
+    bool wide = max(-own.r, own.g) > FADED * EXACT_PX && LEVELS > 1;
+    int tile_class = sharp ? SHARP : (all & EDGE) != 0 ? LAYERED : wide ? WIDE : ONE_SURFACE;
     dilated = vec4(radii, float(levels & (EDGE - 1)), float(tile_class));
 }

@@ -14,6 +14,8 @@
 #include "coc_of_depth.glsl"
 #include "levels.glsl"
 
+uniform sampler2D depth;
+
 out vec4 tile_min_max;
 
 const float NO_LIMIT_PX = 1e9;

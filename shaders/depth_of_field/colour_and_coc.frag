@@ -1,5 +1,6 @@
 #version 450 core
-// Puts the circle of confusion beside the colour, so that one fetch gives a tap all it needs.
+// Puts the circle of confusion beside the colour, so that one fetch gives a tap all it needs: where the
+// colour is not the scene's own, whose samples are resolved with it (scene/resolve.frag).
 //
 // Input:  colour (linear HDR), depth, focus (include/coc_of_depth.glsl).
 // Output: rgb = colour, finite; a = signed CoC RADIUS in pixels of image width, negative in front
@@ -8,15 +9,16 @@
 #include "coc.glsl"
 #include "coc_of_depth.glsl"
 
+#include "finite.glsl"
+
 uniform sampler2D colour;
+uniform sampler2D depth;
 
 out vec4 point;
 
-const float HALF_MAX = 65504.0;
-
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec3 c = texelFetch(colour, pixel, 0).rgb;
-    point.rgb = clamp(mix(c, vec3(0.0), isnan(c)), 0.0, HALF_MAX);
-    point.a = radius_of(pixel);
+    float z = texelFetch(depth, pixel, 0).r;
+    point.rgb = finite(texelFetch(colour, pixel, 0).rgb);
+    point.a = radius_at(z, gl_FragCoord.xy / vec2(textureSize(depth, 0)));
 }

@@ -1,20 +1,40 @@
 #version 450 core
 // Wide discs of one surface, at half resolution.
 //
-// Input:  half_resolution (downsample.frag) with its mip chain. Its RADIUS in px of image width.
-// Output: rgb where a disc is drawn here; else as it was.
+// Input:  layers_1, layers_2 … (layers.frag), of which each texel's mean is taken.
+// Output: rgb of discs about the middles of texels of layers_1, where they are not summed over pixels.
 //
-// A disc is summed on the level of the chain on which it has not too many texels; two levels share the discs
+// A disc is summed on the level on which it has not too many texels; two levels share the discs
 // between them. Texels blur by themselves: the discs are narrower by that variance.
-// HALF_LEVELS: of the chain; HALF_EXACT: radius of the widest disc on one, in its texels.
+// HALF_EXACT: radius of the widest disc on a level, in its texels; COARSEST: the last level, which takes
+// all that are wider.
 #include "coc.glsl"
 #include "discs.glsl"
-#include "footprint.glsl"
 #include "levels.glsl"
+#include "layers.glsl"
 
-uniform sampler2D half_resolution;
+uniform usampler2D layers_1;
+#if COARSEST > 1
+uniform usampler2D layers_2;
+#endif
+#if COARSEST > 2
+uniform usampler2D layers_3;
+#endif
+#if COARSEST > 3
+uniform usampler2D layers_4;
+#endif
 
 out vec4 gathered;
+
+vec4 mean_of(Layers texel) {
+    return mix(texel.back, texel.front, texel.coverage);
+}
+
+vec3 colour_of(usampler2D layers, ivec2 at) {
+    return mean_of(unpack_layers(texelFetch(layers, at, 0))).rgb;
+}
+#define IMAGE usampler2D
+#include "footprint.glsl"
 
 // Four times what bilinear enlargement adds to the variance: 0.75 px^2, less what the rims have too little.
 const float ENLARGED_PX2 = 2.0;
@@ -26,27 +46,36 @@ float centred_on_texel(float texels) {
     return texels - 0.16 * max(1.0 - about * about, 0.0);
 }
 
-// Part of a disc that is drawn on a level of the chain or on coarser ones.
-float part_from(int lod, float texels) {
-    float widest = HALF_EXACT * float(1 << max(lod - 1, 0));
-    return lod == 0 ? 1.0 : lod > HALF_LEVELS - 1 ? 0.0
-         : clamp((texels / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
+// Part of a disc that is drawn on a level or on coarser ones.
+float part_from(int level, float half_radius) {
+    float widest = HALF_EXACT * float(1 << max(level - 2, 0));
+    return level == 1 ? 1.0 : level > COARSEST ? 0.0
+         : clamp((half_radius / widest - FADED) / (1.0 - FADED), 0.0, 1.0);
+}
+
+float radius_px = abs(mean_of(unpack_layers(texelFetch(layers_1, ivec2(gl_FragCoord.xy), 0))).a);
+bool wanted = radius_px >= 0.9 * FADED * EXACT_PX;
+
+void gather(usampler2D layers, int level) {
+    float part = part_from(level, 0.5 * radius_px) - part_from(level + 1, 0.5 * radius_px);
+    float texel_px = float(1 << level);
+    float texels = disc_texels(sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0)), texel_px);
+    texels = level == 1 ? centred_on_texel(texels) : texels;
+    vec2 place = 2.0 * gl_FragCoord.xy / texel_px - 0.5;
+    vec3 mean = mean_over(layers, place, texels, wanted && part > 0.0);
+    gathered.rgb += part > 0.0 ? part * mean : vec3(0.0);
 }
 
 void main() {
-    gathered = texelFetch(half_resolution, ivec2(gl_FragCoord.xy), 0);
-    float radius_px = abs(gathered.a);
-    bool wanted = radius_px >= 0.9 * FADED * EXACT_PX;
-    vec2 at = gl_FragCoord.xy / vec2(textureSize(half_resolution, 0));
-    float narrower_px = sqrt(max(radius_px * radius_px - ENLARGED_PX2, 0.0));
-    vec3 sum = vec3(0.0);
-    for (int lod = 0; lod < HALF_LEVELS; ++lod) {
-        float part = part_from(lod, 0.5 * radius_px) - part_from(lod + 1, 0.5 * radius_px);
-        vec2 place = at * vec2(textureSize(half_resolution, lod)) - 0.5;
-        float texels = disc_texels(narrower_px, float(2 << lod));
-        texels = lod == 0 ? centred_on_texel(texels) : texels;
-        vec3 mean = mean_over(half_resolution, lod, place, texels, wanted && part > 0.0);
-        sum += part > 0.0 ? part * mean : vec3(0.0);
-    }
-    gathered.rgb = wanted ? sum : gathered.rgb;
+    gathered = vec4(0.0, 0.0, 0.0, 1.0);
+    gather(layers_1, 1);
+#if COARSEST > 1
+    gather(layers_2, 2);
+#endif
+#if COARSEST > 2
+    gather(layers_3, 3);
+#endif
+#if COARSEST > 3
+    gather(layers_4, 4);
+#endif
 }

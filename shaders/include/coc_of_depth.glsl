@@ -2,9 +2,8 @@
 //
 // Needs coc.glsl before it. LAW_DIOPTRE and LAW_THIN_LENS select the law, PERIPHERAL adds peripheral
 // blur. Distances are those along the head's forward axis, or with ALONG_RAY from the head centre along
-// each ray. Radii in pixels of image width, negative in front of the focus.
+// each ray. Radii in pixels of image width, negative in front of the focus. Depth is reverse-Z, 0 = sky.
 
-uniform sampler2D depth;            // reverse-Z, 0 = sky
 uniform sampler2D focus;            // x = focus distance in m
 uniform vec4 tangents;              // of the frustum: left, right, up, down
 uniform vec3 head_forward_in_view;
@@ -36,6 +35,8 @@ float distance_times_depth(float z, vec2 uv) {
 
 #endif
 
+float focus_m = texelFetch(focus, ivec2(0), 0).x;
+
 // Radius of a depth at an image position, without a limit and without peripheral blur.
 float unlimited_radius_at(float z, vec2 uv) {
 #ifdef ALONG_RAY
@@ -45,7 +46,6 @@ float unlimited_radius_at(float z, vec2 uv) {
     float near = near_m * head_depth_slope(tangents, head_forward_in_view, uv);
     float offset = offset_m;
 #endif
-    float focus_m = texelFetch(focus, ivec2(0), 0).x;
 #ifdef LAW_THIN_LENS
     // An image at the lens's focal length sees the blur of Eq. 1 under f_d / (f_d - f) times the
     // angle that the aperture has from the distance of the defocus.
@@ -74,9 +74,4 @@ float radius_within(float limit_px, float z, vec2 uv) {
 
 float radius_at(float z, vec2 uv) {
     return radius_within(radius_limit_px, z, uv);
-}
-
-// That of a pixel.
-float radius_of(ivec2 pixel) {
-    return radius_at(texelFetch(depth, pixel, 0).r, (vec2(pixel) + 0.5) / vec2(textureSize(depth, 0)));
 }

@@ -1,17 +1,17 @@
 // The mean over a disc of one surface: every texel that it covers counts once.
 //
-// Radii in texels of the level that is read. Include after discs.glsl.
+// Radii in texels of the IMAGE that is read, by colour_of(image, texel). Include after discs.glsl.
 
 // Some renderers cut half floats off instead of rounding them: means must not fall short by a float's rounding.
 const float UP = 1.0 + 1e-6;
 
 // `place`: of the disc's middle, 0 is that of the first texel. `wanted`: whether anything is to be read.
-vec3 mean_over(sampler2D image, int lod, vec2 place, float radius, bool wanted) {
+vec3 mean_over(IMAGE image, vec2 place, float radius, bool wanted) {
     float grid = grid_radius_px(max(radius, 0.5));
     float reach = grid + 0.5 * RIM_PX;
     float rows = reach * pixel_aspect;
     int top = wanted ? int(floor(place.y + rows)) : -1000000;
-    ivec2 last = textureSize(image, lod) - 1;
+    ivec2 last = textureSize(image, 0) - 1;
     vec4 sum = vec4(0.0);
     for (int y = int(ceil(place.y - rows)); y <= top; ++y) {
         float row = (float(y) - place.y) / pixel_aspect;
@@ -20,7 +20,7 @@ vec3 mean_over(sampler2D image, int lod, vec2 place, float radius, bool wanted) 
         for (int x = int(ceil(place.x - cells)); x <= right; ++x) {
             float inside = clamp((grid - length(vec2(float(x) - place.x, row))) / RIM_PX + 0.5, 0.0, 1.0);
             float weight = inside * inside * (3.0 - 2.0 * inside);
-            sum += weight * vec4(texelFetch(image, clamp(ivec2(x, y), ivec2(0), last), lod).rgb, 1.0);
+            sum += weight * vec4(colour_of(image, clamp(ivec2(x, y), ivec2(0), last)), 1.0);
         }
     }
     return min(UP * sum.rgb / max(sum.a, 1e-4), 65504.0);

@@ -10,17 +10,25 @@
 // triangle does at the other samples, and exactly zero where the eye has not moved.
 //
 // Input:  multisampled colour, depth; VELOCITY: velocity, or AS_THE_EYE; sample_place, of each sample in
-//         its pixel.
-// Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame.
+//         its pixel; COC: what include/coc_of_depth.glsl needs.
+// Output: colour with alpha 1, gl_FragDepth; VELOCITY: velocity, px per frame; COC: finite colour, alpha
+//         = signed CoC RADIUS in pixels of image width, negative in front of the focus. A half float
+//         holds 11 px to 1/256 px.
+// Source: of the radius, Carnegie & Rhee 2015, Algorithm 1; PERIPHERAL: Hillaire et al. 2008, Eq. 5 and 6.
 #ifdef VELOCITY
 #include "view.glsl"
 #include "velocity.glsl"
 #endif
-layout(binding = 0) uniform sampler2DMS colors;
-layout(binding = 1) uniform sampler2DMS depths;
+#ifdef COC
+#include "coc.glsl"
+#include "coc_of_depth.glsl"
+#include "finite.glsl"
+#endif
+uniform sampler2DMS colors;
+uniform sampler2DMS depths;
 layout(location = 0) out vec4 color;
 #ifdef VELOCITY
-layout(binding = 2) uniform sampler2DMS velocities;
+uniform sampler2DMS velocities;
 layout(location = 1) out vec2 velocity;
 uniform vec2 sample_place[SAMPLES];
 
@@ -44,6 +52,10 @@ void main() {
     }
     color = vec4(sum * (1.0 / float(SAMPLES)), 1.0);
     gl_FragDepth = depth;
+#ifdef COC
+    vec2 at = gl_FragCoord.xy * (1.0 / vec2(textureSize(colors)));
+    color = vec4(finite(color.rgb), radius_at(depth, at));
+#endif
 #ifdef VELOCITY
     velocity = texelFetch(velocities, pixel, nearest).rg;
     if (velocity.x == AS_THE_EYE)

@@ -35,6 +35,16 @@ def nearer(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     return np.clip((radius - other) / margin_px(radius) - 1, 0.0, 1.0)
 
 
+def farther(radius_px: ArrayLike, other_px: ArrayLike, /) -> Array:
+    """Return 0 where the other point may be on the same surface or is nearer, 1 where it is behind.
+
+    A surface that slants is hardly more than a tenth of the radius and an eighth of a pixel behind
+    itself.
+    """
+    radius, other = (np.asarray(each, dtype=np.float64) for each in (radius_px, other_px))
+    return np.clip((other - radius) / (0.2 * np.abs(radius) + 0.25) - 0.5, 0.0, 1.0)
+
+
 def slack_px(radius_px: ArrayLike, /) -> Array:
     """Return how much another radius may differ to count in full as one of this point's surface.
 

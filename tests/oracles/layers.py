@@ -1,17 +1,25 @@
 """Depth of field by gathering a back and a front layer, every pixel of every disc.
 
-NumPy twin, in float64, of what ``shaders/depth_of_field/composite.frag`` does with discs
+NumPy twin, in float64, of what ``shaders/depth_of_field/layered.frag`` does with discs
 that are summed over pixels (`levels.exact_px`).
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tests.oracles.gather import disc_share, grid_radius_px, nearer, slack_px
+from tests.oracles.gather import (
+    disc_share,
+    farther,
+    grid_radius_px,
+    margin_px,
+    nearer,
+    slack_px,
+)
 from vrcomfort.geometry import Array
 
 SHARP_PX = 0.5
@@ -19,7 +27,7 @@ SHARP_PX = 0.5
 
 
 def layered(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
-    """Return (h, w, 3) colours: a front that adds up to an opacity of 1 at most, over a back.
+    """Return (h, w, 3) colours: a front that adds up to an opacity of 1 at most, over the others.
 
     Parameters
     ----------
@@ -30,23 +38,37 @@ def layered(points: ArrayLike, /, *, pixel_aspect: float = 1.0) -> Array:
 
     Notes
     -----
-    The back is the mean over a pixel's own disc of its surface and those behind; what is of its
-    surface counts with its own disc, :func:`as_own_px`. That of a sharp pixel is the pixel. Beyond
-    the image its rim goes on.
+    A pixel's own surface covers a part of its disc; what is of it counts with its own disc,
+    :func:`as_own_px`. What is behind fills the rest: :func:`radius_behind_px`. A sharp pixel is
+    itself. Beyond the image its rim goes on.
+    What is behind is no wider than the widest disc that is seen past the silhouette.
     """
     image = np.asarray(points, dtype=np.float64)
     reach_px = float(np.abs(image[..., 3]).max()) + 1
-    back, front = (np.zeros_like(image) for _ in range(2))
+    surface, behind, front = (np.zeros_like(image) for _ in range(3))
+    free, widest = (np.zeros(image.shape[:2]) for _ in range(2))
     rows = int(reach_px * pixel_aspect)
-    for y in range(-rows, rows + 1):
-        for x in range(-int(reach_px), int(reach_px) + 1):
-            behind, over = _shares(image, x, y, pixel_aspect)
-            back += behind
-            front += over / (math.pi * pixel_aspect)
+    around = [
+        (x, y) for y in range(-rows, rows + 1) for x in range(-int(reach_px), int(reach_px) + 1)
+    ]
+    for x, y in around:
+        added = _shares(image, x, y, pixel_aspect)
+        surface += added.surface
+        free += added.free
+        widest = np.where(added.free > 0, np.maximum(widest, added.radius), widest)
+        front += added.front / (math.pi * pixel_aspect)
+    for x, y in around:
+        added = _shares(image, x, y, pixel_aspect)
+        seen = np.clip((widest - added.radius) / margin_px(widest) + 2, 0, 1)
+        behind += seen[..., None] * added.behind
+    free = free[..., None]
+    own = surface / (surface[..., 3:] + free)
+    means = behind[..., :3] / np.where(behind[..., 3:] > 0, behind[..., 3:], 1)
+    mixed = own[..., :3] + (1 - own[..., 3:]) * means
     opacity = front[..., 3:]
     colours = front[..., :3] / np.where(opacity > 0, opacity, 1)
-    mixed: Array = back[..., :3] / back[..., 3:]
-    return mixed + np.minimum(opacity, 1) * (colours - mixed)
+    found: Array = mixed + np.minimum(opacity, 1) * (colours - mixed)
+    return found
 
 
 def as_own_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
@@ -59,16 +81,49 @@ def as_own_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
     return radius
 
 
-def _shares(image: Array, x: int, y: int, pixel_aspect: float) -> tuple[Array, Array]:
-    """Return what the pixel that is x to the right and y up adds to every back and front."""
+def radius_behind_px(own_px: ArrayLike, other_px: ArrayLike, /) -> Array:
+    """Return the radius over which a point behind another is gathered, from signed radii.
+
+    Behind the focus its own; in front of it, where the lens sees what the nearer one hides, that of
+    the nearer one.
+    """
+    own, other = np.asarray(own_px, dtype=np.float64), np.asarray(other_px, dtype=np.float64)
+    return np.where(own > 0, np.maximum(np.abs(other), np.abs(own)), np.abs(own))
+
+
+class _Added(NamedTuple):
+    """What a neighbour adds, light and weight, (h, w, 4); of `free` the weight, (h, w).
+
+    `radius` is that of :func:`radius_behind_px`.
+    """
+
+    radius: Array
+    surface: Array
+    free: Array
+    behind: Array
+    front: Array
+
+
+def _shares(image: Array, x: int, y: int, pixel_aspect: float) -> _Added:
+    """Return what the pixel that is x to the right and y up adds to every pixel."""
     height, width, _ = image.shape
     up = np.clip(np.arange(height) + y, 0, height - 1)
     right = np.clip(np.arange(width) + x, 0, width - 1)
     q = image[up][:, right]
-    is_front = nearer(image[..., 3], q[..., 3])
-    own, radius = np.abs(image[..., 3]), np.abs(q[..., 3])
+    p_px, q_px = image[..., 3], q[..., 3]
+    is_front, is_behind = nearer(p_px, q_px), farther(p_px, q_px)
+    away = math.hypot(x, y / pixel_aspect)
+    own, radius = np.abs(p_px), np.abs(q_px)
     radius = as_own_px(own, radius) * (1 - is_front) + radius * is_front
-    share = disc_share(math.hypot(x, y / pixel_aspect), grid_radius_px(radius))
+    share = disc_share(away, grid_radius_px(radius))
+    under = np.where(own > SHARP_PX, share, x == y == 0)
+    behind_px = radius_behind_px(p_px, q_px)
+    past = is_behind * disc_share(away, grid_radius_px(behind_px))
     light = np.concatenate([q[..., :3], np.ones((height, width, 1))], axis=-1)
-    behind = np.where(own > SHARP_PX, share, x == y == 0) * (1 - is_front)
-    return behind[..., None] * light, (is_front * share)[..., None] * light
+    return _Added(
+        behind_px,
+        (under * (1 - is_front - is_behind))[..., None] * light,
+        under * is_behind,
+        past[..., None] * light,
+        (is_front * share)[..., None] * light,
+    )

@@ -176,6 +176,7 @@ def _traffic(
     scene: Scene, condition: Condition, renderer: StereoRenderer
 ) -> dict[str, Traffic] | None:
     """Draw a frame where the scene begins; not of many views, which would take minutes."""
+    from vrcomfort.render.condition_passes import RESOLVE
     from vrcomfort.tradeoff.timing import NO_EFFECT
     from vrcomfort.tradeoff.traffic import a_step, traffic_of
 
@@ -184,7 +185,7 @@ def _traffic(
         return None
     size_px = renderer.size_px
     found = traffic_of(renderer.ctx, scene, condition, a_step(scene.spawn, size_px), size_px)
-    return {name: each for name, each in found.items() if name not in NO_EFFECT}
+    return {name: each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}}
 
 
 def _quality(condition: Condition, drawn: list[str]) -> str:

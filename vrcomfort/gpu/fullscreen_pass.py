@@ -58,7 +58,9 @@ class FullscreenPass:
         Instead of the triangle: squares of ``POINT_PX`` px, which cover an image of `tiles` =
         (columns, rows) of them; `vertex` makes points of `gl_VertexID` alone.
     target
-        A texture to draw into instead of one of its own.
+        A texture to draw into instead of one of its own, or several as with `more_components`.
+    depth
+        A texture whose depth the fragments write, whatever it was.
     """
 
     def __init__(
@@ -77,11 +79,16 @@ class FullscreenPass:
         more_components: Sequence[int] = (),
         vertex: str = "common/fullscreen.vert",
         tiles: tuple[int, int] | None = None,
-        target: moderngl.Texture | None = None,
+        target: moderngl.Texture | Sequence[moderngl.Texture] | None = None,
+        depth: moderngl.Texture | None = None,
     ) -> None:
-        self.target = target or gl.color_texture(ctx, size_px, components=components, dtype=dtype)
-        more = (gl.color_texture(ctx, size_px, components=n, dtype=dtype) for n in more_components)
-        self.targets = (self.target, *more)
+        if target is None:
+            wanted = (components, *more_components)
+            made = (gl.color_texture(ctx, size_px, components=n, dtype=dtype) for n in wanted)
+            self.targets = tuple(made)
+        else:
+            self.targets = tuple(_textures(target))
+        self.target = self.targets[0]
         self._triangle = ctx.vertex_array(shaders.program(ctx, fragment, vertex, defines), [])
         named = [(name, texture) for name in inputs for texture in _textures(inputs[name])]
         for name in inputs:
@@ -95,8 +102,9 @@ class FullscreenPass:
         self._values: dict[str, Any] = {}
         if constants is not None:
             self._set(constants)
-        framebuffer = ctx.framebuffer(self.targets)
-        flags = moderngl.NOTHING
+        framebuffer = ctx.framebuffer(self.targets, depth)
+        flags = moderngl.NOTHING if depth is None else moderngl.DEPTH_TEST
+        self._ctx, self._writes_depth = ctx, depth is not None
         self._mode, self._vertices = moderngl.TRIANGLES, 3
         if tiles is not None:
             columns, rows = tiles
@@ -115,6 +123,8 @@ class FullscreenPass:
         self._bind()
         for unit, sampler in self._samplers:
             sampler.use(unit)
+        if self._writes_depth:
+            self._ctx.depth_func = "1"
         self._triangle.render(self._mode, vertices=self._vertices)
         for unit, sampler in self._samplers:
             sampler.clear(unit)

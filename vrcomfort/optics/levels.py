@@ -15,8 +15,8 @@ FADED = 0.85
 """Part of its widest disc from which a level shares with the next."""
 
 HALF_WIDER = 1.5
-"""At half resolution, where there are a quarter of the pixels, a disc of one surface is summed up
-to so many times the radius, in texels."""
+"""At half resolution, where there are a quarter of the pixels, a disc of one surface is summed on a
+level up to so many times the radius, in texels."""
 
 
 def exact_px(samples: int) -> float:
@@ -32,6 +32,7 @@ def levels(limit_px: float, samples: int) -> int:
     return min(1 + max(1, ceil(log2(limit_px / widest))), MOST)
 
 
-def half_levels(limit_px: float, samples: int) -> int:
-    """Return how many levels half resolution has, its own included, for discs of one surface."""
-    return 1 + max(ceil(log2(max(limit_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0))), 0)
+def coarsest_of_one_surface(limit_px: float, samples: int) -> int:
+    """Return the coarsest level on which discs of one surface are summed, 1 at least."""
+    halvings = ceil(log2(max(limit_px / 2 / (HALF_WIDER * exact_px(samples)), 1.0)))
+    return min(1 + halvings, MOST - 1)

@@ -20,12 +20,16 @@ from vrcomfort.render.focus.rule import FocusPass, Sight
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.frames import EyeImages, head_from_gaze
 from vrcomfort.render.plan import plan_passes
+from vrcomfort.render.resolve import ResolvePass
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.tone_map import ToneMapPass
 from vrcomfort.scene.data import Scene
 
-Drawn: TypeAlias = Effect | LensViews | ScenePass | ToneMapPass | FocusPass
+Drawn: TypeAlias = Effect | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
 """What has a `render`."""
+
+RESOLVE = "resolve"
+"""Name of the part of a frame that makes one sample of several: effects may add to it."""
 
 
 class ConditionPasses:
@@ -98,6 +102,7 @@ class ConditionPasses:
                 self._size_px,
                 self.colour,
                 self.scene.depth,
+                self.scene.resolve if self.colour is self.scene.colour else None,
                 {name: texture for name in kind.reads if (texture := made[name]) is not None},
             )
         )
@@ -124,7 +129,8 @@ class ConditionPasses:
         views = [("lens_views", self._lens_views)] if self._lens_views is not None else []
         focus = [("focus", self.focus)] if self.focus is not None else []
         tone_maps = [("tone_map", each) for each in self.tone_maps]
-        return [*focus, ("scene", self.scene), *views, *self._named.items(), *tone_maps]
+        scene: list[tuple[str, Drawn]] = [("scene", self.scene), (RESOLVE, self.scene.resolve)]
+        return [*focus, *scene, *views, *self._named.items(), *tone_maps]
 
     def warm_up(self) -> None:
         """Draw once what frames in which nothing moves leave out, so that it is compiled."""
@@ -203,7 +209,8 @@ class ConditionPasses:
     ) -> None:
         previous = eye.previous or PreviousCamera(eye.camera.world_from_eye, before_s)
         camera = eye.camera if lens is None else replace(eye.camera, lens=lens)
-        self.scene.render(camera, scene_time_s, previous)
+        self.scene.render(camera, scene_time_s, previous, resolve=False)
+        self.scene.resolve.render(camera)
         self.triangles += self.scene.triangles
         seen = eye._replace(still=self.scene.still)
         for effect in effects:

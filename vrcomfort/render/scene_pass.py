@@ -12,6 +12,7 @@ from vrcomfort.render import lighting
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
 from vrcomfort.render.eye_blocks import EyeBlocks
 from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
+from vrcomfort.render.resolve import ResolvePass, Samples
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
 
@@ -70,19 +71,24 @@ class ScenePass:
         """Whether nothing in the last image can have moved: every velocity is exactly 0."""
 
     @property
+    def resolve(self) -> ResolvePass:
+        """Return what makes one sample of each pixel."""
+        return self._targets.resolve
+
+    @property
     def colour(self) -> moderngl.Texture:
-        """Return RGBA16F linear radiance, alpha 1."""
-        return self._targets.colour
+        """Return RGBA16F linear radiance; alpha is 1, or as `resolve` says."""
+        return self.resolve.colour
 
     @property
     def depth(self) -> moderngl.Texture:
         """Return D32F reverse-Z depth, ``near_m / distance``; 0 is the sky."""
-        return self._targets.depth
+        return self.resolve.depth
 
     @property
     def velocity(self) -> moderngl.Texture | None:
         """Return RG16F pixels per frame, or None."""
-        return self._targets.velocity
+        return self.resolve.velocity
 
     @property
     def textures(self) -> int:
@@ -111,7 +117,12 @@ class ScenePass:
             self.gpu.see([_viewpoint(eye) for eye in eyes])
 
     def render(
-        self, camera: EyeCamera, time_s: float, previous: PreviousCamera | None = None
+        self,
+        camera: EyeCamera,
+        time_s: float,
+        previous: PreviousCamera | None = None,
+        *,
+        resolve: bool = True,
     ) -> None:
         """Draw the scene at a time.
 
@@ -119,6 +130,8 @@ class ScenePass:
         ----------
         previous
             Where the eye counts as having been; without it all velocities are zero.
+        resolve
+            False leaves it to the caller to call `resolve`.
         """
         before = previous or PreviousCamera(camera.world_from_eye, time_s)
         self.still = before.world_from_eye == camera.world_from_eye and (
@@ -132,6 +145,8 @@ class ScenePass:
         self._draw(view)
         self.triangles += self._shadow_triangles
         self._shadow_triangles = 0  # the next eye reads the same map
+        if resolve:
+            self.resolve.render(camera)
 
     def _view(self, camera: EyeCamera) -> int | None:
         """Return which of the eyes of `update` a camera is, whatever its lens."""
@@ -154,7 +169,7 @@ class ScenePass:
             ctx.depth_func = gl.DEPTH_FUNC
             ctx.enable(moderngl.BLEND)
             self.triangles += self.gpu.draw(view, blended=True)
-        self._targets.resolve()
+        ctx.enable_only(moderngl.NOTHING)
 
 
 def _viewpoint(camera: EyeCamera) -> Viewpoint:
@@ -197,46 +212,33 @@ class _Targets:
         samples: int,
     ) -> None:
         self._ctx = ctx
-        self.colour, self.velocity = _colours(ctx, size_px, velocity_dtype, 0)
-        self.depth = gl.depth_texture(ctx, size_px)
-        colours = [self.colour, *([self.velocity] if self.velocity else [])]
-        self._resolved = ctx.framebuffer(colours, self.depth)
+        colour, velocity = _colours(ctx, size_px, velocity_dtype, 0)
+        depth = gl.depth_texture(ctx, size_px)
         many_colour, many_velocity = _colours(ctx, size_px, velocity_dtype, samples)
         many_depth = gl.depth_texture(ctx, size_px, samples=samples)
         many = [many_colour, *([many_velocity] if many_velocity else [])]
         self._many = ctx.framebuffer(many, many_depth)
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
-        self._sources = (many_colour, many_depth, *([many_velocity] if many_velocity else []))
-        self._bind = gl.binder(ctx, self._sources)
-        defines = {"SAMPLES": samples, **({"VELOCITY": 1} if velocity_dtype else {})}
-        self._resolve = shaders.fullscreen(ctx, "scene/resolve.frag", defines)
-        self._samples = samples
-        self._knows_samples = velocity_dtype is None
-        self.count = 2 * len(self._sources)
+        self.resolve = ResolvePass(
+            ctx,
+            Samples(many_colour, many_depth, many_velocity),
+            colour=colour,
+            depth=depth,
+            velocity=velocity,
+        )
+        self.count = 2 * (len(many) + 1)
 
     def begin(self) -> None:
         """Clear to black at infinity."""
         self._many.use()
         self._many.clear(depth=0.0)
-        if not self._knows_samples:  # the driver tells of the framebuffer in use only
-            places = gl.sample_places(self._ctx, self._samples)
-            self._resolve.program["sample_place"] = places if self._samples > 1 else places[0]
-            self._knows_samples = True
+        self.resolve.learn_sample_places()
 
     def blend(self) -> None:
         """Continue with colour only: what blends covers by alpha and writes no depth."""
         self._many_colour_only.use()
         self._many_colour_only.depth_mask = False
         self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
-
-    def resolve(self) -> None:
-        """Fill the single-sample textures."""
-        self._resolved.use()
-        self._ctx.enable_only(moderngl.DEPTH_TEST)
-        self._ctx.depth_func = "1"
-        self._bind()
-        self._resolve.render(vertices=3)
-        self._ctx.enable_only(moderngl.NOTHING)
 
 
 def _colours(

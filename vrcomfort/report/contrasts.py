@@ -148,7 +148,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
             lambda: _confounded(scored.table, a.name, b.name, people),
         )
     if len(pairs.participants) < FEWEST_PAIRS:
-        result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
+        result["not_tested"] = _too_few(scored, outcome, contrast, len(pairs.participants))
         return result
     test = _signed_rank(pairs, plan, contrast.alternative)
     worst = _worst_rank(pairs, list(signs.values()), plan, contrast.alternative) if signs else {}
@@ -161,6 +161,16 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
         "t_test": _t_test(pairs, plan, contrast.alternative),
     }
+
+
+def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
+    """Say why there is no test; and, where different people met the sides, what there is."""
+    said = f"{n} complete pairs: too few for a test"
+    rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
+    one, two = (set(table["participant"]) for table in rows)
+    if one and two and one.isdisjoint(two):
+        said += ' (different people met them: see the ANOVA with kind = "between")'
+    return said
 
 
 def _ranked_worst(pairs: Pairs, plan: Plan, lost: dict[str, int]) -> dict[str, int]:

@@ -48,6 +48,15 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "withdrawals": results["withdrawals"]["list"],
         "left_out": results["participants"]["left_out"],
         "in_some_tests": results["participants"]["in_some_tests"],
+        "t_tests": [
+            {**{key: test[key] for key in ("a", "b", "outcome")}, **test["t_test"]}
+            for test in results["tests"]
+            if not test["not_tested"] and test["t_test"]
+        ],
+        "exclusions": results["exclusions"],
+        "deviations": [
+            row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
+        ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}

@@ -17,6 +17,7 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array
 from vrcomfort.gpu.timer import Lap, Stopwatch, is_software
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render.condition_passes import RESOLVE
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.tradeoff.cases import Case, Scope, condition_of, eyes_of, frames
 from vrcomfort.tradeoff.methods import Method, methods, no_blur, pick
@@ -26,7 +27,8 @@ from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import REFRESH_HZ, time_s
 
 NO_EFFECT = ("focus", "scene", "tone_map")
-"""Parts that no effect has added, or (the focus search) that blurs of all methods share."""
+"""Parts that no effect has added, or (the focus search) that blurs of all methods share. So is
+`RESOLVE` but for the circles of confusion, which are what it costs more than in a plain frame."""
 
 SLOW_S = 12.0
 """A method whose first frame takes longer is not timed again."""
@@ -114,7 +116,7 @@ def time_alone(method: Method, case: Case, scope: Scope) -> MethodTime:
 
 
 def time_method(
-    method: Method, case: Case, scope: Scope, plain: _Timer, plains: list[Array]
+    method: Method, case: Case, scope: Scope, plain_frames: _Timer, plains: list[Array]
 ) -> MethodTime:
     """Time a method; the seconds of the plain frames in between are added to `plains`."""
     timer = _Timer(case, scope, method.condition)
@@ -123,17 +125,21 @@ def time_method(
     if whole_s(first) <= SLOW_S:
         most = rounds_of(scope, context())
         rounds = min(most, max(1, int(LONGEST_S / max(whole_s(first), 1e-9))))
-    queued, between = [], [plain.frame()]
+    queued, between = [], [plain_frames.frame()]
     for _ in range(rounds):
         queued.append(timer.frame())
-        between.append(plain.frame())
+        between.append(plain_frames.frame())
     if not queued:
-        between.append(plain.frame())
+        between.append(plain_frames.frame())
     timed = [told(laps) for laps in queued] or [first]
-    plain_s = np.array([whole_s(told(laps)) for laps in between])
+    plain = [told(laps) for laps in between]
+    plain_s = np.array([whole_s(each) for each in plain])
     plains.append(plain_s)
     timer.release()
-    return _summary(method.name, timed, (plain_s[1:] + plain_s[:-1]) / 2)
+    resolved = timed if method.condition.depth_of_field is None else plain
+    resolve_s = np.array([each[RESOLVE][0] for each in resolved])
+    resolve_s = resolve_s if resolved is timed else _between(resolve_s)
+    return _summary(method.name, timed, _between(plain_s), resolve_s)
 
 
 class _Timer:
@@ -184,18 +190,25 @@ def whole_s(timed: Timed) -> float:
     return sum(seconds for seconds, _ in timed.values())
 
 
-def effect_s(timed: Timed) -> float:
+def effect_s(timed: Timed, plain_resolve_s: float = 0.0) -> float:
     """Return the seconds that a frame's effects cost: all that no plain frame has.
 
-    Several views through the lens draw the scene within their own part; one drawing of it for each
-    eye is outside.
+    `plain_resolve_s` is what `RESOLVE` would cost without them. Several views through the lens draw
+    the scene within their own part; one drawing of it for each eye is outside.
     """
-    return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT)
+    return sum(s for name, (s, _) in timed.items() if name not in NO_EFFECT) - plain_resolve_s
 
 
-def _summary(name: str, timed: Sequence[Timed], plain_s: Array) -> MethodTime:
+def _between(seconds: Array) -> Array:
+    """Return the means of each two that follow each other."""
+    return (seconds[1:] + seconds[:-1]) / 2
+
+
+def _summary(
+    name: str, timed: Sequence[Timed], plain_s: Array, plain_resolve_s: Array
+) -> MethodTime:
     frame_s = np.array([whole_s(each) for each in timed])
-    effects_s = np.array([effect_s(each) for each in timed])
+    effects_s = np.array([effect_s(*each) for each in zip(timed, plain_resolve_s, strict=True)])
     costs = 1 + effects_s / plain_s
     names = list(dict.fromkeys(part for each in timed for part in each))
     return MethodTime(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import replace
+from functools import lru_cache
 from typing import Any
 
 import moderngl
@@ -16,10 +17,11 @@ from vrcomfort.gpu import shaders
 from vrcomfort.gpu.traffic import Draw, Recorder, Traffic, added_up
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.render.condition_passes import RESOLVE
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.scene.data import Scene
 from vrcomfort.tradeoff.cases import Case, Scope, condition_of, frames
-from vrcomfort.tradeoff.methods import Method
+from vrcomfort.tradeoff.methods import Method, no_blur
 from vrcomfort.tradeoff.passes import leave_out_records, outermost
 from vrcomfort.tradeoff.shots import context
 from vrcomfort.tradeoff.store import scene_and_hash
@@ -75,26 +77,37 @@ def traffic_of_method(method: Method, case: Case, scope: Scope) -> dict[str, Any
     ``reads_per_pixel`` and ``bytes_per_pixel`` of that image, ``passes`` and ``draws``.
     """
     whole = replace(case, window=None)
-    scene, _ = scene_and_hash(case.scene)
-    before, frame = frames(whole, scope)
-    found = of_effects(
-        traffic_of(
-            context(),
-            scene,
-            condition_of(whole, scope, method.condition),
-            (before if case.motion != "still" else None, frame),
-            scope.size_px,
-            count_reads=True,
-            records=False,
-        )
-    )
+    parts = _parts_of(method.condition, whole, scope)
+    found = of_effects(parts)
+    reads = found.reads or 0
+    if method.condition.depth_of_field is not None:
+        reads += (parts[RESOLVE].reads or 0) - _reads_of_plain_resolve(whole, scope)
     pixels = scope.size_px[0] * scope.size_px[1]
     return {
-        "reads_per_pixel": (found.reads or 0) / pixels,
+        "reads_per_pixel": reads / pixels,
         "bytes_per_pixel": found.bytes / pixels,
         "passes": found.passes,
         "draws": found.draws,
     }
+
+
+def _parts_of(condition: Condition, case: Case, scope: Scope) -> dict[str, Traffic]:
+    scene, _ = scene_and_hash(case.scene)
+    before, frame = frames(case, scope)
+    return traffic_of(
+        context(),
+        scene,
+        condition_of(case, scope, condition),
+        (before if case.motion != "still" else None, frame),
+        scope.size_px,
+        count_reads=True,
+        records=False,
+    )
+
+
+@lru_cache(maxsize=1)
+def _reads_of_plain_resolve(case: Case, scope: Scope) -> int:
+    return _parts_of(no_blur(case.effect).condition, case, scope)[RESOLVE].reads or 0
 
 
 def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
@@ -124,8 +137,11 @@ def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
 
 
 def of_effects(found: dict[str, Traffic]) -> Traffic:
-    """Return what the effects of an eye's image amount to."""
-    effects = [each for name, each in found.items() if name not in NO_EFFECT]
+    """Return what the effects of an eye's image amount to.
+
+    Radii that are written where samples are resolved move no bytes that are not moved without them.
+    """
+    effects = [each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}]
     reads = [each.reads for each in effects if each.reads is not None]
     return Traffic(
         sum(each.passes for each in effects),

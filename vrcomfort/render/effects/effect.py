@@ -17,6 +17,7 @@ from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.render.resolve import ResolvePass
 from vrcomfort.scene.data import Scene
 
 
@@ -48,6 +49,8 @@ class EffectInputs:
         Reverse-Z D32F.
     settings
         The effect's own table of the condition.
+    resolve
+        What makes `colour`, where it is the scene's own.
     reads
         Those of the kind: `velocity` is RG16F (px per frame, +x right, +y up), `focus` a 1×1
         texture whose x is the focus distance in metres, the same one for both eyes.
@@ -59,6 +62,7 @@ class EffectInputs:
     size_px: tuple[int, int]
     colour: moderngl.Texture
     depth: moderngl.Texture
+    resolve: ResolvePass | None
     reads: Mapping[str, moderngl.Texture]
 
 

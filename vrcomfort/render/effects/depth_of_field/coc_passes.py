@@ -14,12 +14,14 @@ from vrcomfort.gpu.max_reduction import MaxReductionPass
 from vrcomfort.optics import levels
 from vrcomfort.optics.circle_of_confusion import CLOSEST_FOCUS
 from vrcomfort.protocol.conditions import DepthOfField
+from vrcomfort.render.camera import EyeCamera
 from vrcomfort.render.effects.depth_of_field.lens_radius import (
     px_per_dioptre,
     radius_limit_in_px,
     radius_limit_px,
     radius_of_arcmin,
 )
+from vrcomfort.render.resolve import ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""
@@ -99,12 +101,12 @@ class DepthToCoc:
     ) -> None:
         self._settings, self._size_px = settings, depth.size
         self.depth = depth
-        self._inputs = {"depth": depth, "focus": focus}
-        self._constants = Together(
+        self.inputs = {"focus": focus}
+        self.constants: Uniforms = Together(
             _lens_constants(settings, infinity_m), *_peripheral_constants(settings)
         )
         self._along_ray = settings.distance_along == "ray"
-        self._defines = {
+        self.defines: dict[str, Any] = {
             **_law_defines(settings),
             **_peripheral_defines(settings),
             **({"ALONG_RAY": 1} if self._along_ray else {}),
@@ -120,13 +122,16 @@ class DepthToCoc:
         constants: Uniforms | None = None,
         **options: Any,
     ) -> FullscreenPass:
-        """Return a pass that includes ``coc_of_depth.glsl``; it is drawn with :meth:`of_eye`."""
+        """Return a pass that reads `depth` and includes ``coc_of_depth.glsl``.
+
+        It is drawn with :meth:`of_eye`.
+        """
         return FullscreenPass(
             ctx,
             fragment,
-            inputs={**self._inputs, **(inputs or {})},
-            constants=Together(self._constants, *([constants] if constants else [])),
-            defines={**self._defines, **(defines or {})},
+            inputs={"depth": self.depth, **self.inputs, **(inputs or {})},
+            constants=Together(self.constants, *([constants] if constants else [])),
+            defines={**self.defines, **(defines or {})},
             **options,
         )
 
@@ -135,6 +140,12 @@ class DepthToCoc:
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
         return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px))
+
+    def of_camera(self, camera: EyeCamera) -> Uniforms:
+        """Return the uniforms for what a camera draws."""
+        head_from_eye = camera.head.inverse() @ camera.world_from_eye
+        focal_px = focal_length_px(camera.fov, self._size_px)[0]
+        return self.of_eye(eye_uniforms(camera.fov, camera.near_m, head_from_eye), focal_px)
 
 
 class CocPasses:
@@ -148,6 +159,8 @@ class CocPasses:
         Texture whose first x is the focus distance in metres, the same one for both eyes.
     infinity_m
         Distance taken for the sky.
+    resolve
+        What makes `colour`, where it can write radii beside it.
     """
 
     def __init__(
@@ -160,8 +173,10 @@ class CocPasses:
         settings: DepthOfField,
         size_px: tuple[int, int],
         infinity_m: float,
+        resolve: ResolvePass | None = None,
     ) -> None:
         self.size_px = size_px
+        self._resolve = resolve
         self._ctx, self._colour, self._settings = ctx, colour, settings
         self.limit_px = radius_limit_px(settings, size_px)
         """No eye's image can have a larger radius."""
@@ -197,7 +212,8 @@ class CocPasses:
         self.widest = None if settings.peripheral else self._tile_min_max.widest
         """1×1, px: no radius of the last eye is wider. None with peripheral blur: tiles only sample
         it."""
-        self._colour_and_coc: FullscreenPass | None = None
+        self._colour_and_coc: moderngl.Texture | None = None
+        self._beside: FullscreenPass | None = None
 
     @property
     def tile_min_max(self) -> moderngl.Texture:
@@ -209,13 +225,20 @@ class CocPasses:
     def colour_and_coc(self) -> moderngl.Texture:
         """RGBA16F: finite colour, signed radius in pixels of image width. Drawn if asked for."""
         if self._colour_and_coc is None:
-            inputs = {"colour": self._colour}
-            self._colour_and_coc = self.depth_to_coc.make_pass(
-                self._ctx, "depth_of_field/colour_and_coc.frag", size_px=self.size_px, inputs=inputs
-            )
-            if self._is_rendered:
-                self._colour_and_coc.render(self.now)
-        return self._colour_and_coc.target
+            self._colour_and_coc = self._with_radii()
+        return self._colour_and_coc
+
+    def _with_radii(self) -> moderngl.Texture:
+        if self._resolve is not None:
+            self._resolve.write_radii(self.depth_to_coc)
+            return self._colour
+        inputs = {"colour": self._colour}
+        self._beside = self.depth_to_coc.make_pass(
+            self._ctx, "depth_of_field/colour_and_coc.frag", size_px=self.size_px, inputs=inputs
+        )
+        if self._is_rendered:
+            self._beside.render(self.now)
+        return self._beside.target
 
     def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
         """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
@@ -225,8 +248,8 @@ class CocPasses:
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
         self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px), True
-        if self._colour_and_coc is not None:
-            self._colour_and_coc.render(self.now)
+        if self._beside is not None:
+            self._beside.render(self.now)
         if self.tells_clamps or self._tiles_are_read:
             self._tile_min_max.render(self.now)
 

@@ -11,6 +11,7 @@ from vrcomfort.render.effects.depth_of_field.kernels import make_kernel
 from vrcomfort.render.effects.depth_of_field.lens_views import blur_of_one_view
 from vrcomfort.render.effects.effect import EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.render.resolve import ResolvePass
 from vrcomfort.scene.data import Scene
 
 
@@ -51,6 +52,7 @@ def build(inputs: EffectInputs) -> DepthOfFieldPass | None:
         settings=of_one_view,
         size_px=inputs.size_px,
         infinity_m=inputs.condition.focus.infinity_m,
+        resolve=inputs.resolve,
     )
 
 
@@ -65,6 +67,8 @@ class DepthOfFieldPass:
         1×1 texture whose x is the focus distance in metres, the same one for both eyes.
     infinity_m
         Distance taken for the sky.
+    resolve
+        What makes `colour`, where it can write radii beside it.
     """
 
     def __init__(
@@ -77,6 +81,7 @@ class DepthOfFieldPass:
         settings: DepthOfField,
         size_px: tuple[int, int],
         infinity_m: float = Focus().infinity_m,
+        resolve: ResolvePass | None = None,
     ) -> None:
         self._size_px = size_px
         self._slices_m = settings.slices_m if settings.kernel == "mip_slices" else None
@@ -88,6 +93,7 @@ class DepthOfFieldPass:
             settings=settings,
             size_px=size_px,
             infinity_m=infinity_m,
+            resolve=resolve,
         )
         self._kernel = make_kernel(ctx, self._coc, settings)
         self.target = self._kernel.target

@@ -7,6 +7,7 @@ from typing import Any
 
 import moderngl
 
+from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics import levels
 from vrcomfort.protocol.conditions import DepthOfField
@@ -15,11 +16,11 @@ from vrcomfort.render.effects.depth_of_field.kernels.base import Aspect
 
 
 class LayeredGatherKernel:
-    """Dilates tiles, halves the image, gathers wide discs, composites: docs/depth_of_field.md.
+    """Classifies tiles, makes coarser levels, draws each class of tiles: docs/depth_of_field.md.
 
     Notes
     -----
-    Where no disc can be wider than what is summed over pixels, there is only the composite.
+    Where no disc can be wider than what is summed over pixels, there are no levels.
     """
 
     def __init__(
@@ -33,21 +34,16 @@ class LayeredGatherKernel:
         self._points = {"colour_and_coc": coc.colour_and_coc}
         self._dilate = self._dilate_pass()
         self._layers = self._layer_passes()
-        self._mips = levels.half_levels(coc.limit_px, settings.samples) - 1
-        self._half, self._gather = None, None
-        wide: dict[str, moderngl.Texture] = {}
+        layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
+        self.target = gl.color_texture(ctx, coc.size_px)
+        self._composite = [self._tiles("SHARP", "sharp"), self._tiles("ONE_SURFACE", "one_surface")]
+        self._composite.append(self._tiles("LAYERED", "layered", layers))
+        self._gather: FullscreenPass | None = None
         if self._layers:
-            self._half = self._pass("downsample", self._points, level=1)
-            self._gather = self._gather_pass(self._half.target, settings.samples)
-            wide = {"gathered": self._gather.target}
-            wide |= {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
-        self._composite = self._pass(
-            "composite",
-            {**self._points, "dilated": self._dilate.target, **wide},
-            filtered={"gathered"},
-            defines={**self._defines, "TILE": coc.tile_px},
-        )
-        self.target = self._composite.target
+            self._gather = self._gather_pass(layers, settings.samples)
+            gathered = {"gathered": self._gather.target}
+            wide = self._tiles("WIDE", "one_surface", gathered, filtered={"gathered"})
+            self._composite.append(wide)
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
@@ -55,12 +51,12 @@ class LayeredGatherKernel:
         self._dilate.render(aspect)
         for layer in self._layers:
             layer.render()
-        if self._half is not None and self._gather is not None:
-            self._half.render()
-            if self._mips:
-                self._half.target.build_mipmaps(0, self._mips)
+        if self._gather is not None:
             self._gather.render(aspect)
-        self._composite.render(aspect)
+        sharp, *others = self._composite
+        sharp.render()
+        for each in others:
+            each.render(aspect)
 
     def _dilate_pass(self) -> FullscreenPass:
         coc = self._coc
@@ -76,33 +72,62 @@ class LayeredGatherKernel:
         for level in range(1, int(self._defines["LEVELS"])):
             finer = found[-1].target if found else self._coc.colour_and_coc
             defines = {"FROM_LAYERS": 1} if found else {}
+            size_px = self._size_of(level)
             found.append(
-                self._pass("layers", {"finer": finer}, level=level, dtype="u4", defines=defines)
+                self._pass("layers", {"finer": finer}, size_px=size_px, dtype="u4", defines=defines)
             )
         return found
 
-    def _gather_pass(self, half: moderngl.Texture, samples: int) -> FullscreenPass:
-        defines = {
-            **self._defines,
-            "HALF_EXACT": levels.HALF_WIDER * levels.exact_px(samples),
-            "HALF_LEVELS": self._mips + 1,
-        }
-        if self._mips:
-            half.build_mipmaps(0, self._mips)
-        inputs = {"half_resolution": half}
-        mipmapped = set(inputs) if self._mips else set()
-        return self._pass("gather", inputs, level=1, defines=defines, mipmapped=mipmapped)
+    def _gather_pass(self, layers: dict[str, moderngl.Texture], samples: int) -> FullscreenPass:
+        """Return what sums wide discs, in tiles of that class and beside them."""
+        coarsest = levels.coarsest_of_one_surface(self._coc.limit_px, samples)
+        read = {f"layers_{level}": layers[f"layers_{level}"] for level in range(1, coarsest + 1)}
+        return self._pass(
+            "gather",
+            {**read, "dilated": self._dilate.target},
+            size_px=self._size_of(1),
+            defines={
+                **self._defines,
+                "HALF_EXACT": levels.HALF_WIDER * levels.exact_px(samples),
+                "COARSEST": coarsest,
+                **_of_class("WIDE", self._coc.tile_px // 2, beside=1),
+            },
+            **self._on_tiles(),
+        )
 
-    def _pass(
+    def _tiles(
         self,
         name: str,
-        inputs: dict[str, moderngl.Texture],
-        *,
-        level: int = 0,
-        size_px: tuple[int, int] | None = None,
+        fragment: str,
+        inputs: dict[str, moderngl.Texture] | None = None,
         **options: Any,
     ) -> FullscreenPass:
+        """Return what draws the tiles of a class."""
+        defines = {**self._defines, **_of_class(name, self._coc.tile_px, beside=0)}
+        return self._pass(
+            fragment,
+            {**self._points, "dilated": self._dilate.target, **(inputs or {})},
+            size_px=self._coc.size_px,
+            target=self.target,
+            defines=defines | ({"WITH_WIDE": 1} if name == "WIDE" else {}),
+            **self._on_tiles(),
+            **options,
+        )
+
+    def _on_tiles(self) -> dict[str, Any]:
+        return {"vertex": "depth_of_field/tiles_of_class.vert", "tiles": self._dilate.target.size}
+
+    def _size_of(self, level: int) -> tuple[int, int]:
         width, height = self._coc.size_px
-        size_px = size_px or (ceil(width / 2**level), ceil(height / 2**level))
+        return ceil(width / 2**level), ceil(height / 2**level)
+
+    def _pass(
+        self, name: str, inputs: dict[str, moderngl.Texture], **options: Any
+    ) -> FullscreenPass:
         fragment = f"depth_of_field/{name}.frag"
-        return FullscreenPass(self._ctx, fragment, size_px=size_px, inputs=inputs, **options)
+        return FullscreenPass(self._ctx, fragment, inputs=inputs, **options)
+
+
+def _of_class(name: str, point_px: int, *, beside: int) -> dict[str, Any]:
+    """Return what ``tiles_of_class.vert`` needs."""
+    return {"CLASS": name, "POINT_PX": point_px, "BESIDE": beside}

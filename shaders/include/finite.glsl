@@ -1,0 +1,7 @@
+// Light that can be averaged: what is not finite would spread over all that its disc covers.
+
+const float HALF_MAX = 65504.0;
+
+vec3 finite(vec3 light) {
+    return clamp(mix(light, vec3(0.0), isnan(light)), 0.0, HALF_MAX);
+}

@@ -1,0 +1,77 @@
+"""Circles of confusion in the alpha of the scene's own colour: where samples are resolved."""
+
+import numpy as np
+import pytest
+
+from tests.support.render import eye, still_life
+from tests.support.study import frame
+from vrcomfort.geometry import Pose, axis_angle
+from vrcomfort.protocol import Condition, DepthOfField, MotionBlur
+from vrcomfort.protocol.conditions import Peripheral
+from vrcomfort.render.camera import EyeCamera
+from vrcomfort.render.effects.depth_of_field.coc_passes import CocPasses
+from vrcomfort.render.output import read_texture
+from vrcomfort.render.pipeline import StereoRenderer
+from vrcomfort.render.scene_pass import ScenePass
+
+SIZE_PX = (48, 36)
+LENSES = {
+    "linear": DepthOfField(law="linear", max_radius_percent=10),
+    "dioptre": DepthOfField(law="dioptre", max_radius_percent=10),
+    "thin_lens": DepthOfField(law="thin_lens", aperture_m=0.1, max_radius_percent=10),
+    "along_ray": DepthOfField(law="dioptre", distance_along="ray", max_radius_percent=10),
+    "peripheral": DepthOfField(peripheral=Peripheral(), max_radius_percent=10),
+}
+
+
+def canted():
+    """An eye that is turned against the head it belongs to, and beside its centre."""
+    head = eye((0.1, 1.1, 0.2))
+    beside = Pose(np.array([0.03, 0.01, -0.02]), axis_angle([0.0, 1.0, 0.0], 0.2))
+    world_from_head = head.world_from_eye
+    return EyeCamera(world_from_head @ beside, head.fov, head.near_m, world_from_head), beside
+
+
+@pytest.mark.parametrize("velocity", [False, True])
+@pytest.mark.parametrize("law", LENSES)
+def test_radii_are_those_that_a_pass_of_their_own_finds(ctx, law, velocity):
+    scene_pass = ScenePass(ctx, still_life(), SIZE_PX, velocity=velocity)
+    camera, head_from_eye = canted()
+    scene_pass.render(camera, 0.0)
+    colour = read_texture(scene_pass.colour)
+    depth = read_texture(scene_pass.depth)
+    focus = ctx.texture((1, 1), 4, np.full(4, 1.3, "f4").tobytes(), dtype="f4")
+    common = {
+        "colour": scene_pass.colour,
+        "depth": scene_pass.depth,
+        "focus": focus,
+        "settings": LENSES[law],
+        "size_px": SIZE_PX,
+        "infinity_m": 3e4,
+    }
+    alone = CocPasses(ctx, **common)
+    alone.render(fov=camera.fov, near_m=camera.near_m, head_from_eye=head_from_eye)
+    expected = read_texture(alone.colour_and_coc)
+    beside = CocPasses(ctx, **common, resolve=scene_pass.resolve)
+    assert beside.colour_and_coc is scene_pass.colour
+    scene_pass.render(camera, 0.0)
+    found = read_texture(scene_pass.colour)
+    np.testing.assert_array_equal(found[..., :3], colour[..., :3])
+    np.testing.assert_array_equal(read_texture(scene_pass.depth), depth)
+    np.testing.assert_allclose(found[..., 3].astype("f8"), expected[..., 3].astype("f8"), atol=4e-3)
+    assert np.ptp(found[..., 3].astype("f8")) > 0.5
+
+
+def test_depth_of_field_that_is_not_first_has_a_pass_for_them(ctx):
+    """Motion blur of nothing that moves leaves the image as it is, whatever comes first."""
+    lens = DepthOfField(law="dioptre", max_radius_percent=5)
+    images = []
+    for order in (("depth_of_field", "motion_blur"), ("motion_blur", "depth_of_field")):
+        condition = Condition(
+            name="x", depth_of_field=lens, motion_blur=MotionBlur(), effect_order=order
+        )
+        renderer = StereoRenderer(ctx, SIZE_PX)
+        renderer.build(still_life(), condition)
+        renderer.render(frame(0), 0.0, lambda _, each: images.append(read_texture(each.linear)))
+        renderer.release()
+    np.testing.assert_allclose(images[0].astype("f8"), images[2].astype("f8"), rtol=2e-3, atol=1e-4)
