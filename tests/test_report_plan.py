@@ -93,6 +93,14 @@ def _loads(item: str) -> list[str]:
     return [s.name for s in scales if item in {term.item for term in s.terms}]
 
 
+def test_a_loss_between_before_and_after_is_told(tmp_path):
+    moments = {who: dict(scores) for who, scores in PRE_POST.items()}
+    del moments["P6"]["baseline"], moments["P7"]["post"]
+    results = analysed(timed(tmp_path / "questionnaires.csv", moments))
+    assert results["tests"][0]["n"] == 6
+    assert "2 of 8 participants are not in the tests of post and baseline" in results["notices"][0]
+
+
 def test_derived_timepoints_have_the_words_of_the_data(tmp_path):
     moments = {who: {"pre": m["baseline"], "after": m["post"]} for who, m in PRE_POST.items()}
     plan = plan_of(read_study(timed(tmp_path / "questionnaires.csv", moments)))
