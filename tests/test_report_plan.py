@@ -1,6 +1,7 @@
 """What a plan can say, and that the analysis does it: contrasts, factors, families, rules."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from vrcomfort.cli import main
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report.build import choose_plan
-from vrcomfort.report.plan import find_plan, load_plan, plan_of, read_plan, shipped_plans
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.multiplicity import holm
@@ -91,6 +92,14 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
 def _loads(item: str) -> list[str]:
     scales = shipped_instruments()["ssq"].scales
     return [s.name for s in scales if item in {term.item for term in s.terms}]
+
+
+def test_a_loss_between_before_and_after_is_told(tmp_path):
+    moments = {who: dict(scores) for who, scores in PRE_POST.items()}
+    del moments["P6"]["baseline"], moments["P7"]["post"]
+    results = analysed(timed(tmp_path / "questionnaires.csv", moments))
+    assert results["tests"][0]["n"] == 6
+    assert "2 of 8 participants are not in the tests of post and baseline" in results["notices"][0]
 
 
 def test_derived_timepoints_have_the_words_of_the_data(tmp_path):
@@ -374,6 +383,16 @@ def test_deviations_are_told(tmp_path):
     assert "excluded_without_rule" not in kinds(ruled)
 
 
+def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
+    results = analysed(
+        timed(tmp_path / "questionnaires.csv", PRE_POST),
+        'outcomes = ["T"]\n[[contrasts]]\na_timepoint = "post"\nb_timepoint = "basline"\n',
+    )
+    found = {each["kind"]: each["text"] for each in results["deviations"]}
+    assert "`basline` (did you mean `baseline`?)" in found["timepoint_not_found"]
+    assert results["tests"][0]["not_tested"].startswith("0 complete pairs")
+
+
 def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
     scores = {f"P{i}": {"a": i % 7, "b": (i * 5) % 6} for i in range(520)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
@@ -403,6 +422,16 @@ def test_shipped_plans_go_by_name(tmp_path):
     assert load_plan(find_plan("motion_blur_2020")).name == "motion_blur_2020"
     with pytest.raises(InputError, match="did you mean `carnegie_2015`"):
         find_plan("carnegy_2015")
+
+
+def test_the_template_and_the_page_have_every_key():
+    text = find_plan("default").read_text("utf-8")
+    keys = set(re.findall(r"^(?:# )?(\w+) += ", text, re.MULTILINE))
+    keys |= set(re.findall(r"^\[\[(\w+)\]\]$", text, re.MULTILINE))
+    assert set(Plan.model_fields) <= keys
+    page = (Path(__file__).parents[1] / "docs/plans.md").read_text("utf-8")
+    told = set(re.findall(r"`\[*(\w+)\]*`", page))
+    assert set(Plan.model_fields) - told <= {"name", "title", "citation", "note"}
 
 
 def test_the_printed_plan_has_the_printed_convention(tmp_path):

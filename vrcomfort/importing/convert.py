@@ -217,7 +217,7 @@ class _Import:
     ) -> None:
         if isinstance(block.source, Scores):
             self._scores(block, moment, cells, row)
-        elif block.time_column is not None:
+        elif block.time_column is not None or block.onset_s is not None:
             self._rating(place, block, moment, cells, row)
         else:
             self._answers(place, block, moment, cells, row)
@@ -265,13 +265,13 @@ class _Import:
     def _rating(
         self, place: int, block: Block, moment: Moment, cells: tuple[str, ...], row: int
     ) -> None:
-        if block.time_column is None:
-            raise TypeError(block)
-        decimal = self._table.reading.decimal or "."
-        onset_s = number(cells[block.time_column], decimal)
+        onset_s = block.onset_s
+        if block.time_column is not None:
+            decimal = self._table.reading.decimal or "."
+            onset_s = number(cells[block.time_column], decimal)
         if onset_s is None:
-            message = f"{cells[block.time_column]!r} is no time in seconds"
-            raise self._table.fault(message, row, block.time_column)
+            text = "" if block.time_column is None else cells[block.time_column]
+            raise self._table.fault(f"{text!r} is no time in seconds", row, block.time_column)
         for column, item in self._items(block, cells):
             response = self._read(place, block, item, cells[column], row, column)
             rating = Rating(moment, block.instrument.name, onset_s, response)

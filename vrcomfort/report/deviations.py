@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.report.notices import names
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
+from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ def deviations(
         *_excluded_without_a_rule(study, plan),
         *_named_and_absent(study, plan),
         *_outcomes(scored),
+        *_timepoints(study, plan),
         *_baseline(scored, plan, results),
         *_tests(results, plan),
         *_models(results),
@@ -71,6 +73,15 @@ def _outcomes(scored: Exposures) -> Iterator[Deviation]:
     for name in scored.absent:
         text = f"outcome {name} is not in the data: its questionnaire was not answered"
         yield _deviation("outcome_not_found", text)
+
+
+def _timepoints(study: StudyData, plan: Plan) -> Iterator[Deviation]:
+    there = {sheet.timepoint for sheet in study.sheets}
+    named = [name for each in plan.contrasts for name in (each.a_timepoint, each.b_timepoint)]
+    named += [rule.timepoint for rule in plan.exclusions]
+    for name in dict.fromkeys(name for name in named if name and name not in there):
+        hint = did_you_mean(name, there)
+        yield _deviation("timepoint_not_found", f"no questionnaire is of `{name}` ({hint})")
 
 
 def _baseline(scored: Exposures, plan: Plan, results: dict[str, Any]) -> Iterator[Deviation]:
