@@ -65,6 +65,21 @@ def test_r_adds_several_exposures_of_a_condition_and_adjusts_by_family(tmp_path)
 
 
 @needs_r
+def test_what_the_table_of_scores_does_not_have_is_named_and_left_out(tmp_path):
+    carnegie_like(tmp_path / "s")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\noutcomes = ["T"]\ncontrasts = [{ a = "dof_off", b = "dof_on" },\n'
+        '{ a_timepoint = "post", b_timepoint = "baseline" }]\n'
+    )
+    build_report(tmp_path / "s", plan=plan, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "Not made here: T post minus baseline" in found.stdout
+    assert "of 1 tests" in found.stdout
+
+
+@needs_r
 def test_a_number_that_r_does_not_find_is_told(tmp_path):
     build_report(random_study(tmp_path, 6), out=tmp_path / "o")
     table = tmp_path / "o" / "tables" / "tests.csv"
