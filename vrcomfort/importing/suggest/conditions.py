@@ -59,55 +59,56 @@ class Conditions(FactDraft):
         self.found.draft.put("condition", {"columns": names, "values": values})
 
     def _guess_condition(self) -> None:
-        """Take a column that varies within participants for the condition, and ask."""
-        who, table = self.found.participant, self._table
+        """Take what varies within participants for the condition, else their group, and ask."""
+        who = self.found.participant
         counted = [
             self.found.columns[fact][0]
             for fact in ("trial", "session", "period")
             if fact in self.found.columns
         ]
+        varies = who is not None and bool(counted) and varies_within(self._table, counted[0], who)
         group = self.found.covariates.get("group", self.found.covariates.get("sequence"))
-        open_columns = [
+        within = self._within()
+        if within is not None:
+            self.use("condition", within)
+            if within in self._roles.unknown:
+                self._roles.unknown.remove(within)
+            self.doubt(f"Is {self.heading(within)!r} the condition?", "it is")
+        elif varies and group is not None:
+            self._crossover(group, counted[0])
+        elif varies:
+            self._take(counted[0], "the condition?", "it is, for want of another")
+        elif group is not None:
+            self._take(group, "the condition, between participants?", "it is")
+        else:
+            self.found.draft.put("condition", {"constant": "all"})
+            self.doubt("No column says the condition: was there but one?", "one, called `all`")
+
+    def _take(self, column: int, what: str, assumed: str) -> None:
+        """Let the condition come from a column that says something else, too."""
+        self.found.draft.put("condition", {"column": self.heading(column)})
+        self.doubt(f"Is {self.heading(column)!r} {what}", assumed)
+
+    def _within(self) -> int | None:
+        """Return a column of a few texts that vary within participants, words before numbers."""
+        who, table = self.found.participant, self._table
+        columns = [
             c
             for c in (*self._roles.unknown, *self._roles.facts.get("scene", []))
             if few_texts(table, c) and c not in self.found.used and not _all_one_each(table, c)
         ]
-        within = [c for c in open_columns if who is not None and varies_within(table, c, who)]
-        text_first = sorted(within, key=lambda c: is_numeric(table, c))
-        if text_first:
-            column = text_first[0]
-            self.use("condition", column)
-            if column in self._roles.unknown:
-                self._roles.unknown.remove(column)
-            self.doubt(f"Is {self.heading(column)!r} the condition?", "it is")
-        elif (
-            group is not None
-            and counted
-            and who is not None
-            and varies_within(table, counted[0], who)
-        ):
-            self._join_condition([group, counted[0]])
-            self.found.covariates.setdefault("sequence", group)
-            if self._letters(group, counted[0]):
-                return
-            a, b = self.heading(group), self.heading(counted[0])
+        found = [c for c in columns if who is not None and varies_within(table, c, who)]
+        return min(found, key=lambda c: is_numeric(table, c), default=None)
+
+    def _crossover(self, group: int, number: int) -> None:
+        """Take group and number of the exposure together for the condition."""
+        self._join_condition([group, number])
+        self.found.covariates.setdefault("sequence", group)
+        if not self._letters(group, number):
+            a, b = self.heading(group), self.heading(number)
             question = f"Which condition did each {a} have in each {b} (a crossover)?"
-            assumed = (
-                "each combination is a condition of its own; under values, give those that are one "
-                "condition one name"
-            )
-            self.doubt(question, assumed)
-        elif counted and who is not None and varies_within(table, counted[0], who):
-            column = counted[0]
-            self.found.draft.put("condition", {"column": self.heading(column)})
-            self.doubt(f"Is {self.heading(column)!r} the condition?", "it is, for want of another")
-        elif group is not None:
-            self.found.draft.put("condition", {"column": self.heading(group)})
-            question = f"Is {self.heading(group)!r} the condition, between participants?"
-            self.doubt(question, "it is")
-        else:
-            self.found.draft.put("condition", {"constant": "all"})
-            self.doubt("No column says the condition: was there but one?", "one, called `all`")
+            assumed = "each combination is a condition of its own; under values, give those that"
+            self.doubt(question, f"{assumed} are one condition one name")
 
     def _letters(self, sequence: int, number: int) -> bool:
         """Take letters of sequences such as AB for the conditions, in their order."""
