@@ -1,6 +1,7 @@
 """What a plan can say, and that the analysis does it: contrasts, factors, families, rules."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from vrcomfort.cli import main
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report.build import choose_plan
-from vrcomfort.report.plan import find_plan, load_plan, plan_of, read_plan, shipped_plans
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.multiplicity import holm
@@ -421,6 +422,16 @@ def test_shipped_plans_go_by_name(tmp_path):
     assert load_plan(find_plan("motion_blur_2020")).name == "motion_blur_2020"
     with pytest.raises(InputError, match="did you mean `carnegie_2015`"):
         find_plan("carnegy_2015")
+
+
+def test_the_template_and_the_page_have_every_key():
+    text = find_plan("default").read_text("utf-8")
+    keys = set(re.findall(r"^(?:# )?(\w+) += ", text, re.MULTILINE))
+    keys |= set(re.findall(r"^\[\[(\w+)\]\]$", text, re.MULTILINE))
+    assert set(Plan.model_fields) <= keys
+    page = (Path(__file__).parents[1] / "docs/plans.md").read_text("utf-8")
+    told = set(re.findall(r"`\[*(\w+)\]*`", page))
+    assert set(Plan.model_fields) - told <= {"name", "title", "citation", "note"}
 
 
 def test_the_printed_plan_has_the_printed_convention(tmp_path):
