@@ -99,8 +99,8 @@ interval <- function(d, zeros, side, exact, level) {
 rows <- list()
 compare <- function(test, what, expected, found) {
   expected <- suppressWarnings(as.numeric(expected))
-  if (is.na(expected) && is.na(found)) return(invisible())
-  difference <- abs(found - expected) / max(abs(expected), 1e-9)
+  if (is.na(expected)) return(invisible())   # the report has none
+  difference <- if (is.na(found)) Inf else abs(found - expected) / max(abs(expected), 1e-9)
   rows[[length(rows) + 1]] <<- data.frame(
     comparison = paste(test$a, "minus", test$b), score = test$outcome, number = what,
     report = signif(expected, 9), R = signif(found, 9), difference = signif(difference, 2))

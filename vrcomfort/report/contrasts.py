@@ -201,8 +201,10 @@ def _worst_rank(
     return {name: value for name, value in describe_test(test).items() if name in keep}
 
 
-def _confounded(table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]) -> str | None:
-    """Say so if everybody in a test met one condition before the other: it may be their order."""
+def _confounded(
+    table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]
+) -> tuple[str, str] | None:
+    """Return both conditions in the order in which everybody in a test met them, if all did."""
     part = table[table["participant"].isin(participants) & (table["position"] > 0)]
     part = part.sort_values(
         ["session", "position"],
@@ -215,11 +217,7 @@ def _confounded(table: pd.DataFrame, a: str, b: str, participants: tuple[str, ..
     gaps = (places[a] - places[b]).dropna()
     if gaps.empty or gaps.min() <= 0 <= gaps.max():
         return None
-    first, second = (a, b) if gaps.max() < 0 else (b, a)
-    return (
-        f"everybody met {first} before {second}, so that their difference cannot be told from one "
-        "of order"
-    )
+    return (a, b) if gaps.max() < 0 else (b, a)
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:

@@ -32,7 +32,7 @@ def notices(
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study),
-        *_confounded(tests),
+        *_confounded(study, tests),
     ]
 
 
@@ -124,5 +124,14 @@ def _coded_from_one(study: StudyData) -> list[str]:
     return found
 
 
-def _confounded(tests: list[dict[str, Any]]) -> list[str]:
-    return list(dict.fromkeys(test["confounded"] for test in tests if test.get("confounded")))
+def met_before(first: str, second: str) -> str:
+    """Say that the order of two conditions may be their difference."""
+    return (
+        f"everybody met {first} before {second}, so that their difference cannot be told from one "
+        "of order"
+    )
+
+
+def _confounded(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+    pairs = dict.fromkeys(test["confounded"] for test in tests if test.get("confounded"))
+    return [met_before(*(study.labels.get(name, name) for name in pair)) for pair in pairs]
