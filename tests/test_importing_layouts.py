@@ -239,3 +239,16 @@ def test_ratings_side_by_side_are_courses_of_exposures(tmp_path: Path) -> None:
     found = {(m.participant, m.condition): s.answers for (_, m), s in imported.sheets.items()}
     assert found["P3", "near"] == {"peak": 7, "mean": 5, "last": 7}
     assert found["P3", "far"] == {"peak": 3, "mean": 3, "last": 3}
+
+
+def test_a_mapping_that_is_there_is_not_written_over(tmp_path: Path) -> None:
+    files, _ = LAYOUTS["german"](tmp_path)
+    mapping = tmp_path / "map.toml"
+    mapping.write_text("# read for an hour")
+    with pytest.raises(InputError, match="is there already"):
+        CliRunner().invoke(
+            app,
+            ["import", str(files[0]), "--suggest", "--out", str(mapping)],
+            catch_exceptions=False,
+        )
+    assert mapping.read_text() == "# read for an hour"

@@ -8,7 +8,8 @@ from dataclasses import replace
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import Found, find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
-from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
+from vrcomfort.importing.suggest.exposures import draft_facts
+from vrcomfort.importing.suggest.fact_draft import DraftedFacts, Exposures
 from vrcomfort.importing.suggest.headings import words_of
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.moments import moments
