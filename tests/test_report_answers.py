@@ -5,12 +5,14 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import vrcomfort.report
 from tests.support.report import Study, answers, build_report, carnegie_like, foreign, write_csv
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import methods, palette
+from vrcomfort.report.estimation import MOST_DRAWN, thinned
 from vrcomfort.report.references import entries, is_known
 from vrcomfort.report.words import bayes_factor
 from vrcomfort.resources import data_folder
@@ -286,3 +288,10 @@ def test_the_plan_its_hash_and_what_was_done_otherwise_are_printed(labelled, tmp
 )  # fmt: skip
 def test_bayes_factors_of_any_size_can_be_read(value, written):
     assert bayes_factor(value) == written
+
+
+def test_of_many_people_evenly_spaced_ones_are_drawn():
+    drawn = thinned(np.arange(100_000.0))
+    assert (drawn.size, drawn[0], drawn[-1]) == (MOST_DRAWN, 0, 99_999)
+    assert np.ptp(np.diff(drawn)) <= 1
+    assert thinned(np.arange(7.0)).tolist() == list(range(7))
