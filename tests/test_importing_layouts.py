@@ -16,6 +16,7 @@ from vrcomfort.importing import import_files, load_mapping, write_study
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.questionnaire import score, shipped_instruments
+from vrcomfort.report import build_report
 from vrcomfort.report.study_data import read_study
 
 
@@ -165,10 +166,17 @@ def questionnaire(folder: Path, name: str, headings: list[str], answers: list[li
 
 def test_five_answers_are_asked_about_and_are_another_instrument(tmp_path: Path) -> None:
     answers = [[(n * k) % 5 for k in range(16)] for n in range(8)]
-    suggested = suggest_mapping([questionnaire(tmp_path, "x.csv", [*ITEMS], answers)])
+    file = questionnaire(tmp_path, "x.csv", [*ITEMS], answers)
+    suggested = suggest_mapping([file])
     assert any("from 0 to 4: is this the five-point SSQ?" in each for each in suggested.doubts)
     assert suggested.imported is not None
     assert {name for name, _ in suggested.imported.sheets} == {"ssq_five_point"}
+    mapping, study = tmp_path / "map.toml", tmp_path / "study"
+    mapping.write_text(answered(suggested.text))
+    loaded = load_mapping(mapping)
+    write_study(study, suggested.imported, loaded, [file])
+    summary = build_report(study, out=tmp_path / "report")  # an item and a scale are both nausea
+    assert summary.analysed == 4
 
 
 def test_marks_of_the_task_load_index_are_asked_about(tmp_path: Path) -> None:
