@@ -16,6 +16,7 @@ from vrcomfort.importing import import_files, load_mapping, write_study
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.questionnaire import score, shipped_instruments
+from vrcomfort.report import build_report
 from vrcomfort.report.study_data import read_study
 
 
@@ -165,10 +166,17 @@ def questionnaire(folder: Path, name: str, headings: list[str], answers: list[li
 
 def test_five_answers_are_asked_about_and_are_another_instrument(tmp_path: Path) -> None:
     answers = [[(n * k) % 5 for k in range(16)] for n in range(8)]
-    suggested = suggest_mapping([questionnaire(tmp_path, "x.csv", [*ITEMS], answers)])
+    file = questionnaire(tmp_path, "x.csv", [*ITEMS], answers)
+    suggested = suggest_mapping([file])
     assert any("from 0 to 4: is this the five-point SSQ?" in each for each in suggested.doubts)
     assert suggested.imported is not None
     assert {name for name, _ in suggested.imported.sheets} == {"ssq_five_point"}
+    mapping, study = tmp_path / "map.toml", tmp_path / "study"
+    mapping.write_text(answered(suggested.text))
+    loaded = load_mapping(mapping)
+    write_study(study, suggested.imported, loaded, [file])
+    summary = build_report(study, out=tmp_path / "report")  # an item and a scale are both nausea
+    assert summary.analysed == 4
 
 
 def test_marks_of_the_task_load_index_are_asked_about(tmp_path: Path) -> None:
@@ -199,3 +207,56 @@ def test_a_labs_own_instrument_is_found_and_travels_with_the_study(tmp_path: Pat
     assert (study / "instruments" / "glare.toml").read_text() == own.read_text()
     found = [[*sheet.answers.values()] for sheet in read_study(study).sheets]
     assert found == answers
+
+
+def test_headings_that_are_made_alike_are_said_in_one_template(tmp_path: Path) -> None:
+    files, _ = LAYOUTS["spss_wide"](tmp_path)
+    text = suggest_mapping(files).text
+    assert text.count("[[tables.questionnaires]]") == 1
+    assert 'heading = "{condition}_{timepoint}_{item}"' in text
+    assert 'timepoint = { values = { pre = "baseline", post = "post" } }' in text
+
+
+def test_headings_that_one_template_would_mistake_are_listed(tmp_path: Path) -> None:
+    names = ("no_blur", "blur")  # {condition}_{item} would find a condition no, and its blur_nausea
+    rows = [["ID", *(f"{c}_{item}" for c in names for item in ITEMS)]]
+    rows += [[f"P{n}", *[n % 4] * 16, *[(n + 1) % 4] * 16] for n in range(6)]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert suggested.imported is not None
+    found = answers_of(suggested.imported)
+    assert found["P2", "no_blur", "post"] == (2,) * 16
+    assert found["P2", "blur", "post"] == (3,) * 16
+
+
+def test_ratings_side_by_side_are_courses_of_exposures(tmp_path: Path) -> None:
+    minutes = range(5)
+    rows: list[list[object]] = [
+        ["PID", *(f"{c} FMS {minute} min" for c in ("near", "far") for minute in minutes)]
+    ]
+    rows += [[f"P{n}", *(minute + n for minute in minutes), *[n] * 5] for n in range(6)]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert any("minutes after its start" in doubt for doubt in suggested.doubts)
+    imported = suggested.imported
+    assert imported is not None
+    ratings = [
+        (r.onset_s, r.response)
+        for r in imported.ratings
+        if r.moment[0] == "P3" and r.moment.condition == "near"
+    ]
+    assert ratings == [(60.0 * minute, minute + 3) for minute in minutes]
+    found = {(m.participant, m.condition): s.answers for (_, m), s in imported.sheets.items()}
+    assert found["P3", "near"] == {"peak": 7, "mean": 5, "last": 7}
+    assert found["P3", "far"] == {"peak": 3, "mean": 3, "last": 3}
+
+
+def test_a_mapping_that_is_there_is_not_written_over(tmp_path: Path) -> None:
+    files, _ = LAYOUTS["german"](tmp_path)
+    mapping = tmp_path / "map.toml"
+    mapping.write_text("# read for an hour")
+    with pytest.raises(InputError, match="is there already"):
+        CliRunner().invoke(
+            app,
+            ["import", str(files[0]), "--suggest", "--out", str(mapping)],
+            catch_exceptions=False,
+        )
+    assert mapping.read_text() == "# read for an hour"

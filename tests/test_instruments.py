@@ -214,6 +214,9 @@ def test_answers_in_decimal_steps_are_exact():
         ('made = "mean"', "min_valid = 3", 23, "more than the 2 items of the scale"),
         ('made = "mean"', 'weighted_by = { calm = "tired" }', 23, "name each item of the scale"),
         ('title = "Our questions"', 'title = "x"\nprimary = "good"', 3, "there is no scale `good`"),
+        ("[[scales]]", '[translations.de]\nlabel = ["a"]\n[[scales]]', 21, "did you mean `labels`"),
+        ("[[scales]]", '[translations.de]\nitems = {ill = 1}\n[[scales]]', 21, "`ill`: should be"),
+        ("low = 1", 'low = "1"', 5, "`low`: should be a number, got '1'"),
         ("[[scales]]", '[translations.de.items]\nil = "krank"\n[[scales]]', 21, "no item `il`"),
     ],
 )  # fmt: skip

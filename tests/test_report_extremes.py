@@ -3,6 +3,8 @@
 import json
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
 from tests.support.report import ITEMS, foreign
@@ -11,6 +13,8 @@ from vrcomfort.report import build_report
 from vrcomfort.report.plan import read_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
+from vrcomfort.stats.anova import anova
+from vrcomfort.stats.mixed import mixed_model
 
 PLAN = """\
 name = "extreme"
@@ -172,10 +176,10 @@ def test_a_hundred_thousand_people(tmp_path):
     assert results["anova"][0]["n"] == 100_000
 
 
-def test_offsets_of_nine_digits_change_nothing(tmp_path):
+def test_the_largest_offset_that_answers_may_have_changes_nothing(tmp_path):
     answers = [((3 * i) % 8 + 2, (5 * i) % 7) for i in range(10)]
     plain, _ = report(rated(tmp_path / "plain/questionnaires.csv", answers), tmp_path, RATED)
-    base = 1_000_000_000
+    base = 1_000_000 - 20
     moved = rated(
         tmp_path / "moved/questionnaires.csv", [(base + a, base + b) for a, b in answers], "big"
     )
@@ -192,6 +196,27 @@ def test_offsets_of_nine_digits_change_nothing(tmp_path):
     assert found["tests"][0]["t_test"]["t"] == pytest.approx(plain["tests"][0]["t_test"]["t"])
     f = [results["anova"][0]["effects"][0]["f"] for results in (found, plain)]
     assert f[0] == pytest.approx(f[1], rel=1e-9)
+
+
+def test_offsets_of_nine_digits_change_nothing():
+    a = np.array([(3 * i) % 8 + 2 for i in range(10)])
+    b = np.array([(5 * i) % 7 for i in range(10)])
+    long = pd.DataFrame({
+        "who": np.tile(np.arange(10).astype(str), 2), "condition": np.repeat(["a", "b"], 10),
+    })  # fmt: skip
+    found = []
+    for base in (0, 10**9):
+        scores = np.concatenate([a, b]) + base
+        within = anova(
+            long.assign(y=scores.astype(float)), value="y", participant="who", within=["condition"]
+        )
+        model = mixed_model(
+            long.assign(y=scores.astype(float)),
+            value="y", participant="who", factors=["condition"],
+        )  # fmt: skip
+        effect = model.terms["condition: b − a"]
+        found.append((within.effects[0].f, effect.estimate, effect.standard_error, effect.p))
+    assert found[1] == pytest.approx(found[0], rel=1e-6)
 
 
 def test_duplicates_are_refused_with_their_place(tmp_path):

@@ -1,6 +1,7 @@
 """What a plan can say, and that the analysis does it: contrasts, factors, families, rules."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -14,10 +15,11 @@ from tests.support.report import (
     foreign,
     write_csv,
 )
+from vrcomfort.cli import main
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report.build import choose_plan
-from vrcomfort.report.plan import find_plan, load_plan, plan_of, read_plan, shipped_plans
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study
 from vrcomfort.stats.multiplicity import holm
@@ -90,6 +92,14 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
 def _loads(item: str) -> list[str]:
     scales = shipped_instruments()["ssq"].scales
     return [s.name for s in scales if item in {term.item for term in s.terms}]
+
+
+def test_a_loss_between_before_and_after_is_told(tmp_path):
+    moments = {who: dict(scores) for who, scores in PRE_POST.items()}
+    del moments["P6"]["baseline"], moments["P7"]["post"]
+    results = analysed(timed(tmp_path / "questionnaires.csv", moments))
+    assert results["tests"][0]["n"] == 6
+    assert "2 of 8 participants are not in the tests of post and baseline" in results["notices"][0]
 
 
 def test_derived_timepoints_have_the_words_of_the_data(tmp_path):
@@ -197,6 +207,16 @@ def test_factors_between_participants_come_from_the_participants_file(grouped):
     assert f["2"][0] == pytest.approx(f["3"][0])
     assert f["2"][2] == pytest.approx(f["3"][2])
     assert f["2"][1] != pytest.approx(f["3"][1]), "groups of 6 and 3 weigh differently"
+
+
+def test_conditions_of_different_people_are_compared_between_them(tmp_path):
+    scores = {f"P{i}": {"ab"[i % 2]: 2 + i // 2 + 3 * (i % 2)} for i in range(12)}
+    results = analysed(foreign(tmp_path / "questionnaires.csv", scores))
+    anova = results["anova"][0]
+    assert (anova["n"], anova["between"]) == (12, ["condition"])
+    assert [e["effect"] for e in anova["effects"]] == ["condition"]
+    assert 'kind = "between"' in results["tests"][0]["not_tested"]
+    assert results["mixed_models"] == []
 
 
 def test_covariates_are_in_the_mixed_model(grouped):
@@ -363,6 +383,16 @@ def test_deviations_are_told(tmp_path):
     assert "excluded_without_rule" not in kinds(ruled)
 
 
+def test_timepoints_that_no_questionnaire_has_are_told(tmp_path):
+    results = analysed(
+        timed(tmp_path / "questionnaires.csv", PRE_POST),
+        'outcomes = ["T"]\n[[contrasts]]\na_timepoint = "post"\nb_timepoint = "basline"\n',
+    )
+    found = {each["kind"]: each["text"] for each in results["deviations"]}
+    assert "`basline` (did you mean `baseline`?)" in found["timepoint_not_found"]
+    assert results["tests"][0]["not_tested"].startswith("0 complete pairs")
+
+
 def test_more_pairs_than_the_exact_test_takes_are_a_deviation(tmp_path):
     scores = {f"P{i}": {"a": i % 7, "b": (i * 5) % 6} for i in range(520)}
     file = foreign(tmp_path / "questionnaires.csv", scores)
@@ -394,6 +424,16 @@ def test_shipped_plans_go_by_name(tmp_path):
         find_plan("carnegy_2015")
 
 
+def test_the_template_and_the_page_have_every_key():
+    text = find_plan("default").read_text("utf-8")
+    keys = set(re.findall(r"^(?:# )?(\w+) += ", text, re.MULTILINE))
+    keys |= set(re.findall(r"^\[\[(\w+)\]\]$", text, re.MULTILINE))
+    assert set(Plan.model_fields) <= keys
+    page = (Path(__file__).parents[1] / "docs/plans.md").read_text("utf-8")
+    told = set(re.findall(r"`\[*(\w+)\]*`", page))
+    assert set(Plan.model_fields) - told <= {"name", "title", "citation", "note"}
+
+
 def test_the_printed_plan_has_the_printed_convention(tmp_path):
     study = carnegie_like(tmp_path / "study")
     plan = load_plan(find_plan("carnegie_2015_as_printed"))
@@ -423,3 +463,31 @@ def test_a_session_with_all_conditions_is_compared_before_and_after(tmp_path):
     assert [(t["a"], t["b"], t["n"]) for t in results["tests"]][:1] == [("post", "baseline", 8)]
     assert results["conditions"] == []
     assert "" not in json.dumps(results["labels"]).split('"')[1::4]
+
+
+# --- On the command line ------------------------------------------------------------------------
+
+
+def test_shipped_plans_are_listed_and_taken_by_name(tmp_path, capsys, monkeypatch):
+    def run(*arguments: object) -> int:
+        monkeypatch.setattr("sys.argv", ["vrcomfort", "report", *map(str, arguments)])
+        try:
+            main()
+        except SystemExit as ended:
+            return int(ended.code or 0)
+        return 0
+
+    assert run("--list-plans") == 0
+    listed = capsys.readouterr().out.splitlines()
+    assert [line.split()[0] for line in listed] == [plan.name for plan in shipped_plans()]
+    study, out = carnegie_like(tmp_path / "study").folder, tmp_path / "out"
+    assert run(study, "--plan", "carnegie_2015_as_printed", "--out", out, "--quiet") == 0
+    results = json.loads((out / "results.json").read_text("utf-8"))
+    assert results["plan"]["name"] == "carnegie_2015_as_printed"
+    text = find_plan("carnegie_2015_as_printed").read_text("utf-8")
+    assert (out / "plan.toml").read_text("utf-8") == text
+    deviations = (out / "tables/deviations.csv").read_text("utf-8")
+    assert "20 participants were planned; 8 were there" in deviations
+    capsys.readouterr()
+    assert run(study, "--plan", "carnegy_2015", "--out", out) == 2
+    assert "did you mean `carnegie_2015`?" in capsys.readouterr().err

@@ -1,9 +1,12 @@
 """Intervals of means by bootstrap-t."""
 
+import math
+
 import numpy as np
 import pytest
 
 from vrcomfort.stats.means import mean_interval
+from vrcomfort.stats.paired_t import paired_t
 
 
 def test_it_is_the_t_interval_where_values_are_normal_and_many():
@@ -48,3 +51,11 @@ def test_it_covers_the_mean_of_ten(draw, mean):
     random = np.random.default_rng(7)
     found = [mean_interval(getattr(random, draw)(size=10)) for _ in range(200)]
     assert np.mean([f.low <= mean <= f.high for f in found]) > 0.90
+
+
+def test_evidence_that_no_float_can_hold_is_infinite():
+    differences = np.random.default_rng(1).normal(20, 1, 4000)
+    found = paired_t(differences)
+    assert found is not None
+    assert found.t > 1000
+    assert found.bayes_factor_10 == math.inf

@@ -144,6 +144,15 @@ def test_pointing_elsewhere_ends_the_choice_by_keys() -> None:
     assert ask_one(at_nine, Pointing(cells[9].center, digits="4"), ENTER) == 4
 
 
+@pytest.mark.parametrize("answer", [0, 5, 15, 95, 100])
+def test_digits_make_an_answer_of_a_scale_in_steps(answer: int) -> None:
+    cells = question_cells(shipped_instruments()["nasa_tlx"].answers, first=True)
+    choice = KeyChoice()
+    choice.move(cells, (0, 0), str(answer), None)
+    assert choice.cell is not None
+    assert choice.cell.value == answer
+
+
 def test_escape_is_asked_once_more() -> None:
     stop = Pointing(stop=True)
     assert ask_one(stop, stop, pressed(1, 0), ENTER, typed("2"), ENTER) == 2

@@ -94,6 +94,9 @@ def _suggest(files: list[Path], out: Path | None, own: list[Path], quiet: bool) 
     if out is None:
         typer.echo(found.text, nl=False)
     else:
+        if out.exists():
+            message = "is there already, perhaps with your answers; choose another --out"
+            raise InputError(message, file=out)
         output_file(out, files[0]).write_text(found.text, encoding="utf-8")
         console(quiet).print(f"\nMapping: {out}")
     for number, doubt in enumerate(found.doubts, start=1):

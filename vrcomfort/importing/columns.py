@@ -7,7 +7,15 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-from vrcomfort.importing.mapping import FACTS, Questionnaire, Scores, Table, template_pattern
+from vrcomfort.importing.answers import number
+from vrcomfort.importing.mapping import (
+    FACTS,
+    TIMES,
+    Questionnaire,
+    Scores,
+    Table,
+    template_pattern,
+)
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.questionnaire import Instrument, plain
 from vrcomfort.settings import did_you_mean
@@ -29,6 +37,8 @@ class Block:
         In long tables, text in the item column → item.
     where
         Index of a column → texts that a row has to have there.
+    onset_s
+        When the rating of these columns was given, where their headings say it.
     """
 
     source: Questionnaire | Scores
@@ -40,6 +50,7 @@ class Block:
     time_column: int | None
     words: dict[str, str]
     where: dict[int, tuple[str, ...]]
+    onset_s: float | None = None
 
 
 class Columns:
@@ -107,7 +118,7 @@ class Columns:
             if match is None:
                 continue
             captured = match.groupdict()
-            item = pieces(captured.pop("item"))
+            item = self._item(captured.pop("item", None), pieces, instrument)
             if item is None:
                 continue
             facts = {name: text for name, text in captured.items() if text is not None}
@@ -123,11 +134,39 @@ class Columns:
         self._require_items(source, instrument, found)
         return [
             Block(
-                source, instrument, {**dict(facts), **source.constants}, columns,
-                None, None, time_column, {}, where,
+                source,
+                instrument,
+                {**{n: t for n, t in facts if n not in TIMES}, **source.constants},
+                columns,
+                None,
+                None,
+                time_column,
+                {},
+                where,
+                self._onset_s(dict(facts)),
             )
             for facts, columns in found.items()
-        ]  # fmt: skip
+        ]
+
+    def _item(self, piece: str | None, pieces: _Pieces, instrument: Instrument) -> str | None:
+        """Return the item of a heading; that of an instrument of one item need not be said."""
+        if piece is not None:
+            return pieces(piece)
+        if len(instrument.asked) > 1:
+            message = f"the headings of {instrument.name} have to say the item; write {{item}}"
+            raise self._table.fault(message)
+        return instrument.asked[0].name
+
+    def _onset_s(self, facts: Mapping[str, str]) -> float | None:
+        """Return the seconds that a heading says."""
+        for name, seconds in (("time_s", 1.0), ("time_min", 60.0)):
+            if name in facts:
+                value = number(facts[name], self._table.reading.decimal or ".")
+                if value is None:
+                    message = f"{facts[name]!r} in a heading is no number, as {name} is"
+                    raise self._table.fault(message)
+                return value * seconds
+        return None
 
     def _long_block(
         self, source: Questionnaire, instrument: Instrument, where: dict[int, tuple[str, ...]]
@@ -170,6 +209,8 @@ class Columns:
             raise self._table.fault(f"{message} {instrument.name}")
         for facts, columns in found.items():
             moment = ", ".join(text for _, text in facts) or instrument.name
+            if any(name in TIMES for name, _ in facts):
+                continue
             absent = [name for name in said if name not in columns.values()]
             if absent:
                 raise self._table.fault(f"there is no column for {absent[0]} of {moment}")

@@ -20,6 +20,8 @@ FACTS = ("participant", "session", "period", "block", "trial", "condition", "sce
 """What is known of a questionnaire beside its answers."""
 
 ScoreKind = Literal["score", "raw_sum", "other"]
+TIMES = frozenset(["time_s", "time_min"])
+"""When a rating during exposure was given, in headings."""
 Summary = Literal["peak", "mean", "last"]
 Texts = str | tuple[str, ...]
 
@@ -82,7 +84,8 @@ class _Columns(Settings):
 
     instrument: str
     heading: str = "{item}"
-    """How headings are made: ``{condition}_{item}``; ``{*}`` is anything."""
+    """How headings are made: ``{condition}_{item}``; ``{*}`` is anything. Instruments of one item
+    need no ``{item}``. ``{time_s}`` and ``{time_min}`` say when a rating was given."""
     pattern: str = ""
     """A regular expression instead, with named groups: ``(?P<condition>A|B)_(?P<item>.+)``."""
     participant: str | None = None
@@ -275,7 +278,8 @@ def _problems_of(each: Questionnaire, here: tuple[str | int, ...]) -> Iterator[P
         yield Problem(here, message)
     if each.item_column is not None and (each.pattern or each.heading != "{item}"):
         yield Problem(here, "a long questionnaire has item_column, and no heading or pattern")
-    if each.summaries and each.time is None:
+    in_heading = TIMES & {*placeholders(each.heading), *re.findall(r"\?P<(\w+)>", each.pattern)}
+    if each.summaries and each.time is None and not in_heading:
         yield Problem((*here, "summaries"), "`summaries` are of ratings during exposure; give time")
     yield from _pattern_problems(each, here)
 
@@ -290,16 +294,16 @@ def _pattern_problems(each: _Columns, here: tuple[str | int, ...]) -> Iterator[P
             return
     else:
         names = set(placeholders(each.heading))
-    if "item" not in names:
+    if "item" not in names and not names & TIMES:
         key = "pattern" if each.pattern else "heading"
         wanted = "(?P<item>...)" if each.pattern else "{item}"
         yield Problem((*here, key), f"`{key}` needs {wanted}")
-    for unknown in sorted(names - {*FACTS, "item", "*"}):
+    for unknown in sorted(names - {*FACTS, *TIMES, "item", "*"}):
         known = ", ".join(FACTS)
         yield Problem(here, f"`{unknown}` is no fact; there are item, {known}")
 
 
-_PLACEHOLDER = re.compile(r"\{(\*|[a-z]+)\}")
+_PLACEHOLDER = re.compile(r"\{(\*|[a-z_]+)\}")
 
 
 def placeholders(template: str) -> list[str]:

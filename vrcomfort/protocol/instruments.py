@@ -69,14 +69,13 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
         message = f"the instruction of the {instrument.short} has {len(instrument.instruction)}"
         yield Problem(path, f"{message} letters; give one of at most {MOST_OF_INSTRUCTION}")
     for item in instrument.asked:
-        asked = item.answers.asked
         if len(item.text) > MOST_LETTERS:
             message = f"item {item.name} of the {instrument.short} has {len(item.text)} letters"
             yield Problem(path, f"{message}; a question that is read has at most {MOST_LETTERS}")
-        if len(asked) > MOST_ANSWERS:
-            message = f"item {item.name} of the {instrument.short} has {len(asked)} answers"
+        if item.answers.count > MOST_ANSWERS:
+            message = f"item {item.name} of the {instrument.short} has {item.answers.count} answers"
             yield Problem(path, f"{message}; give an `asked_step` with at most {MOST_ANSWERS}")
-        elif any(not isinstance(answer, int) or answer < 0 for answer in asked):
+        elif any(not isinstance(answer, int) or answer < 0 for answer in item.answers.asked):
             message = f"item {item.name} of the {instrument.short} has answers that cannot be typed"
             yield Problem(path, f"{message}; let `low` and `asked_step` be whole, and 0 or more")
 

@@ -42,16 +42,20 @@ class Answers:
         return common_divisor(exact(self.step), exact(self.low))
 
     @property
+    def count(self) -> int:
+        """Return how many answers a form offers."""
+        return int((exact(self.high) - exact(self.low)) / exact(self.asked_step)) + 1
+
+    @property
     def asked(self) -> tuple[Answer, ...]:
         """Return the answers that a form offers, from low to high."""
         step, low = exact(self.asked_step), exact(self.low)
-        count = (exact(self.high) - low) / step
-        return tuple(plain_number(low + step * place) for place in range(int(count) + 1))
+        return tuple(plain_number(low + step * place) for place in range(self.count))
 
     @property
     def named(self) -> bool:
         """Return whether every answer has a name."""
-        return self.step == self.asked_step and len(self.labels) == len(self.asked)
+        return self.step == self.asked_step and len(self.labels) == self.count
 
     @cached_property
     def plain(self) -> dict[str, Answer]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from vrcomfort.questionnaire.answers import Answer, Answers, exact
 from vrcomfort.questionnaire.instruments import Instrument, Item, Wording, plain
@@ -46,10 +46,10 @@ TAKEN = frozenset(
 class AnswersTable(Settings):
     """What can be answered."""
 
-    low: int | Bound
-    high: int | Bound
-    step: int | Step = 1
-    asked_step: int | Step | None = None
+    low: Bound
+    high: Bound
+    step: Step = 1.0
+    asked_step: Step | None = None
     """What two neighbours on the form are apart; `step` without it. Files may be finer."""
     labels: tuple[str, ...] = ()
     """Names of all answers, or of the two ends."""
@@ -75,13 +75,20 @@ class WordingTable(Settings):
     aliases: tuple[str, ...] = ()
 
 
+def _worded(given: Any) -> Any:
+    """Return a text alone as the table that it stands for."""
+    return {"text": given} if isinstance(given, str) else given
+
+
 class TranslationTable(Settings):
     """The instrument in another language: `[translations.de]`."""
 
     instruction: str | None = None
     """As it is asked; without it, the words below only find columns and answers in files."""
     labels: tuple[str, ...] = ()
-    items: dict[str, str | WordingTable] = Field(default_factory=dict)
+    items: dict[str, Annotated[WordingTable, BeforeValidator(_worded)]] = Field(
+        default_factory=dict
+    )
     """Item → its text, or its text and aliases."""
 
 
@@ -172,9 +179,8 @@ def _whole(number: float) -> Answer:
 def _item(each: ItemTable, table: InstrumentTable) -> Item:
     wordings = []
     for language, translation in table.translations.items():
-        said = translation.items.get(each.name)
-        if said is not None:
-            words = WordingTable(text=said) if isinstance(said, str) else said
+        words = translation.items.get(each.name)
+        if words is not None:
             wordings.append(Wording(language, words.text, words.aliases))
     return Item(
         name=each.name,
@@ -233,13 +239,13 @@ def _taken(what: str, name: str) -> str:
 def _range_problems(path: KeyPath, answers: AnswersTable) -> Iterator[Problem]:
     low, high, step = exact(answers.low), exact(answers.high), exact(answers.step)
     if low >= high:
-        message = f"the lowest answer, {answers.low}, is not below the highest, {answers.high}"
+        message = f"the lowest answer, {float(low):g}, is not below the highest, {float(high):g}"
         yield Problem((*path, "high"), f"{message}; exchange or correct them")
         return
     asked = step if answers.asked_step is None else exact(answers.asked_step)
     for name, size in (("step", step), ("asked_step", asked)):
         if ((high - low) / size).denominator != 1:
-            message = f"steps of {float(size):g} do not lead from {answers.low} to {answers.high}"
+            message = f"steps of {float(size):g} do not lead from {float(low):g} to {float(high):g}"
             yield Problem((*path, name), f"{message}; give a step that does")
             return
     if (asked / step).denominator != 1:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
+from pydantic_core import PydanticCustomError
 
 from vrcomfort.questionnaire.answers import common_divisor, exact
 from vrcomfort.questionnaire.scales import Scale, Term, stretch
@@ -16,7 +17,19 @@ from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word, did_you_m
 if TYPE_CHECKING:
     from vrcomfort.questionnaire.instruments import Item
 
-Weights = tuple[str, ...] | dict[str, float]
+
+def _counted(given: Any) -> Any:
+    """Return a list of names as a table in which each counts once."""
+    if not isinstance(given, tuple) or not all(isinstance(name, str) for name in given):
+        return given
+    twice = next((name for name in given if given.count(name) > 1), None)
+    if twice is not None:
+        message = "`{name}` is there twice; to count it twice write {name} = 2"
+        raise PydanticCustomError("twice", message, {"name": twice})
+    return dict.fromkeys(given, 1.0)
+
+
+Weights = Annotated[dict[str, Annotated[float, Field(ge=-1e6, le=1e6)]], BeforeValidator(_counted)]
 Made = Literal["sum", "mean", "percent"]
 
 
@@ -27,11 +40,11 @@ class ScaleTable(Settings):
     title: str
     column: Word | None = None
     """Its heading in tables; the name in small letters without it."""
-    items: Weights = ()
+    items: Weights = Field(default_factory=dict)
     """Items, or item → how often its answer counts."""
-    raw_sums_of: Weights = ()
+    raw_sums_of: Weights = Field(default_factory=dict)
     """Scales whose sums of answers, before any factor, are added."""
-    scores_of: Weights = ()
+    scores_of: Weights = Field(default_factory=dict)
     """Scales whose scores are added."""
     made: Made = "sum"
     """`sum`, `mean`, or `percent`: where between the lowest and the highest sum, 0 to 100."""
@@ -71,8 +84,6 @@ def scale_problems(
         if name not in known:
             hint = did_you_mean(name, known)
             yield Problem((*path, kind), f"there is no {what} `{name}`; {hint}")
-    for name in sorted({name for name in names if names.count(name) > 1}):
-        yield Problem((*path, kind), f"`{name}` is there twice; to count it twice write {name} = 2")
     if any(weight == 0 for weight in _weights(getattr(table, kind)).values()):
         yield Problem((*path, kind), "something counts 0 times; leave it out")
     if table.made == "percent" and any(w < 0 for w in _weights(table.items).values()):
@@ -189,7 +200,7 @@ def _of_items(table: ScaleTable, items: Mapping[str, Item]) -> Compiled:
 
 def of_one_item(item: Item) -> Scale:
     """Return the scale of an item that no other scale counts."""
-    table = ScaleTable(name=item.name, title=item.text, items=(item.name,))
+    table = ScaleTable(name=item.name, title=item.text, items={item.name: 1.0})
     made = _of_items(table, {item.name: item}).scale
     return Scale(**{**vars(made), "alone": True})
 
@@ -226,9 +237,7 @@ def _range(item: Item) -> Fraction:
 
 
 def _weights(given: Weights) -> dict[str, Fraction]:
-    if isinstance(given, dict):
-        return {name: exact(weight) for name, weight in given.items()}
-    return dict.fromkeys(given, Fraction(1))
+    return {name: exact(weight) for name, weight in given.items()}
 
 
 def _column(table: ScaleTable) -> str:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import csv
+from collections import defaultdict
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
+
+from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     from vrcomfort.report.study_data import StudyData
@@ -17,7 +21,7 @@ FAST_S = 2.0
 """Seconds per question below which answers are suspected to be given without reading (Huang et
 al., 2012)."""
 FEWEST_ITEMS = 3
-_WHOSE = ("participant", "session", "trial", "timepoint", "instrument")
+_WHOSE = ("participant", "session", "trial", "condition", "timepoint", "instrument")
 
 
 def answering(study: StudyData, files: Iterable[Path]) -> dict[str, Any]:
@@ -39,37 +43,46 @@ def answering(study: StudyData, files: Iterable[Path]) -> dict[str, Any]:
 
 def _times(files: Iterable[Path], people: set[str]) -> dict[str, Any] | None:
     """Describe the seconds from one question to its answer, by questionnaire."""
-    parts = [part for file in files if (part := _seconds(file)) is not None]
-    if not parts:
+    taken: dict[tuple[str, ...], list[float]] = defaultdict(list)
+    for file in files:
+        for whose, seconds in _seconds(file):
+            if whose[0] in people:
+                taken[whose].append(seconds)
+    if not taken:
         return None
-    rows = pd.concat(parts)
-    rows = rows[rows["participant"].isin(people) & (rows["seconds"] >= 0)]
-    if rows.empty:
-        return None
-    each = rows.groupby(list(_WHOSE))["seconds"].median()
-    fast = each[each < FAST_S].reset_index()
-    low, median, high = np.percentile(rows["seconds"], [5, 50, 95])
+    fast = [whose for whose, seconds in taken.items() if np.median(seconds) < FAST_S]
+    low, median, high = np.percentile(list(chain.from_iterable(taken.values())), [5, 50, 95])
     return {
-        "answers": len(rows),
+        "answers": sum(map(len, taken.values())),
         "p5_s": float(low),
         "median_s": float(median),
         "p95_s": float(high),
-        "questionnaires": len(each),
+        "questionnaires": len(taken),
         "fast": len(fast),
-        "fast_people": sorted(fast["participant"].unique()),
+        "fast_people": sorted({whose[0] for whose in fast}, key=natural),
         "fast_s": FAST_S,
     }
 
 
-def _seconds(file: Path) -> pd.DataFrame | None:
-    """Read when each question of a file was asked and answered; it has been read as a whole."""
-    table = pd.read_csv(
-        file, dtype=str, keep_default_na=False, encoding_errors="replace", on_bad_lines="skip",
-        encoding="utf-8-sig", skipinitialspace=True,
-    )  # fmt: skip
-    table.columns = table.columns.str.strip().str.lower()
-    if not {"asked_s", "answered_s", "participant"} <= set(table.columns):
-        return None
-    asked, answered = (pd.to_numeric(table[c], errors="coerce") for c in ("asked_s", "answered_s"))
-    whose = {name: table[name].str.strip() if name in table else "" for name in _WHOSE}
-    return pd.DataFrame({**whose, "seconds": answered - asked}).dropna(subset=["seconds"])
+def _seconds(file: Path) -> Iterator[tuple[tuple[str, ...], float]]:
+    """Yield of each answer whose it is and how long it took; the file has been read as a whole."""
+    with file.open(encoding="utf-8-sig", errors="replace", newline="") as stream:
+        rows = csv.reader(stream)
+        header = [name.strip().lower() for name in next(rows, [])]
+        if not {"asked_s", "answered_s", "participant"} <= set(header):
+            return
+        asked, answered = header.index("asked_s"), header.index("answered_s")
+        whose = [header.index(name) for name in _WHOSE if name in header]
+        for cells in rows:
+            if len(cells) == len(header) and cells[asked] and cells[answered]:
+                seconds = _number(cells[answered]) - _number(cells[asked])
+                if seconds >= 0:
+                    yield tuple([cells[place].strip() for place in whose]), seconds
+
+
+def _number(cell: str) -> float:
+    """Return the number of a cell; NaN, which is not above 0, where it has none."""
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.report.notices import met_before
 from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
 from vrcomfort.stats.ranks import fewest_for_interval
 
@@ -77,14 +78,15 @@ def _evidence(test: Test, words: Vocabulary) -> str:
     holm = "" if test["p_holm"] is None else f", Holm-adjusted {p_equals(test['p_holm'])}"
     return (
         f"{test['method'].capitalize()} {p_equals(test['p'])}{holm}; Z\u00a0=\u00a0"
-        f"{number(test['z'])}, r\u00a0=\u00a0{_rank_biserial(test, words)}.{_order_of(test)}"
+        f"{number(test['z'])}, r\u00a0=\u00a0{_rank_biserial(test, words)}.{_order_of(test, words)}"
     )
 
 
-def _order_of(test: Test) -> str:
+def _order_of(test: Test, words: Vocabulary) -> str:
     """Return what makes the result of a test one of the order as well."""
-    said: str | None = test["confounded"]
-    return f" But {said}." if said else ""
+    if not test["confounded"]:
+        return ""
+    return f" But {met_before(*map(words.condition, test['confounded']))}."
 
 
 def _shift(test: Test) -> str:

@@ -1,10 +1,10 @@
-"""The paired tests of a plan: primary, and what they become under other choices."""
+"""The paired tests of a plan."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,17 +25,12 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Contrast, Plan
     from vrcomfort.stats.ranks import Alternative
-    from vrcomfort.stats.signed_rank import PValue, SignedRank, Zeros
+    from vrcomfort.stats.signed_rank import SignedRank, Zeros
 
     Test = dict[str, Any]
     Lost = Callable[[str, str], dict[str, int]]
 
 FEWEST_PAIRS = 2
-AVAILABLE = "all with a score in both conditions (means of unequal numbers)"
-COMPLETE = "only those with a score of every planned exposure"
-WORST_RANK = "withdrawal ranked as the worst outcome of its condition"
-WORST_CASE = "worst case: every withdrawal counted against the observed direction"
-
 TAKEN = "item"
 
 
@@ -148,7 +143,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
             lambda: _confounded(scored.table, a.name, b.name, people),
         )
     if len(pairs.participants) < FEWEST_PAIRS:
-        result["not_tested"] = f"{len(pairs.participants)} complete pairs: too few for a test"
+        result["not_tested"] = _too_few(scored, outcome, contrast, len(pairs.participants))
         return result
     test = _signed_rank(pairs, plan, contrast.alternative)
     worst = _worst_rank(pairs, list(signs.values()), plan, contrast.alternative) if signs else {}
@@ -161,6 +156,16 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         "other_zeros": _other_zeros(pairs, plan, contrast.alternative),
         "t_test": _t_test(pairs, plan, contrast.alternative),
     }
+
+
+def _too_few(scored: Exposures, outcome: str, contrast: Compared, n: int) -> str:
+    """Say why there is no test; and, where different people met the sides, what there is."""
+    said = f"{n} complete pairs: too few for a test"
+    rows = [side.rows(scored).dropna(subset=[outcome]) for side in (contrast.a, contrast.b)]
+    one, two = (set(table["participant"]) for table in rows)
+    if one and two and one.isdisjoint(two):
+        said += ' (different people met them: see the ANOVA with kind = "between")'
+    return said
 
 
 def _ranked_worst(pairs: Pairs, plan: Plan, lost: dict[str, int]) -> dict[str, int]:
@@ -196,8 +201,10 @@ def _worst_rank(
     return {name: value for name, value in describe_test(test).items() if name in keep}
 
 
-def _confounded(table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]) -> str | None:
-    """Say so if everybody in a test met one condition before the other: it may be their order."""
+def _confounded(
+    table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]
+) -> tuple[str, str] | None:
+    """Return both conditions in the order in which everybody in a test met them, if all did."""
     part = table[table["participant"].isin(participants) & (table["position"] > 0)]
     part = part.sort_values(
         ["session", "position"],
@@ -210,11 +217,7 @@ def _confounded(table: pd.DataFrame, a: str, b: str, participants: tuple[str, ..
     gaps = (places[a] - places[b]).dropna()
     if gaps.empty or gaps.min() <= 0 <= gaps.max():
         return None
-    first, second = (a, b) if gaps.max() < 0 else (b, a)
-    return (
-        f"everybody met {first} before {second}, so that their difference cannot be told from one "
-        "of order"
-    )
+    return (a, b) if gaps.max() < 0 else (b, a)
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:
@@ -256,50 +259,3 @@ def describe_pairs(
         contrast.b.name: describe(pairs.b * pairs.unit),
         "difference": describe_with_interval(pairs.differences * pairs.unit, confidence),
     }
-
-
-def sensitivity(
-    scored: Exposures, plan: Plan, test: Test, contrast: Compared, lost: dict[str, int]
-) -> list[dict[str, Any]]:
-    """Repeat one test on other sets of people.
-
-    Parameters
-    ----------
-    lost
-        Participants without a pair who withdrew: 1 if under a, −1 if under b, 0 if unknown.
-    """
-    if test["not_tested"]:
-        return []
-    a, b, outcome, chosen = contrast.a, contrast.b, test["outcome"], _options(plan, test)
-    whole, any_number = (
-        pair_up(scored, outcome, a, b, complete=complete) for complete in (True, False)
-    )
-    primary = any_number if plan.withdrawals == "available_pairs" else whole
-    other, what = (
-        (whole, COMPLETE) if plan.withdrawals == "available_pairs" else (any_number, AVAILABLE)
-    )
-    found = {what: signed_rank(other.differences, **chosen, intervals=False)}
-    gone = [sign for person, sign in lost.items() if person not in primary.participants]
-    if gone:
-        against = -1 if test["w_plus"] >= test["w_minus"] else 1
-        assumed = {WORST_RANK: gone, WORST_CASE: [against] * len(gone)}
-        found |= {
-            name: worst_rank(primary.differences, signs, **chosen)
-            for name, signs in assumed.items()
-        }
-    return [_line(name, result, test) for name, result in found.items()]
-
-
-class _Options(TypedDict):
-    zeros: Zeros
-    alternative: Alternative
-    p_value: PValue
-
-
-def _options(plan: Plan, test: Test) -> _Options:
-    return {"zeros": plan.zeros, "alternative": test["alternative"], "p_value": plan.p_value}
-
-
-def _line(what: str, result: SignedRank, test: Test) -> dict[str, Any]:
-    same = {key: test[key] for key in ("a", "b", "outcome")}
-    return {**same, "analysis": what, "n": result.n, "z": result.z, "p": result.p}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.report.notices import names
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
+from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import EXACT_UP_TO
 
 if TYPE_CHECKING:
@@ -28,8 +29,9 @@ def deviations(
         *_excluded_without_a_rule(study, plan),
         *_named_and_absent(study, plan),
         *_outcomes(scored),
-        *_baseline(scored, plan),
-        *_tests(results["tests"], plan),
+        *_timepoints(study, plan),
+        *_baseline(scored, plan, results),
+        *_tests(results, plan),
         *_models(results),
     ]
 
@@ -73,8 +75,18 @@ def _outcomes(scored: Exposures) -> Iterator[Deviation]:
         yield _deviation("outcome_not_found", text)
 
 
-def _baseline(scored: Exposures, plan: Plan) -> Iterator[Deviation]:
-    raw = [name for name, basis in scored.bases.items() if basis == "raw_post"]
+def _timepoints(study: StudyData, plan: Plan) -> Iterator[Deviation]:
+    there = {sheet.timepoint for sheet in study.sheets}
+    named = [name for each in plan.contrasts for name in (each.a_timepoint, each.b_timepoint)]
+    named += [rule.timepoint for rule in plan.exclusions]
+    for name in dict.fromkeys(name for name in named if name and name not in there):
+        hint = did_you_mean(name, there)
+        yield _deviation("timepoint_not_found", f"no questionnaire is of `{name}` ({hint})")
+
+
+def _baseline(scored: Exposures, plan: Plan, results: dict[str, Any]) -> Iterator[Deviation]:
+    titles = _titles(results)
+    raw = [titles[name] for name, basis in scored.bases.items() if basis == "raw_post"]
     if plan.scores == "difference_from_baseline" and raw:
         text = (
             f"there is no baseline to subtract from {', '.join(raw)}: raw scores after exposure "
@@ -83,25 +95,33 @@ def _baseline(scored: Exposures, plan: Plan) -> Iterator[Deviation]:
         yield _deviation("no_baseline", text)
 
 
-def _tests(tests: list[dict[str, Any]], plan: Plan) -> Iterator[Deviation]:
+def _titles(results: dict[str, Any]) -> dict[str, str]:
+    return {each["name"]: each["title"] for each in results["outcomes"]}
+
+
+def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
+    tests = results["tests"]
     for reason in dict.fromkeys(test["not_tested"] for test in tests if test["not_tested"]):
-        untested = [_in_words(t) for t in tests if t["not_tested"] == reason]
+        untested = [_in_words(t, results) for t in tests if t["not_tested"] == reason]
         yield _deviation("not_tested", f"no test of {'; '.join(untested)}: {reason}")
     fallen = [t for t in tests if not t["not_tested"] and t["method"] != plan.p_value]
     if fallen:
-        what = "; ".join(_in_words(test) for test in fallen)
+        what = "; ".join(_in_words(test, results) for test in fallen)
         text = f"p is {fallen[0]['method']} with more than {EXACT_UP_TO} pairs: {what}"
         yield _deviation("other_method", text)
 
 
-def _in_words(test: dict[str, Any]) -> str:
-    return f"{test['outcome']}, {test['a']} minus {test['b']}"
+def _in_words(test: dict[str, Any], results: dict[str, Any]) -> str:
+    labels, name = results["labels"], _titles(results)[test["outcome"]]
+    return f"{name}, {labels[test['a']]} minus {labels[test['b']]}"
 
 
 def _models(results: dict[str, Any]) -> Iterator[Deviation]:
     for key, name in (("anova", "ANOVA"), ("mixed_models", "mixed model")):
         for reason in dict.fromkeys(f["not_tested"] for f in results[key] if f["not_tested"]):
-            whose = [f["outcome"] for f in results[key] if f["not_tested"] == reason]
+            whose = [
+                _titles(results)[f["outcome"]] for f in results[key] if f["not_tested"] == reason
+            ]
             yield _deviation("not_tested", f"no {name} of {', '.join(whose)}: {reason}")
     wanted = {factor["name"] for factor in results["plan"]["anova"]}
     made = [set(found["factors"]) for found in results["anova"] if not found["not_tested"]]

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 MOST_BESIDE = 2
 """Comparisons that fit beside the scores; more go below them, one in a row."""
+MOST_DRAWN = 1000
+"""People who are drawn; of more, as many evenly spaced ones. Means and tests are of everybody."""
 CROWD = 60
 """People from whom on dots and lines are drawn thin."""
 
@@ -103,13 +105,14 @@ def differences(scored: Exposures, test: Test) -> Floats:
 def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary) -> None:
     places = np.arange(len(shown), dtype=float)
     crowded = len(scores) > CROWD
-    threads(axes, places, scores, color=FAINT, lw=0.5 if crowded else 0.8,
+    threads(axes, places, thinned(scores), color=FAINT, lw=0.5 if crowded else 0.8,
             alpha=0.25 if crowded else 0.7, zorder=1)  # fmt: skip
     for place, condition in enumerate(shown):
         values = scores[:, place][~np.isnan(scores[:, place])]
         colour = colour_of(words.place(condition))
         across = places[place] + spread(len(values), 0.05 if len(values) > 12 else 0.0)
-        dots(axes, across, values, colour, size=2.2 if crowded else 4.0, alpha=0.55, zorder=2)
+        dots(axes, thinned(across), thinned(values), colour,
+             size=2.2 if crowded else 4.0, alpha=0.55, zorder=2)  # fmt: skip
         deviation = values.std(ddof=1) if len(values) > 1 else 0.0
         axes.errorbar(places[place] + 0.2, values.mean(), deviation,
                       fmt=marker_of(words.place(condition)), color=colour, ms=6, lw=1.6,
@@ -119,11 +122,27 @@ def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary
     _zero(axes.axhline)
 
 
+def thinned(values: Floats) -> Floats:
+    """Return evenly spaced rows, the first and the last among them, where there are too many."""
+    if len(values) <= MOST_DRAWN:
+        return values
+    chosen: Floats = values[np.linspace(0, len(values) - 1, MOST_DRAWN).round().astype(int)]
+    return chosen
+
+
 def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
     for place, (test, each) in enumerate(found):
         thin = len(each) > CROWD
         across = place - 0.22 + spread(len(each), 0.1)
-        dots(axes, across, each, FAINT, size=2.2 if thin else 3.6, alpha=0.6, zorder=2)
+        dots(
+            axes,
+            thinned(across),
+            thinned(each),
+            FAINT,
+            size=2.2 if thin else 3.6,
+            alpha=0.6,
+            zorder=2,
+        )
         low, high = _ends(test, each)
         _whisker(axes, (place + 0.12, place + 0.12), (low, high))
         _estimate(axes, place + 0.12, test["shift"])

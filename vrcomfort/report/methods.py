@@ -37,6 +37,7 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             _people(results),
             *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
             _describing(),
+            _t_tests(results),
             _anova(results),
             _friedman(results),
             _crossover(results),
@@ -223,6 +224,18 @@ def _describing() -> Method:
         "Tibshirani, 1993). Standard deviations have n − 1; medians and quartiles are those of "
         "definition 7 of Hyndman & Fan (1996).",
         ("efron_1993", "hyndman_1996"),
+    )
+
+
+def _t_tests(results: Results) -> Method | None:
+    if not any(test.get("t_test") for test in results["tests"]):
+        return None
+    return Method(
+        "Means",
+        "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
+        "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
+        "(Rouder et al., 2009), by pingouin (Vallat, 2018).",
+        ("student_1908", "lakens_2013", "rouder_2009", "vallat_2018"),
     )
 
 

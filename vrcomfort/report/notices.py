@@ -32,7 +32,7 @@ def notices(
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study),
-        *_confounded(tests),
+        *_confounded(study, tests),
     ]
 
 
@@ -45,15 +45,13 @@ def names(people: list[str]) -> str:
 def _losses(
     study: StudyData, tests: list[dict[str, Any]], exclusions: list[dict[str, str]]
 ) -> list[str]:
-    """Say where more than a tenth of those who met either condition are not in the test."""
+    """Say where more than a tenth of those who met either side are not in the test."""
     found = []
     excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
     excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
-    met = {(s.participant, s.condition) for s in study.sheets}
-    met |= {(t["participant"], t["condition"]) for t in study.trials}
     primary = {(test["a"], test["b"]): test for test in reversed(tests)}
     for test in reversed(primary.values()):
-        people = {who for who, what in met if what in (test["a"], test["b"])} - excluded
+        people = {who for side in test["sides"] for who in _met(study, side)} - excluded
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
@@ -66,6 +64,16 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+def _met(study: StudyData, side: dict[str, str]) -> set[str]:
+    """Return who met a side of a contrast, or was asked at its timepoint, answered or not."""
+    condition, timepoint = side["condition"], side["timepoint"]
+    if not timepoint:
+        met = {s.participant for s in study.sheets if s.condition == condition}
+        return met | {t["participant"] for t in study.trials if t["condition"] == condition}
+    asked = (s for s in study.sheets if s.timepoint == timepoint)
+    return {s.participant for s in asked if not condition or s.condition in {condition, ""}}
 
 
 def _repeated(scored: Exposures) -> list[str]:
@@ -116,5 +124,14 @@ def _coded_from_one(study: StudyData) -> list[str]:
     return found
 
 
-def _confounded(tests: list[dict[str, Any]]) -> list[str]:
-    return list(dict.fromkeys(test["confounded"] for test in tests if test.get("confounded")))
+def met_before(first: str, second: str) -> str:
+    """Say that the order of two conditions may be their difference."""
+    return (
+        f"everybody met {first} before {second}, so that their difference cannot be told from one "
+        "of order"
+    )
+
+
+def _confounded(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
+    pairs = dict.fromkeys(test["confounded"] for test in tests if test.get("confounded"))
+    return [met_before(*(study.labels.get(name, name) for name in pair)) for pair in pairs]

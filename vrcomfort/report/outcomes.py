@@ -115,8 +115,13 @@ def items_of(instrument: Instrument) -> tuple[str, ...]:
 
 
 def item_column(instrument: Instrument, item: str) -> str:
-    """Return the column of an item's answers: two instruments may have items of one name."""
-    return f"{instrument.name}.{item}" if instrument.prefixed else item
+    """Return the column of an item's answers: two instruments may have items of one name.
+
+    Nor is it that of a scale, which may be called as an item is.
+    """
+    name = f"{instrument.name}.{item}" if instrument.prefixed else item
+    scales = {_name(instrument, scale) for scale in instrument.scales if not scale.alone}
+    return f"{name}_item" if name in scales else name
 
 
 def known_outcomes(instruments: Iterable[Instrument] | None = None) -> dict[str, Outcome]:

@@ -11,6 +11,7 @@ from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
 from vrcomfort.report.descriptives import PRIMARY
 from vrcomfort.report.references import entries
+from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:
@@ -40,6 +41,8 @@ def render_page(
         "p": words.p_value,
         "interval": words.interval,
         "degrees": words.degrees,
+        "bayes": words.bayes_factor,
+        "with_labels": lambda text: with_labels(text, vocabulary.labels),
     }
     paragraphs = methods.methods(results, vocabulary)
     per_condition = results["participants"]["exposures_per_condition"].values()

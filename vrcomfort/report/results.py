@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
 from vrcomfort.report.asked import unused_timepoints
-from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests, sensitivity
+from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests
 from vrcomfort.report.descriptives import describe_all, describe_recovery, mean_answers
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
@@ -27,6 +27,7 @@ from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
+from vrcomfort.report.sensitivity import sensitivity
 from vrcomfort.report.study_data import conditions_in
 from vrcomfort.report.withdrawals import (
     count_withdrawals,

@@ -48,6 +48,15 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "withdrawals": results["withdrawals"]["list"],
         "left_out": results["participants"]["left_out"],
         "in_some_tests": results["participants"]["in_some_tests"],
+        "t_tests": [
+            {**{key: test[key] for key in ("a", "b", "outcome")}, **test["t_test"]}
+            for test in results["tests"]
+            if not test["not_tested"] and test["t_test"]
+        ],
+        "exclusions": results["exclusions"],
+        "deviations": [
+            row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
+        ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
@@ -112,10 +121,14 @@ def _flat_test(test: Row, plan: Row) -> Row:
     for name, found in (test.get("descriptives") or {}).items():
         row |= {f"{stat}_{name}": found[stat] for stat in DESCRIBED if stat in found}
     planned = test["exposures_per_condition"]
+    any_number = plan["withdrawals"] == "available_pairs"
     return {
         **row,
-        "planned_a": planned[test["a"]],
-        "planned_b": planned[test["b"]],
+        "planned_a": 1 if any_number else planned[test["a"]],
+        "planned_b": 1 if any_number else planned[test["b"]],
+        "timepoint_a": test["sides"][0]["timepoint"] or None,
+        "timepoint_b": test["sides"][1]["timepoint"] or None,
+        "ranked_worst": len(test["ranked_worst"]),
         "confidence": plan["confidence"],
         "shift_interval": plan["shift_interval"],
         "family": test["family"],

@@ -12,7 +12,7 @@ from vrcomfort.report.study_data import trial_s
 from vrcomfort.stats.withdrawal import fisher_exact
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
@@ -185,13 +185,19 @@ def why_not(
         what = "" if row["what"] == "participant" else f"{row['what']}: "
         reasons[row["participant"]].append(f"{what}rule {row['rule']} ({row['reason']})")
     for row in scored.excluded:
-        reasons[row["participant"]].append(f"{row['questionnaire']}: {row['reason']}")
+        what = with_labels(row["questionnaire"], study.labels)
+        reasons[row["participant"]].append(f"{what}: {row['reason']}")
     default = ["not every exposure has a questionnaire"]
     return [
         {"participant": name, "reason": "; ".join(reasons.get(name) or default)}
         for name in everybody(study)
         if name not in in_every_test
     ]
+
+
+def with_labels(questionnaire: str, labels: Mapping[str, str]) -> str:
+    """Return the name of a questionnaire (see `Sheet.name`) with the label of its condition."""
+    return ", ".join(labels.get(part, part) for part in questionnaire.split(", "))
 
 
 def _in_words(each: Withdrawal, labels: dict[str, str]) -> str:

@@ -52,3 +52,12 @@ def interval(found: dict[str, Any] | None, digits: int = 2, *, bounded: bool = F
 def degrees(value: float) -> str:
     """Write degrees of freedom: whole if they are."""
     return str(int(value)) if float(value).is_integer() else number(value, 2)
+
+
+def bayes_factor(value: float | None) -> str:
+    """Write a Bayes factor: two decimals, or as a power of ten where that would say nothing."""
+    if value is None or 0.01 <= value < 10_000:
+        return number(value)
+    digits, _, power = f"{value:.1e}".partition("e")
+    superscript = str(int(power)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{digits}\u00a0×\u00a010{superscript}"

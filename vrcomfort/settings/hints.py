@@ -83,6 +83,9 @@ def fields_at(model: type[BaseModel], path: Sequence[str | int]) -> list[str]:
     for part in path:
         if isinstance(part, int):
             continue
+        if typing.get_origin(current) is dict:
+            current = typing.get_args(current)[1]
+            continue
         models = _models(current)
         current = models[0].model_fields[part].annotation if models else None
     return [name for found in _models(current) for name in found.model_fields]

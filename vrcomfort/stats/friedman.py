@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, rankdata
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.ranks import doubled_midranks, tied_count
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True)
@@ -42,12 +41,20 @@ def friedman(scores: ArrayLike) -> Friedman:
     if values.ndim != 2 or min(values.shape) < 2:
         raise InputError("Friedman's test needs at least two participants and two conditions")
     n, k = values.shape
-    ranks = np.array([doubled_midranks(row) for row in values]) / 2
+    ranks = rankdata(values, axis=1)
     within = float(np.sum((ranks - (k + 1) / 2) ** 2))
-    ties = sum(tied_count(row) for row in values)
+    ties = _tied(values)
     if within == 0:
         return Friedman(n, k, ties, None, k - 1, None, None)
     between = float(np.sum((ranks.sum(axis=0) - n * (k + 1) / 2) ** 2))
     chi_square = (k - 1) * between / within
     p = float(chi2.sf(chi_square, k - 1))
     return Friedman(n, k, ties, chi_square, k - 1, p, chi_square / (n * (k - 1)))
+
+
+def _tied(values: NDArray[np.int64]) -> int:
+    """Return how many values are equal to another of their row."""
+    ordered = np.sort(values, axis=1)
+    same = np.diff(ordered, axis=1) == 0
+    edge = np.zeros((values.shape[0], 1), dtype=bool)
+    return int((np.hstack([edge, same]) | np.hstack([same, edge])).sum())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -38,7 +39,8 @@ class PairedT:
     cohen_dz: float
     """Mean over the standard deviation of the differences."""
     bayes_factor_10: float
-    """JZS (Rouder et al. 2009), two-sided: how much likelier a difference makes the data."""
+    """JZS (Rouder et al. 2009), two-sided: how much likelier a difference makes the data; infinite
+    where it is larger than a float64 can be."""
 
 
 def paired_t(
@@ -68,10 +70,10 @@ def paired_t(
     values = np.asarray(differences, dtype=np.float64)
     if values.size < 2 or np.ptp(values) == 0:
         return None
-    with quiet():
+    with quiet(), np.errstate(over="ignore"):
         found = pingouin().ttest(values, 0.0, alternative=alternative).iloc[0]
         t, df = float(found["T"]), int(found["dof"])
-        bayes = float(pingouin().bayesfactor_ttest(t, values.size, r=PRIOR_SCALE))
+        bayes = _bayes_factor(t, values.size)
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     sides = 2 if alternative == "two-sided" else 1
     half = float(t_distribution.isf((1 - confidence) / sides, df)) * error
@@ -89,3 +91,11 @@ def paired_t(
         cohen_dz=mean / float(values.std(ddof=1)),
         bayes_factor_10=bayes,
     )
+
+
+def _bayes_factor(t: float, n: int) -> float:
+    """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
+    try:
+        return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
+    except ZeroDivisionError:
+        return math.inf

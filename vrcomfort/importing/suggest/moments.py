@@ -20,8 +20,16 @@ _KEPT = {*TIMEPOINTS, *_FACT_OF, *_NUMBERED_TIMES}
 _NOISE = frozenset(["ssq", "score", "item", "q", "question", "cond", "condition", "the", "vr"])
 
 
-def moments(contexts: Sequence[tuple[str, ...]]) -> tuple[list[dict[str, str]], list[Doubt]]:
-    """Return for each questionnaire of a row the facts that its headings say, and doubts."""
+def moments(
+    contexts: Sequence[tuple[str, ...]], *, numbers: str = "condition"
+) -> tuple[list[dict[str, str]], list[Doubt]]:
+    """Return for each questionnaire of a row the facts that its headings say, and doubts.
+
+    Parameters
+    ----------
+    numbers
+        The fact that numbers are taken for that stand alone.
+    """
     if len(contexts) == 1:
         return _of_one(contexts[0])
     shared = set.intersection(*map(set, contexts))
@@ -34,7 +42,7 @@ def moments(contexts: Sequence[tuple[str, ...]]) -> tuple[list[dict[str, str]], 
         facts.append(_facts(rest))
     _numbered_times(facts, doubts)
     _two_unnamed(facts, doubts)
-    _name_the_rest(facts, doubts)
+    _name_the_rest(facts, doubts, numbers)
     return facts, doubts
 
 
@@ -91,16 +99,19 @@ def _two_unnamed(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
         doubts.append(Doubt(question, "the first columns are baseline, the second post"))
 
 
-def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt]) -> None:
+def _name_the_rest(facts: list[dict[str, str]], doubts: list[Doubt], fact: str) -> None:
     """Ask what numbers mean that stand alone; tell equal moments apart."""
     numbers = [f for f in facts if f.get("condition", "").replace("_", "").isdigit()]
     if numbers:
         shown = ", ".join(dict.fromkeys(f["condition"] for f in numbers))
         question = f"What do the numbers {shown} in the headings stand for?"
-        doubts.append(Doubt(question, "they are the names of conditions"))
+        doubts.append(Doubt(question, f"each is a {fact}"))
+        for each in numbers:
+            each[fact] = each.pop("condition")
     several = len({f.get("condition", "") for f in facts}) > 1
     for place, each in enumerate(facts, start=1):
         nameless = several and "condition" not in each and each.get("timepoint") != "baseline"
+        nameless = nameless and fact not in each
         if nameless or (not each and len(facts) > 1):
             each["condition"] = f"questionnaire_{place}"
             question = f"Of which condition is questionnaire {place} of a row?"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
@@ -240,6 +241,29 @@ def draft_rating(
     _coded(draft, coding)
     draft.tables["items"] = Draft({item.name: table.headings[rating.column]})
     return draft, coding.doubts
+
+
+def draft_course(
+    table: SourceTable, course: Sequence[FoundRating], facts: Mapping[str, str]
+) -> tuple[Draft, list[Doubt]]:
+    """Draft ratings during exposure that have a column for each time."""
+    first = course[0]
+    headings = [table.headings[rating.column] for rating in course]
+    parts = [re.split(r"(\d+)", heading) for heading in headings]
+    place = next(i for i, part in enumerate(zip(*parts, strict=False)) if len(set(part)) > 1)
+    minutes = [int(part[place]) for part in parts]
+    unit = "time_min" if max(minutes) <= 60 else "time_s"
+    template = [*parts[0][:place], f"{{{unit}}}", *parts[0][place + 1 :]]
+    heading = "".join(template)
+    draft = Draft({"instrument": first.instrument.name, **facts, "heading": heading})
+    draft.put("summaries", ["peak", "mean", "last"], "what the report has of each exposure")
+    coding = coding_of(table, [rating.column for rating in course], first.instrument)
+    _coded(draft, coding)
+    what = "minutes" if unit == "time_min" else "seconds"
+    question = (
+        f"Are {headings[0]} … {headings[-1]} ratings during exposure, {what} after its start?"
+    )
+    return draft, [*coding.doubts, Doubt(question, f"they are, {what}")]
 
 
 def leftovers(

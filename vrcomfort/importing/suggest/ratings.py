@@ -43,8 +43,23 @@ def _is_named(table: SourceTable, column: int, instrument: Instrument) -> bool:
     words = tokens(table.headings[column])
     keys = {plain(instrument.name), plain(instrument.title)}
     named = plain(table.headings[column]) in keys or (
-        plain(instrument.name) in words and len(words) <= 4
+        plain(instrument.name) in words and len(words) <= 5
     )
     values = [number(t, table.reading.decimal or ".") for t in set(table.column(column)) if t]
     high = instrument.high
     return named and any(v is not None and instrument.low <= v <= high for v in values)
+
+
+FEWEST = 3
+"""So many columns of one scale that differ in a number alone are a course of ratings."""
+
+
+def courses_of(ratings: Sequence[FoundRating]) -> list[list[FoundRating]]:
+    """Return ratings whose headings differ in one number alone, such as ``FMS_1 min``."""
+    groups: dict[tuple[str, ...], list[FoundRating]] = {}
+    for rating in ratings:
+        digits = [word for word in rating.context if word.isdigit()]
+        if rating.time is None and len(digits) == 1:
+            rest = tuple("#" if word.isdigit() else word for word in rating.context)
+            groups.setdefault((rating.instrument.name, *rest), []).append(rating)
+    return [group for group in groups.values() if len(group) >= FEWEST]

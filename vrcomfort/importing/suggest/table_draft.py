@@ -8,20 +8,23 @@ from dataclasses import replace
 from vrcomfort.importing.source import SourceTable
 from vrcomfort.importing.suggest.blocks import Found, find_blocks
 from vrcomfort.importing.suggest.draft import Doubt, Draft, toml_value
-from vrcomfort.importing.suggest.exposures import DraftedFacts, Exposures, draft_facts
+from vrcomfort.importing.suggest.exposures import draft_facts
+from vrcomfort.importing.suggest.fact_draft import DraftedFacts, Exposures
 from vrcomfort.importing.suggest.headings import words_of
 from vrcomfort.importing.suggest.long_tables import Long, find_long
 from vrcomfort.importing.suggest.moments import moments
 from vrcomfort.importing.suggest.questionnaires import (
     draft_block,
+    draft_course,
     draft_long,
     draft_rating,
     leftovers,
     mend_items,
 )
-from vrcomfort.importing.suggest.ratings import FoundRating, find_ratings
+from vrcomfort.importing.suggest.ratings import FoundRating, courses_of, find_ratings
 from vrcomfort.importing.suggest.roles import is_personal, roles_of, texts, total_rows
 from vrcomfort.importing.suggest.scores import FoundScores, find_scores, kind_of
+from vrcomfort.importing.suggest.templates import template_of
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import Instrument
 
@@ -30,6 +33,16 @@ def _row_keys(longs: Sequence[Long]) -> list[int]:
     """Return the columns that tell the answers of one moment apart."""
     columns = [long.item_column for long in longs[:1]]
     return columns + [long.instrument_column[0] for long in longs[:1] if long.instrument_column]
+
+
+def _context_of(course: Sequence[FoundRating]) -> tuple[str, tuple[str, ...]]:
+    """Return the instrument of a course of ratings, and the words that all its headings share."""
+    first = course[0]
+    words = tuple(word for word in first.context if not word.isdigit() and word not in _UNITS)
+    return first.instrument.name, words
+
+
+_UNITS = frozenset(["min", "mins", "minute", "minutes", "s", "sec", "secs", "second", "seconds"])
 
 
 class TableDraft:
@@ -62,6 +75,8 @@ class TableDraft:
             self.table, [c for c in self._columns() if c not in taken], known
         )
         taken |= {rating.column for rating in self._ratings}
+        self._courses = courses_of(self._ratings)
+        self._ratings = [r for r in self._ratings if r not in [x for c in self._courses for x in c]]
         self._scores = find_scores(
             self.table, [c for c in self._columns() if c not in taken], known
         )
@@ -116,7 +131,8 @@ class TableDraft:
         when = self._roles.facts.get("timepoint", [])
         if len(facts) == 1 and any(len(texts(self.table, column)) > 1 for column in when):
             facts[0].pop("timepoint", None)  # a column says it better
-        said = {name for each in facts for name in each}
+        self._course_facts = self._moments_of([_context_of(course) for course in self._courses])
+        said = {name for each in (*facts, *self._course_facts) for name in each}
         exposures = draft_facts(self._exposures(said))
         self.draft.values |= exposures.draft.values
         self.draft.comments |= exposures.draft.comments
@@ -135,14 +151,11 @@ class TableDraft:
         found: Sequence[Found | FoundScores | FoundRating] = (
             self._blocks or self._scores or self._ratings
         )
-        facts: list[dict[str, str]] = [{} for _ in found]
-        for name in dict.fromkeys(each.instrument.name for each in found):
-            places = [i for i, each in enumerate(found) if each.instrument.name == name]
-            own, doubts = moments([found[i].context for i in places])
-            self.doubts += doubts
-            for place, said in zip(places, own, strict=True):
-                facts[place] = self._spelt(said)
-        return facts
+        return self._moments_of([(each.instrument.name, each.context) for each in found])
+
+    def _numbers(self) -> str:
+        """Return what numbers in headings are: a column may say the condition already."""
+        return "trial" if self._roles.facts.get("condition") else "condition"
 
     def _spelt(self, facts: dict[str, str]) -> dict[str, str]:
         """Return conditions with the capital letters that the headings have."""
@@ -157,7 +170,7 @@ class TableDraft:
 
     def _exposures(self, said: set[str]) -> Exposures:
         answered = any(
-            (self._blocks, self._longs, self._scores, self._ratings),
+            (self._blocks, self._longs, self._scores, self._ratings, self._courses),
         )
         return Exposures(
             self.table,
@@ -230,19 +243,66 @@ class TableDraft:
             draft, doubts = draft_rating(self.table, rating, own)
             drafts.append(draft)
             self.doubts += doubts
+        for course, own in zip(self._courses, self._course_facts, strict=True):
+            draft, doubts = draft_course(self.table, course, own)
+            drafts.append(draft)
+            self.doubts += doubts
         self.doubts[:] = list(dict.fromkeys(self.doubts))
         if drafts:
-            self.draft.lists["questionnaires"] = drafts
+            self.draft.lists["questionnaires"] = self._in_short(drafts, facts)
         self._score_tables([] if self._blocks else facts)
+
+    def _in_short(self, drafts: list[Draft], facts: Sequence[dict[str, str]]) -> list[Draft]:
+        """Say questionnaires in one whose headings are made alike, and whose answers are."""
+        count = len(self._blocks)
+        names = {draft.values["instrument"] for draft in drafts[:count]}
+        if count < 2 or len(names) > 1:
+            return drafts
+        first = drafts[0]
+        own = {key: value for key, value in first.values.items() if key not in facts[0]}
+        own.pop("answers", None)
+        answers: dict[str, int] = {}
+        notes = first.tables["items"].comments
+        for draft, said in zip(drafts[:count], facts, strict=True):
+            rest = {key: value for key, value in draft.values.items() if key not in said}
+            words = rest.pop("answers", {})
+            answers |= words if isinstance(words, dict) else {}
+            alike = set(draft.tables) == {"items"} and draft.tables["items"].comments == notes
+            if rest != own or not alike:
+                return drafts
+        headings = [
+            {item: str(text) for item, text in draft.tables["items"].values.items()}
+            for draft in drafts[:count]
+        ]
+        taken = {text for each in headings for text in each.values()}
+        others = [text for text in self.table.headings if text not in taken]
+        found = template_of(headings, facts, others)
+        if found is None:
+            return drafts
+        for fact, values in found.values.items():
+            if any(text != value for text, value in values.items()):
+                self.draft.put(fact, {"values": values})
+        whole = Draft({"instrument": own.pop("instrument"), "heading": found.heading, **own})
+        if answers:
+            whole.put("answers", dict(sorted(answers.items(), key=lambda each: each[1])))
+        whole.tables["items"] = Draft(dict(found.items), dict(notes))
+        shown = "; ".join(f"{fact}: {', '.join(texts)}" for fact, texts in found.values.items())
+        whole.note(f"{count} questionnaires in a row: {shown}")
+        return [whole, *drafts[count:]]
 
     def _moments_of_ratings(self) -> list[dict[str, str]]:
         """Return what the headings of ratings say, beside questionnaires that say their own."""
-        facts: list[dict[str, str]] = []
-        for name in dict.fromkeys(each.instrument.name for each in self._ratings):
-            same = [each.context for each in self._ratings if each.instrument.name == name]
-            own, doubts = moments(same)
-            facts += [self._spelt(said) for said in own]
+        return self._moments_of([(each.instrument.name, each.context) for each in self._ratings])
+
+    def _moments_of(self, named: Sequence[tuple[str, tuple[str, ...]]]) -> list[dict[str, str]]:
+        """Return what the words of headings say, of each instrument by itself."""
+        facts: list[dict[str, str]] = [{} for _ in named]
+        for name in dict.fromkeys(name for name, _ in named):
+            places = [i for i, (other, _) in enumerate(named) if other == name]
+            own, doubts = moments([named[i][1] for i in places], numbers=self._numbers())
             self.doubts += doubts
+            for place, said in zip(places, own, strict=True):
+                facts[place] = self._spelt(said)
         return facts
 
     def _score_tables(self, facts: Sequence[dict[str, str]]) -> None:

@@ -66,13 +66,22 @@ def _lines(study: StudyData) -> Iterator[str]:
     factors = ["condition"] if len(conditions) > 1 else []
     factors += ["scene"] if len(scenes - {""}) > 1 else []
     factors += groups
-    yield f"mixed_model = {_list([*factors, 'position', 'session'])}"
+    apart = len(conditions) > 1 and _met_by_different_people(study, moments["exposure_timepoint"])
+    yield f"mixed_model = {_list([] if apart else [*factors, 'position', 'session'])}"
     if not factors:
         yield "anova = []"
     yield from _contrasts(study, conditions, moments)
     yield from _families(outcomes)
     for column in factors:
         yield from ("", "[[anova]]", f"name = {_text(column)}", f"column = {_text(column)}")
+        if apart and column == "condition":
+            yield 'kind = "between"'
+
+
+def _met_by_different_people(study: StudyData, timepoint: str) -> bool:
+    """Return whether everybody met one condition alone."""
+    met = {(s.participant, s.condition) for s in study.sheets if s.timepoint == timepoint}
+    return len({who for who, condition in met if condition}) == sum(bool(c) for _, c in met)
 
 
 def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:

@@ -17,11 +17,14 @@ from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
-FigureName = Literal["paired", "subscales", "symptoms", "recovery", "exposures", "residuals"]
+FigureName = Literal[
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
     "hidden_s", "unfocused_s",
 ]  # fmt: skip
+Limit = Annotated[float, Field(allow_inf_nan=False)]
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
@@ -79,8 +82,8 @@ class Exclusion(Settings):
     """A measure of an exposure in trials.csv."""
     column: str = ""
     """A column of participants.csv."""
-    above: float | None = None
-    below: float | None = None
+    above: Limit | None = None
+    below: Limit | None = None
     equals: tuple[str, ...] = ()
 
 

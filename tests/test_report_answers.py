@@ -1,0 +1,297 @@
+"""The page says the answer first, in words that readers know; and what it says is counted right."""
+
+import json
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vrcomfort.report
+from tests.support.report import Study, answers, build_report, carnegie_like, foreign, write_csv
+from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.report import methods, palette
+from vrcomfort.report.estimation import MOST_DRAWN, thinned
+from vrcomfort.report.references import entries, is_known
+from vrcomfort.report.words import bayes_factor
+from vrcomfort.resources import data_folder
+
+LABELS = {"q_internal_1": "Calm", "q_internal_2": "Wild"}
+
+
+def text_of(page: str) -> str:
+    """Return what a reader sees: no style, no tags."""
+    return re.sub(r"<[^>]*>", " ", re.sub(r"<style>.*?</style>", "", page, flags=re.DOTALL))
+
+
+def results_of(folder: Path) -> dict:
+    return json.loads((folder / "results.json").read_text("utf-8"))
+
+
+@pytest.fixture(scope="module")
+def labelled(tmp_path_factory) -> Path:
+    """A study with every kind of trouble, and the folder of its report."""
+    folder = tmp_path_factory.mktemp("labelled")
+    study = Study(folder / "s")
+    study.describe("mine", **LABELS)
+    for i in range(12):
+        order = list(LABELS)[:: 1 if i % 2 else -1]
+        more = {"q_internal_1": 0, "q_internal_2": 4 + i % 5}
+        exposures = [(name, "room", 3 + i % 4 + more[name]) for name in order]
+        if i == 10:
+            study.session(f"P{i}", 1, 2, exposures[:1], "withdrawn")
+        elif i == 11:
+            study.session(f"P{i}", 1, 2, [exposures[0], (exposures[1][0], "room", None)])
+        else:
+            study.session(f"P{i}", 1, 2, exposures)
+        study.person(f"P{i}", "", "withdrawn" if i == 10 else "completed")
+    study.person("P12", "", "excluded", "fell asleep")
+    build_report(study.folder, out=folder / "o")
+    return folder / "o"
+
+
+def test_the_answer_comes_first_with_everything_that_it_rests_on(labelled):
+    page = (labelled / "index.html").read_text("utf-8")
+    first = page.index('class="answer"')
+    assert first < page.index("<figure>") < page.index("<table>")
+    sentence = text_of(page[first : page.index("</p>", first)]).replace("\u00a0", " ")
+    number = r"−?\d+\.\d\d"
+    assert re.search(
+        rf"Total severity: lower under Calm \(M = {number}, SD = {number}\) than under Wild "
+        rf"\(M = {number}, SD = {number}\); difference {number} points, "
+        rf"95 % CI [\[(]{number}, {number}[\])], n = 10\.",
+        sentence,
+    )
+    test = results_of(labelled)["tests"][0]
+    assert f"{test['descriptives']['q_internal_1']['mean']:.2f}" in sentence
+
+
+def test_what_is_not_shown_is_not_called_absent(tmp_path):
+    scores = {f"P{i}": {"a": 4 + i % 3, "b": 4 + (i + 1) % 3} for i in range(9)}
+    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    assert summary.headlines[0].startswith("Total severity: no difference was shown between a (")
+
+
+def test_no_internal_name_of_a_condition_is_on_the_page(labelled):
+    text = text_of((labelled / "index.html").read_text("utf-8"))
+    assert "q_internal" not in text
+    for label in LABELS.values():
+        assert label in text
+    for figure in (labelled / "figures").glob("*.svg"):
+        assert "q_internal" not in figure.read_text("utf-8"), figure.name
+
+
+def test_the_flow_of_participants_adds_up(labelled):
+    flow = {stage["stage"]: stage for stage in results_of(labelled)["flow"]}
+    counts = [flow[name]["n"] for name in ("Enrolled", "Exposed", "Completed", "Analysed")]
+    assert counts == [13, 12, 11, 10]
+    assert flow["Enrolled"]["left"] == [{"reason": "excluded by the experimenter", "n": 1}]
+    assert flow["Exposed"]["left"] == [{"reason": "withdrew during an exposure", "n": 1}]
+    assert [row["n"] for row in flow["Completed"]["left"]] == [1]
+    drawn = (labelled / "figures" / "flow.svg").read_text("utf-8")
+    for words in ("Enrolled", "n = 13", "1: withdrew during an exposure", "n = 10"):
+        assert f">{words}<" in drawn
+
+
+def test_somebody_who_withdrew_after_the_exposures_of_a_test_is_in_it(tmp_path):
+    study = Study(tmp_path / "s")
+    for i in range(8):
+        study.session(f"P{i}", 1, 1, [("a", "x", 3 + i), ("b", "x", 2 + i % 3)][:: 1 - 2 * (i % 2)])
+        study.person(f"P{i}", "", "withdrawn" if i == 0 else "completed")
+    build_report(study.folder, out=tmp_path / "o")
+    analysed = results_of(tmp_path / "o")["flow"][-1]
+    assert (analysed["n"], analysed["again"]) == (8, 1)
+
+
+def test_the_order_that_was_met_is_audited(labelled):
+    audit = results_of(labelled)["counterbalancing"]
+    assert audit["positions"] == {"q_internal_1": [5, 5], "q_internal_2": [5, 5]}
+    assert audit["balanced"]
+    assert {(r["before"], r["after"]): r["n"] for r in audit["carry_over"]} == {
+        ("q_internal_1", "q_internal_1"): 0, ("q_internal_1", "q_internal_2"): 5,
+        ("q_internal_2", "q_internal_1"): 5, ("q_internal_2", "q_internal_2"): 0,
+    }  # fmt: skip
+    assert sum(order["n"] for order in audit["orders"]) == 10
+
+
+def test_symptoms_are_those_of_the_answers(tmp_path):
+    scores = {f"P{i}": {"a": 1 + i, "b": 2 * (i % 2)} for i in range(6)}
+    build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    rows = results_of(tmp_path / "o")["symptoms"]
+    first = {r["condition"]: r for r in rows if r["item"] == "general_discomfort"}
+    given = [answers(1 + i)["general_discomfort"] for i in range(6)]
+    assert first["a"]["mean"] == pytest.approx(sum(given) / 6)
+    assert (first["a"]["above"], first["b"]["above"], first["b"]["n"]) == (6, 3, 6)
+    assert "General discomfort" in text_of((tmp_path / "o" / "index.html").read_text("utf-8"))
+
+
+def test_recovery_compares_the_same_sessions(tmp_path):
+    study = Study(tmp_path / "s")
+    for i in range(4):
+        folder = study.session(f"P{i}", 1, 1, [("a", "x", 6 + i), ("b", "x", 5)])
+        if i == 3:
+            continue
+        rows = [
+            {"participant": f"P{i}", "session": 1, "timepoint": "recovery", "instrument": "ssq",
+             "item": item, "response": answer}
+            for item, answer in answers(1 if i else 9).items()
+        ]  # fmt: skip
+        with (folder / "questionnaires.csv").open("a", encoding="utf-8") as stream:
+            header = (folder / "questionnaires.csv").read_text("utf-8").splitlines()[0].split(",")
+            stream.writelines(
+                ",".join(str(row.get(name, "")) for name in header) + "\r\n" for row in rows
+            )
+    build_report(study.folder, out=tmp_path / "o")
+    total = results_of(tmp_path / "o")["recovery_course"][0]
+    assert (total["outcome"], total["sessions"]) == ("T", 3)
+    assert (total["fell"], total["no_higher_than_baseline"]) == (2, 2)
+    assert "Recovery" in (tmp_path / "o" / "index.html").read_text("utf-8")
+
+
+def timed(folder: Path, seconds: dict[str, float], same: str) -> Path:
+    """One file with answering times; `same` gives 2 to every question."""
+    rows = []
+    for person, each in seconds.items():
+        for condition in ("a", "b"):
+            clock = 0.0
+            for item, answer in answers(7 + len(rows) % 3).items():
+                rows.append(
+                    {"participant": person, "condition": condition, "item": item,
+                     "response": 2 if person == same else answer,
+                     "asked_s": clock, "answered_s": clock + each}
+                )  # fmt: skip
+                clock += each
+    write_csv(folder / "questionnaires.csv", tuple(rows[0]), rows)
+    return folder / "questionnaires.csv"
+
+
+def test_fast_and_uniform_answers_are_told_and_not_left_out(tmp_path):
+    seconds = {f"P{i}": 3.0 + i for i in range(6)} | {"P9": 1.0}
+    source = timed(tmp_path, seconds, same="P5")
+    build_report(source, out=tmp_path / "o")
+    found = results_of(tmp_path / "o")
+    times, alike = found["answering"]["times"], found["answering"]["straight_lined"]
+    assert (times["questionnaires"], times["fast"], times["fast_people"]) == (14, 2, ["P9"])
+    assert times["median_s"] == pytest.approx(5.0)
+    assert [(row["participant"], row["answer"]) for row in alike] == [("P5", 2), ("P5", 2)]
+    assert {"P5", "P9"} <= set(found["participants"]["analysed"])
+
+
+def test_a_study_with_another_questionnaire_has_no_ssq_on_its_page(tmp_path):
+    items = [item.name for item in shipped_instruments()["vrsq"].asked]
+    rows = [
+        {"participant": f"P{i}", "condition": condition, "instrument": "vrsq", "item": item,
+         "response": (i + k + more) % 4}
+        for i in range(8)
+        for condition, more in (("a", 0), ("b", 1))
+        for k, item in enumerate(items)
+    ]  # fmt: skip
+    write_csv(tmp_path / "questionnaires.csv", tuple(rows[0]), rows)
+    summary = build_report(tmp_path / "questionnaires.csv", out=tmp_path / "o")
+    page = summary.index.read_text("utf-8")
+    assert not re.search("ssq(?<!vrsq)|simulator sickness|kennedy", page, re.IGNORECASE)
+    assert "VRSQ" in page
+
+
+def test_figures_of_a_paper_are_named_in_its_protocol_alone(tmp_path, labelled):
+    carnegie_like(tmp_path / "s")
+    page = build_report(tmp_path / "s", out=tmp_path / "o").index.read_text("utf-8")
+    assert "cf. Carnegie &amp; Rhee (2015), Fig. 9" in page
+    assert "cf." not in (labelled / "index.html").read_text("utf-8")
+
+
+def test_text_in_figures_is_text(labelled):
+    for name in ("estimation_T", "symptoms_ssq", "flow", "residuals"):
+        svg = (labelled / "figures" / f"{name}.svg").read_text("utf-8")
+        assert svg.count("<text") > 3
+        assert 'id="DejaVu' not in svg  # no letters drawn as shapes
+    assert ">Wild<" in (labelled / "figures" / "estimation_T.svg").read_text("utf-8")
+
+
+def test_figures_come_as_svg_png_and_pdf(tmp_path):
+    scores = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(6)}
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    one = vrcomfort.report.build_report(source, out=tmp_path / "o")
+    begins = {".svg": b"<?xml", ".png": b"\x89PNG", ".pdf": b"%PDF"}
+    names = {path.stem for path in one.figures}
+    assert {path.name for path in one.figures} == {f"{n}{form}" for n in names for form in begins}
+    for path in one.figures:
+        assert path.read_bytes().startswith(begins[path.suffix])
+    again = vrcomfort.report.build_report(source, out=tmp_path / "p")
+    assert [p.read_bytes() for p in one.figures] == [p.read_bytes() for p in again.figures]
+
+
+def test_figures_on_the_page_have_the_colours_of_day_and_night(labelled):
+    page = (labelled / "index.html").read_text("utf-8")
+    assert "prefers-color-scheme: dark" in page
+    for svg in re.findall(r"<svg.*?</svg>", page, re.DOTALL):
+        assert not re.search(r"<\w[^<>]*#[0-9a-f]{6}", svg)
+    for colour in palette.ALL:
+        assert f"{colour.variable}: {colour.light};" in page
+        assert f"{colour.variable}: {colour.dark};" in page
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of the web's accessibility guidelines."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: str, two: str) -> float:
+    high, low = sorted((luminance(one), luminance(two)), reverse=True)
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("colour", [*palette.CONDITIONS, palette.INK, palette.SOFT])
+def test_colours_can_be_read_on_paper_and_in_the_dark(colour):
+    assert contrast(colour.light, palette.PAPER.light) >= 4.5
+    assert contrast(colour.dark, palette.PAPER.dark) >= 4.5
+
+
+def test_conditions_have_a_shape_each_and_no_pair_of_colour_and_shape_twice():
+    looks = [(palette.colour_of(i), palette.marker_of(i)) for i in range(36)]
+    assert len(set(looks)) == 36
+    assert len({shape for _, shape in looks[:6]}) == 6
+
+
+def test_every_reference_is_of_a_method_and_every_method_has_its_references(labelled):
+    known = tomllib.loads((data_folder("analysis") / "report" / "references.toml").read_text())
+    source = Path(methods.__file__).read_text("utf-8")
+    for key in known:
+        assert key.startswith("instrument_") or f'"{key}"' in source, key
+    page = (labelled / "index.html").read_text("utf-8")
+    assert "Friedman, M." not in page  # two conditions: no Friedman test was made
+    for author in ("Pratt, J. W.", "Holm, S.", "Kennedy, R. S.", "Hodges, J. L."):
+        assert page.count(author) == 1
+    assert not is_known("nobody_1900")
+    with pytest.raises(KeyError, match="nobody_1900"):
+        entries(["nobody_1900"])
+
+
+def test_the_plan_its_hash_and_what_was_done_otherwise_are_printed(labelled, tmp_path):
+    results = results_of(labelled)
+    page = (labelled / "index.html").read_text("utf-8")
+    assert results["plan"]["sha256"] in page
+    assert results["date"] in page
+    for name, version in results["software"].items():
+        assert f"{name} {version}" in page
+    for each in results["deviations"]:
+        assert each["text"].split(":")[0] in page
+
+
+@pytest.mark.parametrize(
+    ("value", "written"),
+    [(2.078, "2.08"), (0.02, "0.02"), (123456.0, "1.2\u00a0×\u00a010⁵"),
+     (0.00012, "1.2\u00a0×\u00a010⁻⁴"), (None, "–")],
+)  # fmt: skip
+def test_bayes_factors_of_any_size_can_be_read(value, written):
+    assert bayes_factor(value) == written
+
+
+def test_of_many_people_evenly_spaced_ones_are_drawn():
+    drawn = thinned(np.arange(100_000.0))
+    assert (drawn.size, drawn[0], drawn[-1]) == (MOST_DRAWN, 0, 99_999)
+    assert np.ptp(np.diff(drawn)) <= 1
+    assert thinned(np.arange(7.0)).tolist() == list(range(7))

@@ -1,0 +1,100 @@
+"""The R script beside a report finds the report's numbers in R; skipped where there is no R."""
+
+import random
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.support.report import build_report, carnegie_like, foreign
+
+RSCRIPT = shutil.which("Rscript")
+
+
+def run(folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run the script from another folder, as a reviewer may."""
+    assert RSCRIPT is not None
+    script = folder / "reproduce.R"
+    return subprocess.run(
+        [RSCRIPT, "--vanilla", script], capture_output=True, text=True, check=False, timeout=200
+    )
+
+
+def random_study(folder: Path, seed: int) -> Path:
+    chance = random.Random(seed)  # noqa: S311 - no secret
+    scores = {
+        f"P{i}": {c: chance.choice((0, 0, 2, 5, 9)) + 2 * k for k, c in enumerate("abc")}
+        for i in range(14)
+    }
+    del scores["P3"]["c"]
+    return foreign(folder / "questionnaires.csv", scores)
+
+
+needs_r = pytest.mark.skipif(RSCRIPT is None, reason="there is no Rscript here")
+
+
+@needs_r
+@pytest.mark.parametrize(
+    "plan",
+    [
+        "",
+        'alternative = "greater"\n',
+        'zeros = "wilcox"\nalternative = "less"\n',
+        'shift_interval = "order_statistics"\np_value = "asymptotic"\n',
+        'withdrawals = "available_pairs"\n',
+    ],
+)
+def test_r_finds_the_same_numbers(tmp_path, plan):
+    file = tmp_path / "plan.toml"
+    file.write_text(f'name = "p"\ntitle = "P"\n{plan}', "utf-8")
+    build_report(random_study(tmp_path, 5), plan=file, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "0 differ by more than" in found.stdout
+
+
+@needs_r
+def test_r_adds_several_exposures_of_a_condition_and_adjusts_by_family(tmp_path):
+    carnegie_like(tmp_path / "s")
+    build_report(tmp_path / "s", out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "p, Holm" in found.stdout
+    assert "interval, low" in found.stdout
+
+
+@needs_r
+def test_what_the_table_of_scores_does_not_have_is_named_and_left_out(tmp_path):
+    carnegie_like(tmp_path / "s")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\noutcomes = ["T"]\ncontrasts = [{ a = "dof_off", b = "dof_on" },\n'
+        '{ a_timepoint = "post", b_timepoint = "baseline" }]\n'
+    )
+    build_report(tmp_path / "s", plan=plan, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "Not made here: T post minus baseline" in found.stdout
+    assert "of 1 tests" in found.stdout
+
+
+@needs_r
+def test_a_number_that_r_does_not_find_is_told(tmp_path):
+    build_report(random_study(tmp_path, 6), out=tmp_path / "o")
+    table = tmp_path / "o" / "tables" / "tests.csv"
+    header, first, *rest = table.read_text("utf-8").splitlines()
+    cells = first.split(",")
+    place = header.split(",").index("p")
+    cells[place] = str(float(cells[place]) * 1.01)
+    table.write_text("\n".join([header, ",".join(cells), *rest]) + "\n", "utf-8")
+    found = run(tmp_path / "o")
+    assert found.returncode == 1
+    assert "differ by more than" in found.stdout
+
+
+def test_the_script_stands_beside_every_report(tmp_path):
+    build_report(random_study(tmp_path, 7), out=tmp_path / "o")
+    text = (tmp_path / "o" / "reproduce.R").read_text("utf-8")
+    assert text.startswith("# Makes the primary tests of this report again")
+    assert text.isascii()

@@ -1,0 +1,166 @@
+"""Drafts where the condition comes from, and how exposures of one condition are told apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from vrcomfort.importing.headings import is_number
+from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.fact_draft import FactDraft
+from vrcomfort.importing.suggest.roles import (
+    few_texts,
+    is_numeric,
+    texts,
+    varies_within,
+)
+
+
+class Conditions(FactDraft):
+    """Finds the condition, or asks."""
+
+    def draft(self) -> None:
+        """Draft where the condition comes from, and number repetitions."""
+        self._condition()
+        self._repetitions()
+
+    def _condition(self) -> None:
+        if "condition" in self._known.said or "condition" in self.found.columns:
+            return
+        columns = self._roles.facts.get("condition", [])
+        columns = [c for c in columns if texts(self._table, c)]
+        if "condition" in self._named and not columns:
+            return
+        if len(columns) == 1:
+            self.use("condition", columns[0])
+            if len(texts(self._table, columns[0])) == 1:
+                self.found.draft.note("one condition alone", "condition")
+        elif columns:
+            self._several_conditions(columns)
+        else:
+            self._guess_condition()
+
+    def _several_conditions(self, columns: list[int]) -> None:
+        names = ", ".join(repr(self.heading(c)) for c in columns)
+        within = [c for c in columns if varies_within(self._table, c, self.found.participant)]
+        chosen = within or columns[:1]
+        if len(chosen) == 1:
+            self.use("condition", chosen[0])
+            self.doubt(f"Which of {names} is the condition?", repr(self.heading(chosen[0])))
+        else:
+            self._join_condition(chosen)
+            self.doubt(f"Are conditions made of {names} together?", "they are, joined by _")
+
+    def _join_condition(self, columns: Sequence[int]) -> None:
+        self.found.used |= set(columns)
+        self.found.columns["condition"] = tuple(columns)
+        names = [self.heading(c) for c in columns]
+        joined = ["_".join(row[c] for c in columns) for row in self._table.rows]
+        values = {text: text for text in dict.fromkeys(joined) if all(text.split("_"))}
+        self.found.draft.put("condition", {"columns": names, "values": values})
+
+    def _guess_condition(self) -> None:
+        """Take what varies within participants for the condition, else their group, and ask."""
+        who = self.found.participant
+        counted = [
+            self.found.columns[fact][0]
+            for fact in ("trial", "session", "period")
+            if fact in self.found.columns
+        ]
+        varies = who is not None and bool(counted) and varies_within(self._table, counted[0], who)
+        group = self.found.covariates.get("group", self.found.covariates.get("sequence"))
+        within = self._within()
+        if within is not None:
+            self.use("condition", within)
+            if within in self._roles.unknown:
+                self._roles.unknown.remove(within)
+            self.doubt(f"Is {self.heading(within)!r} the condition?", "it is")
+        elif varies and group is not None:
+            self._crossover(group, counted[0])
+        elif varies:
+            self._take(counted[0], "the condition?", "it is, for want of another")
+        elif group is not None:
+            self._take(group, "the condition, between participants?", "it is")
+        else:
+            self.found.draft.put("condition", {"constant": "all"})
+            self.doubt("No column says the condition: was there but one?", "one, called `all`")
+
+    def _take(self, column: int, what: str, assumed: str) -> None:
+        """Let the condition come from a column that says something else, too."""
+        self.found.draft.put("condition", {"column": self.heading(column)})
+        self.doubt(f"Is {self.heading(column)!r} {what}", assumed)
+
+    def _within(self) -> int | None:
+        """Return a column of a few texts that vary within participants, words before numbers."""
+        who, table = self.found.participant, self._table
+        columns = [
+            c
+            for c in (*self._roles.unknown, *self._roles.facts.get("scene", []))
+            if few_texts(table, c) and c not in self.found.used and not _all_one_each(table, c)
+        ]
+        found = [c for c in columns if who is not None and varies_within(table, c, who)]
+        return min(found, key=lambda c: is_numeric(table, c), default=None)
+
+    def _crossover(self, group: int, number: int) -> None:
+        """Take group and number of the exposure together for the condition."""
+        self._join_condition([group, number])
+        self.found.covariates.setdefault("sequence", group)
+        if not self._letters(group, number):
+            a, b = self.heading(group), self.heading(number)
+            question = f"Which condition did each {a} have in each {b} (a crossover)?"
+            assumed = "each combination is a condition of its own; under values, give those that"
+            self.doubt(question, f"{assumed} are one condition one name")
+
+    def _letters(self, sequence: int, number: int) -> bool:
+        """Take letters of sequences such as AB for the conditions, in their order."""
+        orders, numbers = texts(self._table, sequence), sorted(texts(self._table, number))
+        alike = {tuple(sorted(order)) for order in orders}
+        if len(alike) != 1 or any(len(order) != len(numbers) > 1 for order in orders):
+            return False
+        if len(numbers) < 2:
+            return False
+        values = {f"{o}_{n}": letter for o in orders for n, letter in zip(numbers, o, strict=True)}
+        names = [self.heading(sequence), self.heading(number)]
+        self.found.draft.put("condition", {"columns": names, "values": values})
+        a, b = names
+        question = f"Does {a!r} name the conditions in the order of {b!r}?"
+        self.doubt(question, ", ".join(f"{key} is {value}" for key, value in values.items()))
+        return True
+
+    def _repetitions(self) -> None:
+        """Have exposures numbered where somebody has one condition and moment twice."""
+        if self._known.time is not None and "trial" not in self.found.columns:
+            runs = [c for c in self._roles.unknown if len(texts(self._table, c)) > 1]
+            runs = [c for c in runs if varies_within(self._table, c, self.found.participant)]
+            if runs:
+                self.use("trial", runs[0], count=True)
+                self.doubt(f"Does {self.heading(runs[0])!r} tell exposures apart?", "it does")
+                return
+        if "trial" in self.found.columns or self.found.participant is None:
+            return
+        if self._known.time is not None:
+            return
+        keys = [self.found.participant, *self._known.row_keys]
+        keys += [c for columns in self.found.columns.values() for c in columns]
+        seen: set[tuple[str, ...]] = set()
+        for table in self._known.tables:
+            for row in table.rows:
+                if not any(row[column] for column in self._known.taken):
+                    continue
+                key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
+                if key in seen and row[self.found.participant]:
+                    self._count_exposures()
+                    return
+                seen.add(key)
+
+    def _count_exposures(self) -> None:
+        self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
+        question = "Somebody has one condition more than once: do rows stand in the order of time?"
+        self.doubt(question, "they do; exposures are numbered in the order of the rows")
+
+
+def _all_one_each(table: SourceTable, column: int) -> bool:
+    """Return whether a column counts its rows, or holds long texts, as no condition does."""
+    words = texts(table, column)
+    return any(len(word) > 40 for word in words) or (
+        all(map(is_number, words)) and any("." in word or "," in word for word in words)
+    )
