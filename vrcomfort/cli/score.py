@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -62,6 +63,8 @@ def score(
     if len(answers) > 2 or (len(answers) == 2 and instrument is not None):
         raise InputError("`score` takes one file of answers; score several one after the other")
     file = Path(answers[-1])
+    if file.exists() and not os.access(file, os.R_OK):
+        raise typer.BadParameter(f"path '{file}' is not readable")
     name = answers[0] if len(answers) == 2 else instrument
     asked = find_instrument(name) if name is not None else guess_for_file(file)
     rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
