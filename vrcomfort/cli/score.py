@@ -62,6 +62,9 @@ def score(
     if len(answers) > 2 or (len(answers) == 2 and instrument is not None):
         raise InputError("`score` takes one file of answers; score several one after the other")
     file = Path(answers[-1])
+    if file.suffix.lower() in {".xlsx", ".json"} and file.exists():
+        message = "`score` takes CSV; other files: vrcomfort import FILE --suggest --out map.toml"
+        raise InputError(message, file=file)
     name = answers[0] if len(answers) == 2 else instrument
     asked = find_instrument(name) if name is not None else guess_for_file(file)
     rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
