@@ -87,6 +87,35 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
     assert test["p"] == pytest.approx(signed_rank(differences).p)
     mean = sum(differences) / 8 * 3.74
     assert test["descriptives"]["difference"]["mean"] == pytest.approx(mean)
+    (post,) = (
+        d for d in results["descriptives"]
+        if (d["by"], d["level"], d["outcome"]) == ("timepoint", "post", "T")
+    )  # fmt: skip
+    assert post["mean"] == pytest.approx(3.74 * sum(raw[2 + i] for i in range(8)) / 8)
+
+
+@pytest.mark.parametrize("kept", [("baseline", "post"), ("post",)])
+def test_the_page_of_one_condition_has_its_means(tmp_path, kept):
+    scores = {who: {when: found[when] for when in kept} for who, found in PRE_POST.items()}
+    results = analysed(timed(tmp_path / "questionnaires.csv", scores))
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    table = page[page.index("scores at each timepoint") :]
+    table = table[: table.index("</table>")]
+    rows = [d for d in results["descriptives"] if d["by"] == "timepoint"]
+    assert [d["level"] for d in rows if d["outcome"] == "T"] == [*kept]
+    for row in rows:
+        assert f"<td>{row['mean']:.2f}</td><td>{row['sd']:.2f}</td>" in table
+    assert ("Comparisons of timepoints are of raw scores" in page) == (len(kept) == 2)
+    assert ("no baseline questionnaire" in page) == (len(kept) == 1)
+
+
+def test_raw_scores_that_a_plan_asks_for_are_not_for_want_of_a_baseline(tmp_path):
+    file = timed(tmp_path / "questionnaires.csv", PRE_POST)
+    results = analysed(file, 'outcomes = ["T"]\nscores = "raw"\n')
+    assert results["score_basis"] == "raw_post"
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    assert "raw scores after exposure, as the plan asks" in page
+    assert "no baseline questionnaire" not in page
 
 
 def _loads(item: str) -> list[str]:
@@ -155,6 +184,18 @@ def test_each_contrast_has_its_side(tmp_path):
     assert (one["alternative"], two["alternative"]) == ("greater", "two-sided")
     assert one["shift"]["high"] is None, "a one-sided test has a one-sided bound"
     assert one["p"] == pytest.approx(two["p"] / 2)
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    assert "minus <span" in page
+    assert [" (greater)</td>" in page, " (two-sided)</td>" in page] == [True, True]
+    assert "<i>p</i>: as each comparison says" in page
+
+
+def test_the_side_on_the_page_is_that_of_the_tests(tmp_path):
+    contrast = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "less"\n'
+    analysed(foreign(tmp_path / "questionnaires.csv", SCORES), contrast)
+    page = (tmp_path / "o" / "index.html").read_text("utf-8")
+    assert "<i>p</i>: less, exact" in page
+    assert "one-sided (less discomfort under the first condition)" in page
 
 
 def test_asymptotic_p_values_are_those_of_z(tmp_path):

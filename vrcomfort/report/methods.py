@@ -69,7 +69,11 @@ def basis_sentence(results: Results) -> str:
             f"{moments}{other} are differences: the questionnaire after an exposure minus the "
             "nearest baseline of the same participant."
         )
-    why = "as the plan asks" if has_baseline(results) else "because the data hold no baseline"
+    why = (
+        "as the plan asks"
+        if has_baseline(results)
+        else "for the data hold no baseline questionnaire"
+    )
     return (
         f"Scores are raw scores after exposure, {why}, and include whatever symptoms participants "
         "brought with them."

@@ -21,7 +21,7 @@ from vrcomfort.importing.suggest.roles import (
 from vrcomfort.questionnaire import plain
 
 MOST_NAMED = 5
-LONG_WORD, NEAR, RARER = 6, 0.9, 2
+LONG_WORD, NEAR, RARER = 6, 0.85, 2
 """Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
 
@@ -201,7 +201,7 @@ class Conditions(FactDraft):
 
 
 def _are_alike(counts: Mapping[str, int], a: str, b: str) -> bool:
-    """Return whether two words are the same but for signs and case, or one is a rare misspelling."""
+    """Return whether two words are the same but for signs and case, or one is misspelt."""
     rare, usual = sorted((counts[a], counts[b]))
     return plain(a) == plain(b) or (RARER * rare <= usual and _near(a, b))
 
