@@ -195,11 +195,27 @@ def test_each_contrast_has_its_side(tmp_path):
     assert "<i>p</i>: as each comparison says" in page
 
 
+def test_a_scale_of_usability_is_not_read_as_discomfort(tmp_path):
+    items = [item.name for item in shipped_instruments()["sus"].items]
+    rows = [
+        {"participant": f"P{n}", "condition": c, "instrument": "sus", "item": item, "response": r}
+        for n in range(6)
+        for c, r in (("a", 1), ("b", 1 + n % 2))
+        for item in items
+    ]
+    file = tmp_path / "questionnaires.csv"
+    write_csv(file, ("participant", "condition", "instrument", "item", "response"), rows)
+    results, page = reported(file)
+    assert "discomfort" not in page
+    above = {row["condition"]: row["above"] for row in results["symptoms"]}
+    assert above == {"a": 0, "b": 3}, "1 is the lowest answer"
+
+
 def test_the_side_on_the_page_is_that_of_the_tests(tmp_path):
     contrast = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "less"\n'
     _, page = reported(foreign(tmp_path / "questionnaires.csv", SCORES), contrast)
     assert "<i>p</i>: less, exact" in page
-    assert "one-sided (less discomfort under the first condition)" in page
+    assert "one-sided (lower scores under the first condition)" in page
 
 
 def test_asymptotic_p_values_are_those_of_z(tmp_path):

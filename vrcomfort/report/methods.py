@@ -21,8 +21,8 @@ Results = dict[str, Any]
 
 _SIDES = {
     "two-sided": "two-sided",
-    "greater": "one-sided (more discomfort under the first condition)",
-    "less": "one-sided (less discomfort under the first condition)",
+    "greater": "one-sided (higher scores under the first condition)",
+    "less": "one-sided (lower scores under the first condition)",
 }
 
 
@@ -75,8 +75,8 @@ def basis_sentence(results: Results) -> str:
         else "for the data hold no baseline questionnaire"
     )
     return (
-        f"Scores are raw scores after exposure, {why}, and include whatever symptoms participants "
-        "brought with them."
+        f"Scores are raw scores after exposure, {why}, and include whatever participants already "
+        "felt before."
     )
 
 
