@@ -49,6 +49,9 @@ fast = SpeedBlur(moving=MoveRamp(from_m_s=1, to_m_s=2))
 for method in ("reconstruction", "per_pixel"):
     condition = Condition(name="m", motion_blur=MotionBlur(method=method), speed_blur=fast)
     StereoRenderer(context, (16, 16)).begin(scene, condition)
+both = {"depth_of_field": DepthOfField(), "motion_blur": MotionBlur()}
+later = Condition(name="l", effect_order=("motion_blur", "depth_of_field"), **both)
+StereoRenderer(context, (16, 16)).begin(scene, later)
 narrow = Condition(name="n", vignette=Vignette(colour="scene"), relocation_blur=RelocationBlur())
 StereoRenderer(context, (16, 16)).begin(scene, narrow)
 for kernel in get_args(Kernel):

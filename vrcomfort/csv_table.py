@@ -15,7 +15,7 @@ from vrcomfort.errors import InputError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
-_BLOCK = 2**20
+_BLOCK = 2**15
 
 
 @dataclass(frozen=True)

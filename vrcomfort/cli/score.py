@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -65,6 +66,8 @@ def score(
     if file.suffix.lower() in {".xlsx", ".json"} and file.exists():
         message = "`score` takes CSV; other files: vrcomfort import FILE --suggest --out map.toml"
         raise InputError(message, file=file)
+    if file.exists() and not os.access(file, os.R_OK):
+        raise typer.BadParameter(f"path '{file}' is not readable")
     name = answers[0] if len(answers) == 2 else instrument
     asked = find_instrument(name) if name is not None else guess_for_file(file)
     rows, left_out = score_file(file, asked, skip_incomplete=skip_incomplete, coded_from=coded_from)
