@@ -105,6 +105,83 @@ def test_what_is_not_certain_is_asked(name: str, tmp_path: Path) -> None:
         assert any(words in doubt for doubt in doubts), words
 
 
+def crossover(conditions: list[str]) -> list[list[object]]:
+    """A row for each of eight people in each condition, and its heading."""
+    rows: list[list[object]] = [["ID", "Condition", *ITEMS]]
+    for n in range(8):
+        rows += [[f"P{n}", each, *[(n + k) % 4 for k in range(16)]] for each in conditions]
+    return rows
+
+
+def test_a_misspelt_condition_is_asked_about(tmp_path: Path) -> None:
+    rows = crossover(["ohne Blende", "mit Blende", "mit Licht"])
+    rows[5][1] = "mit Belnde"
+    (doubt,) = suggest_mapping([write(tmp_path / "x.csv", rows)]).doubts
+    assert "'mit Blende' and 'mit Belnde'" in doubt
+    assert '"mit Belnde" = "mit Blende"' in doubt
+
+
+@pytest.mark.parametrize(
+    "conditions",
+    [["comfortable", "uncomfortable"], ["Display 1", "Display 2"], ["control", "contrl"]],
+)
+def test_conditions_that_are_equally_often_met_are_not_misspelt(
+    conditions: list[str], tmp_path: Path
+) -> None:
+    assert not suggest_mapping([write(tmp_path / "x.csv", crossover(conditions))]).doubts
+
+
+def test_who_has_a_row_twice_is_named(tmp_path: Path) -> None:
+    rows = crossover(["a", "b"])
+    file = write(tmp_path / "x.csv", [*rows, rows[4]])
+    (doubt,) = suggest_mapping([file]).doubts
+    assert "more than once: P1. " in doubt
+    assert "row 18 is the same as row 5" in doubt
+
+
+def test_codes_under_name_tell_people_apart_and_names_do_not(tmp_path: Path) -> None:
+    rows = crossover(["a", "b"])
+    rows[0][0] = "Name"
+    coded = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert coded.imported is not None
+    assert [*coded.imported.participants] == [f"P{n}" for n in range(8)]
+    for row in rows[1:]:
+        row[0] = f"Anna {'ABCDEFGH'[int(str(row[0])[1])]}."
+    named = suggest_mapping([write(tmp_path / "y.csv", rows)])
+    assert "Anna" not in named.text
+    assert any("No column tells participants apart" in doubt for doubt in named.doubts)
+
+
+@pytest.mark.parametrize("title", [(), ("Study 3", "", "exported 2024")])
+def test_headings_of_three_rows_below_a_title(title: tuple[str, ...], tmp_path: Path) -> None:
+    moments = [(c, t) for c in ("Big lens", "Small screen") for t in ("Before", "After")]
+    above: list[list[object]] = [["", ""], ["", ""], ["ID", "Age"]]
+    for condition, when in moments:
+        above[0] += [condition if when == "Before" else "", *[""] * 15]
+        above[1] += [when, *[""] * 15]
+        above[2] += ITEMS
+    people = [[f"P{n}", 20 + n, *[(n + k) % 4 for k in range(64)]] for n in range(6)]
+    file = write(tmp_path / "x.csv", [*([text] for text in title), *above, *people])
+    suggested = suggest_mapping([file])
+    assert suggested.imported is not None
+    found = {(m.participant, m.condition, m.timepoint) for _, m in suggested.imported.sheets}
+    assert {(c, t) for _, c, t in found} == {
+        (c, t) for c in ("Big_lens", "Small_screen") for t in ("baseline", "post")
+    }
+    assert len(found) == len(suggested.imported.sheets) == 24
+    assert 'Big_lens = "Big lens"' in suggested.text
+    assert answers_of(suggested.imported)["P5", "Small_screen", "post"] == tuple(
+        (5 + k) % 4 for k in range(48, 64)
+    )
+
+
+def test_a_first_row_of_one_answer_is_data(tmp_path: Path) -> None:
+    rows = [[0] * 16, *([n % 4] * 16 for n in range(9))]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    assert "heading_rows = []" in suggested.text
+    assert "skip_rows" not in suggested.text
+
+
 def test_every_column_is_mapped_or_ignored(tmp_path: Path) -> None:
     files, _ = LAYOUTS["qualtrics"](tmp_path)
     text = answered(suggest_mapping(files).text)

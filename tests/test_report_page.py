@@ -66,8 +66,9 @@ def test_who_is_in_some_tests_only_is_told(unequal):
 
 def test_mean_answers_are_of_everybody_in_a_test_of_the_condition(unequal):
     results, _, _ = unequal
-    first = results["items"][0]  # 3 points of every total that has them are in the first item
-    assert (first["a"], first["b"], first["c"]) == pytest.approx((3.0, 2.0, 7 / 3))
+    first = results["symptoms"][0]["item"]  # 3 points of every total that has them are in it
+    means = {r["condition"]: r["mean"] for r in results["symptoms"] if r["item"] == first}
+    assert means == pytest.approx({"a": 3.0, "b": 2.0, "c": 7 / 3})
 
 
 def test_of_one_pair_the_scores_are_those_of_its_test(tmp_path):

@@ -36,6 +36,15 @@ def analysed(source: Path, text: str = "") -> dict:
     return analyse(study, plan)[0]
 
 
+def reported(source: Path, text: str = "") -> tuple[dict, str]:
+    """Return results and page of a report; no text: by the derived plan."""
+    out, plan = source.parent / "o", source.parent / "mine.toml"
+    plan.write_text(HEAD + text, encoding="utf-8")
+    summary = build_report(source, plan=plan if text else None, out=out, forms=())
+    results = json.loads(summary.results.read_text("utf-8"))
+    return results, summary.index.read_text("utf-8")
+
+
 def kinds(results: dict) -> list[str]:
     return [found["kind"] for found in results["deviations"]]
 
@@ -87,6 +96,33 @@ def test_one_condition_is_compared_with_the_baseline_of_each_exposure(tmp_path):
     assert test["p"] == pytest.approx(signed_rank(differences).p)
     mean = sum(differences) / 8 * 3.74
     assert test["descriptives"]["difference"]["mean"] == pytest.approx(mean)
+    (post,) = (
+        d for d in results["descriptives"]
+        if (d["by"], d["level"], d["outcome"]) == ("timepoint", "post", "T")
+    )  # fmt: skip
+    assert post["mean"] == pytest.approx(3.74 * sum(raw[2 + i] for i in range(8)) / 8)
+
+
+@pytest.mark.parametrize("kept", [("baseline", "post"), ("post",)])
+def test_the_page_of_one_condition_has_its_means(tmp_path, kept):
+    scores = {who: {when: found[when] for when in kept} for who, found in PRE_POST.items()}
+    results, page = reported(timed(tmp_path / "questionnaires.csv", scores))
+    table = page[page.index("scores at each timepoint") :]
+    table = table[: table.index("</table>")]
+    rows = [d for d in results["descriptives"] if d["by"] == "timepoint"]
+    assert [d["level"] for d in rows if d["outcome"] == "T"] == [*kept]
+    for row in rows:
+        assert f"<td>{row['mean']:.2f}</td><td>{row['sd']:.2f}</td>" in table
+    assert ("Comparisons of timepoints are of raw scores" in page) == (len(kept) == 2)
+    assert ("no baseline questionnaire" in page) == (len(kept) == 1)
+
+
+def test_raw_scores_that_a_plan_asks_for_are_not_for_want_of_a_baseline(tmp_path):
+    file = timed(tmp_path / "questionnaires.csv", PRE_POST)
+    results, page = reported(file, 'outcomes = ["T"]\nscores = "raw"\n')
+    assert results["score_basis"] == "raw_post"
+    assert "raw scores after exposure, as the plan asks" in page
+    assert "no baseline questionnaire" not in page
 
 
 def _loads(item: str) -> list[str]:
@@ -146,7 +182,7 @@ def test_conditions_are_compared_at_any_timepoint(tmp_path):
 
 
 def test_each_contrast_has_its_side(tmp_path):
-    results = analysed(
+    results, page = reported(
         foreign(tmp_path / "questionnaires.csv", SCORES),
         'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "greater"\n'
         '[[contrasts]]\na = "b"\nb = "a"\n',
@@ -155,6 +191,31 @@ def test_each_contrast_has_its_side(tmp_path):
     assert (one["alternative"], two["alternative"]) == ("greater", "two-sided")
     assert one["shift"]["high"] is None, "a one-sided test has a one-sided bound"
     assert one["p"] == pytest.approx(two["p"] / 2)
+    assert [" (greater)</td>" in page, " (two-sided)</td>" in page] == [True, True]
+    assert "<i>p</i>: as each comparison says" in page
+
+
+def test_a_scale_of_usability_is_not_read_as_discomfort(tmp_path):
+    items = [item.name for item in shipped_instruments()["sus"].items]
+    rows = [
+        {"participant": f"P{n}", "condition": c, "instrument": "sus", "item": item, "response": r}
+        for n in range(6)
+        for c, r in (("a", 1), ("b", 1 + n % 2))
+        for item in items
+    ]
+    file = tmp_path / "questionnaires.csv"
+    write_csv(file, ("participant", "condition", "instrument", "item", "response"), rows)
+    results, page = reported(file)
+    assert "discomfort" not in page
+    above = {row["condition"]: row["above"] for row in results["symptoms"]}
+    assert above == {"a": 0, "b": 3}, "1 is the lowest answer"
+
+
+def test_the_side_on_the_page_is_that_of_the_tests(tmp_path):
+    contrast = 'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\nalternative = "less"\n'
+    _, page = reported(foreign(tmp_path / "questionnaires.csv", SCORES), contrast)
+    assert "<i>p</i>: less, exact" in page
+    assert "one-sided (lower scores under the first condition)" in page
 
 
 def test_asymptotic_p_values_are_those_of_z(tmp_path):

@@ -208,7 +208,11 @@ def test_baseline_of_each_condition(tmp_path):
     file = tmp_path / "questionnaires.csv"
     file.write_text("participant,condition,timepoint,item,response\n" + "\n".join(rows) + "\n")
     results = report(file, tmp_path / "o")
-    means = {d["condition"]: d["mean"] for d in results["descriptives"] if d["outcome"] == "T"}
+    means = {
+        d["condition"]: d["mean"]
+        for d in results["descriptives"]
+        if (d["outcome"], d["by"]) == ("T", "primary")
+    }
     assert means["a"] == pytest.approx(3.74 * (total_raw(6) - total_raw(2)))
     assert means["b"] == pytest.approx(3.74 * (total_raw(6) - total_raw(5)))
 

@@ -69,7 +69,7 @@ def report(
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
-    """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG.
+    """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG, PNG and PDF.
 
     - `vrcomfort report out/demo/study --out out/demo/report`
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`

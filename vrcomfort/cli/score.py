@@ -63,6 +63,9 @@ def score(
     if len(answers) > 2 or (len(answers) == 2 and instrument is not None):
         raise InputError("`score` takes one file of answers; score several one after the other")
     file = Path(answers[-1])
+    if file.suffix.lower() in {".xlsx", ".json"} and file.exists():
+        message = "`score` takes CSV; other files: vrcomfort import FILE --suggest --out map.toml"
+        raise InputError(message, file=file)
     if file.exists() and not os.access(file, os.R_OK):
         raise typer.BadParameter(f"path '{file}' is not readable")
     name = answers[0] if len(answers) == 2 else instrument

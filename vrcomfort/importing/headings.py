@@ -110,7 +110,7 @@ def _labels(grid: Grid, reading: Reading, width: int) -> list[str]:
 
 
 def _detected(grid: Grid) -> Reading:
-    """Return which rows are headings: none, one, or two with the upper one over several columns."""
+    """Return which rows are headings: none, or one, below up to two that span several columns."""
     rows, numbers = grid.rows, grid.numbers
     reading = grid.reading
     if grid.named:
@@ -122,9 +122,9 @@ def _detected(grid: Grid) -> Reading:
     first = _first_of_the_table(rows)
     titles = tuple(numbers[:first])
     rest = rows[first:]
-    if _is_upper_heading(rest):
-        both = (numbers[first], numbers[first + 1])
-        return reading._replace(heading_rows=both, skip_rows=titles)
+    if upper := _upper_headings(rest):
+        several = tuple(numbers[first : first + upper + 1])
+        return reading._replace(heading_rows=several, skip_rows=titles)
     if not _is_heading(rest):
         return reading._replace(heading_rows=(), skip_rows=titles)
     return reading._replace(heading_rows=(numbers[first],), skip_rows=titles)
@@ -138,12 +138,21 @@ def _first_of_the_table(rows: Sequence[Sequence[str]]) -> int:
     """Return where the table begins below lines of title: they fill few of its columns."""
     width = max(_filled(row) for row in rows[:50])
     for index, row in enumerate(rows[:20]):
+        if _is_title(rows[index:]) and width > 2:
+            continue
         if _filled(row) * 2 > width or (width <= 2 and _filled(row) == width):
             return index
         below = rows[index + 1 : index + 2]
-        if below and _filled(row) > 1 and _is_upper_heading(rows[index:]):
+        if below and _filled(row) > 1 and _upper_headings(rows[index:]):
             return index
     return 0
+
+
+def _is_title(rows: Sequence[Sequence[str]]) -> bool:
+    """Return whether the first row is one text, perhaps merged over cells, and nowhere below."""
+    first, *below = rows
+    texts = {cell for cell in first if cell}
+    return bool(first[0]) and len(texts) == 1 and not any(first[0] in row for row in below)
 
 
 def _filled(row: Sequence[str]) -> int:
@@ -179,6 +188,15 @@ def _is_heading(rows: Sequence[Sequence[str]]) -> bool:
         if cell and any(index < len(row) and row[index] == cell for row in below)
     ]
     return len(again) * 2 < _filled(first)
+
+
+def _upper_headings(rows: Sequence[Sequence[str]]) -> int:
+    """Return how many rows stand over several columns of the row of headings below them."""
+    if len(rows) > 3 and any(rows[0]) and _is_upper_heading(rows[1:]):
+        first = [row[0] if row else "" for row in rows[:3]]
+        if all(cell in {"", first[2]} for cell in first):  # blank, or merged, above the last one
+            return 2
+    return int(_is_upper_heading(rows))
 
 
 def _is_upper_heading(rows: Sequence[Sequence[str]]) -> bool:

@@ -44,26 +44,32 @@ def aligned(rows: list[list[str]]) -> list[str]:
 
 
 def _counts(imported: Imported) -> list[str]:
-    people: dict[tuple[str, ...], set[str]] = defaultdict(set)
+    who: dict[tuple[str, ...], set[str]] = defaultdict(set)
     what: Counter[tuple[str, ...]] = Counter()
     for (instrument, m), sheet in imported.sheets.items():
         key = (instrument, m.condition or "(no condition)", m.timepoint)
-        people[key].add(m.participant)
+        who[key].add(m.participant)
         what[key] += 1
         what["items", *key] = max(what["items", *key], len(sheet.answers))
     lines = [
-        f"{key[0]}: {key[1]}, {key[2]}: {len(found)} participants, {what[key]} questionnaires, "
-        f"{what['items', *key]} {'scores' if key[0] in imported.scores else 'items'}"
-        for key, found in people.items()
+        f"{key[0]}: {key[1]}, {key[2]}: {_count(len(found), 'participant')}, "
+        f"{_count(what[key], 'questionnaire')}, "
+        f"{_count(what['items', *key], 'score' if key[0] in imported.scores else 'item')}"
+        for key, found in who.items()
     ]
     rated = Counter((r.instrument, r.moment.condition) for r in imported.ratings)
     lines += [
         f"{name}: {condition}: {count} ratings during exposure"
         for (name, condition), count in rated.items()
     ]
-    total = f"{len(imported.participants)} participants, {len(imported.conditions)} conditions"
+    people = _count(len(imported.participants), "participant")
+    total = f"{people}, {_count(len(imported.conditions), 'condition')}"
     names = ", ".join(imported.covariates)
     return [total + (f"; known of participants: {names}" if names else ""), *lines]
+
+
+def _count(n: int, what: str) -> str:
+    return f"{n} {what}" if n == 1 else f"{n} {what}s"
 
 
 def _missing(imported: Imported) -> list[str]:

@@ -80,7 +80,7 @@ class ScoreInstrument:
             f'short = "{self.of.short} {_NAMES[self.kind].replace("_", " ")}"',
             f'title = "{title}"',
             f'citation = "{self.of.citation}"' if self.of.citation else "",
-            'rule = "as the file has them: the answers that they were made of are not there"',
+            'rule = "scores as the file has them, without the answers that they were made of"',
             f'primary = "{_primary(self.of, scales)}"',
             "",
             "[answers]",

@@ -76,6 +76,7 @@ def guess_for_file(file: Path) -> Instrument:
         return known[names[0]]
     what = "holds answers to " + " and ".join(names) if names else "has the items of no instrument"
     hint = f"give --instrument NAME ({', '.join(known)}), or the file of your own"
+    hint += "; for other layouts there is `vrcomfort import FILE --suggest`"
     raise InputError(f"this {what}; {hint}", file=file)
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.report.asked import timepoints_of
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import in_a_test
 from vrcomfort.stats.means import mean_interval
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
 
-PRIMARY, ALL = "primary", "all"
+PRIMARY, ALL, TIMEPOINT = "primary", "all", "timepoint"
 
 
 def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
@@ -53,7 +54,7 @@ def describe_all(
     list of dict
         `by` says of what: ``primary``, the participants in any test of the condition, each with
         the mean over exposures; ``all``, every scored exposure, whoever's; ``scene``, ``position``
-        and ``session``, those of one `level` of it.
+        and ``session``, those of one `level` of it; ``timepoint``, the raw scores at one.
     """
     return [
         {"outcome": outcome, "by": by, "level": level, "condition": condition, **found}
@@ -61,6 +62,7 @@ def describe_all(
         for by, level, condition, found in (
             *_primary(scored, plan, outcome, conditions, tests),
             *_exposures(scored, outcome, conditions),
+            *_moments(scored, plan, outcome, conditions),
         )
     ]
 
@@ -96,6 +98,18 @@ def _exposures(scored: Exposures, outcome: str, conditions: list[str]) -> _Descr
         (by, level, condition, describe(values[rows]))
         for by, level, condition, rows in filled
         if by == ALL or len(levels[by]) > 1
+    ]
+
+
+def _moments(scored: Exposures, plan: Plan, outcome: str, conditions: list[str]) -> _Described:
+    """Describe the raw scores at each timepoint of the plan, in the order of time."""
+    table, unit = scored.moments.dropna(subset=[outcome]), scored.units[outcome]
+    cells = dict(list(table.groupby(["timepoint", "condition"])[outcome]))
+    return [
+        (TIMEPOINT, timepoint, condition, describe(cells[timepoint, condition].to_numpy() * unit))
+        for timepoint in timepoints_of(plan)
+        for condition in conditions or [""]
+        if (timepoint, condition) in cells
     ]
 
 
@@ -136,24 +150,3 @@ def describe_recovery(scored: Exposures) -> list[dict[str, Any]]:
 
 def _in_points(part: pd.DataFrame, outcome: str, unit: float) -> dict[str, float | None]:
     return describe(part[outcome].to_numpy(dtype=float) * unit)
-
-
-def mean_answers(
-    scored: Exposures, conditions: list[str], tests: list[dict[str, Any]]
-) -> list[dict[str, Any]]:
-    """Mean answer of each symptom by condition, of those tested (of everybody, if nobody is)."""
-    table, items = scored.table, list(scored.items)
-    tested = any(in_a_test(tests, condition) for condition in conditions)
-    found = {
-        c: of_the_tested(table, tests, c) if tested else table[table["condition"] == c]
-        for c in conditions
-    }
-    means = {c: part[items].astype(float).mean() for c, part in found.items() if len(part)}
-    return [
-        {
-            "item": item,
-            "instrument": instrument,
-            **{c: float(mean[column]) for c, mean in means.items()},
-        }
-        for column, (instrument, item) in scored.items.items()
-    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from vrcomfort.report.descriptives import TIMEPOINT
 from vrcomfort.report.references import is_known
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
@@ -16,6 +17,13 @@ if TYPE_CHECKING:
     from vrcomfort.report.vocabulary import Vocabulary
 
 Results = dict[str, Any]
+
+
+_SIDES = {
+    "two-sided": "two-sided",
+    "greater": "one-sided (higher scores under the first condition)",
+    "less": "one-sided (lower scores under the first condition)",
+}
 
 
 class Method(NamedTuple):
@@ -51,16 +59,32 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
     ]
 
 
-def basis_sentence(basis: str) -> str:
+def basis_sentence(results: Results) -> str:
     """Say what the scores are."""
-    if basis == "difference_from_baseline":
+    if results["score_basis"] == "difference_from_baseline":
+        sides = [side["timepoint"] for test in results["tests"] for side in test["sides"]]
+        moments = "Comparisons of timepoints are of raw scores. " if any(sides) else ""
+        other = "Other scores" if moments else "Scores"
         return (
-            "Scores are differences: the questionnaire after an exposure minus the nearest "
-            "baseline of the same participant."
+            f"{moments}{other} are differences: the questionnaire after an exposure minus the "
+            "nearest baseline of the same participant."
         )
+    why = (
+        "as the plan asks"
+        if has_baseline(results)
+        else "for the data hold no baseline questionnaire"
+    )
     return (
-        "The data hold no baseline questionnaire, so scores are raw scores after exposure and "
-        "include whatever symptoms participants brought with them."
+        f"Scores are raw scores after exposure, {why}, and include whatever participants already "
+        "felt before."
+    )
+
+
+def has_baseline(results: Results) -> bool:
+    """Return whether any exposure has scores before it."""
+    baseline = results["plan"]["baseline_timepoint"]
+    return any(
+        row["by"] == TIMEPOINT and row["level"] == baseline for row in results["descriptives"]
     )
 
 
@@ -79,7 +103,7 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
     )
     text = (
         f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
-        f"{basis_sentence(results['score_basis'])}{repeated}"
+        f"{basis_sentence(results)}{repeated}"
     )
     cited = [f"instrument_{each['name']}" for each in words.instruments]
     return Method("Scores", text, tuple(key for key in cited if is_known(key)))
@@ -114,11 +138,8 @@ def _testing(results: Results, words: Vocabulary) -> Method:
         if pratt
         else "pairs without a difference were dropped before ranking (Wilcoxon, 1945)"
     )
-    sides = {
-        "two-sided": "two-sided",
-        "greater": "one-sided (more discomfort under the first condition)",
-        "less": "one-sided (less discomfort under the first condition)",
-    }[plan["alternative"]]
+    asked = dict.fromkeys(test["alternative"] for test in results["tests"])
+    sides = _SIDES[next(iter(asked))] if len(asked) == 1 else "two-sided or one-sided as marked"
     text = (
         f"Conditions were compared with Wilcoxon signed-rank tests, {sides}. Ranks were taken on "
         f"integer raw sums, so ties are exact; {zeros}; p is {_exactness(results)} (Hollander et "

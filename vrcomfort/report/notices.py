@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter, defaultdict
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import everybody
@@ -92,11 +92,8 @@ def _repeated(scored: Exposures) -> list[str]:
 
 def _suspect_names(study: StudyData) -> list[str]:
     """Say which names may be one person's: they differ in case, spaces or zeros alone."""
-    alike: dict[str, list[str]] = defaultdict(list)
-    for name in everybody(study):
-        plain = re.sub(r"[\W_]+", "", name.casefold())
-        alike[re.sub(r"(?<!\d)0+(?=\d)", "", plain)].append(name)
-    pairs = [" and ".join(f"`{name}`" for name in found) for found in alike.values() if found[1:]]
+    groups = alike(everybody(study))
+    pairs = [" and ".join(f"`{name}`" for name in group) for group in groups]
     if not pairs:
         return []
     return [

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
-from vrcomfort.report.descriptives import PRIMARY
+from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
@@ -55,8 +55,10 @@ def render_page(
         symptoms=_by_instrument(results["symptoms"]),
         methods=paragraphs,
         references=entries(key for method in paragraphs for key in method.cited),
-        basis=methods.basis_sentence(results["score_basis"]),
+        basis=methods.basis_sentence(results),
+        has_baseline=methods.has_baseline(results),
         described=_described(results),
+        moments=_moments(results),
         disagreements=_disagreements(results),
         fewest=methods.fewest_for_shift(results["plan"]),
         colours_light=palette.css_variables(dark=False),
@@ -95,6 +97,14 @@ def _described(results: dict[str, Any]) -> list[dict[str, Any]]:
             if not test["not_tested"]
         ]
     return sorted(rows, key=lambda row: order.index(row["outcome"]))
+
+
+def _moments(results: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the raw scores by timepoint where timepoints are compared, or nothing is."""
+    sides = [side for test in results["tests"] for side in test["sides"]]
+    if sides and not any(side["timepoint"] for side in sides):
+        return []
+    return [row for row in results["descriptives"] if row["by"] == TIMEPOINT]
 
 
 def _by_instrument(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:

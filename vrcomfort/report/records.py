@@ -28,7 +28,7 @@ def records(
     withdrawn = find_withdrawals(study)
     return {
         "flow": participant_flow(study, scored, plan, withdrawn, tests, analysed),
-        "symptoms": symptom_rows(scored, names, tests),
+        "symptoms": symptom_rows(scored, names, tests, study.instruments),
         "recovery_course": recovery_rows(scored),
         "counterbalancing": counterbalancing(scored.table, names, analysed),
         "answering": answering(study, _files(source, "questionnaires.csv")),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort import __version__
 from vrcomfort.report.asked import unused_timepoints
 from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests
-from vrcomfort.report.descriptives import describe_all, describe_recovery, mean_answers
+from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
 from vrcomfort.report.exposures import score_exposures
@@ -42,6 +42,7 @@ from vrcomfort.stats.means import RESAMPLES, SEED
 if TYPE_CHECKING:
     import pandas as pd
 
+    from vrcomfort.questionnaire import Instrument
     from vrcomfort.report.contrasts import Compared
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Plan
@@ -108,7 +109,6 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
         "descriptives": describe_all(scored, plan, conditions, tests),
         "recovery": describe_recovery(scored),
-        "items": mean_answers(scored, conditions, tests),
         **models,
         "withdrawals": count_withdrawals(study, found),
         "quality": quality(study, scored, plan, unused_timepoints(study, plan)),
@@ -139,7 +139,7 @@ def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
                 "title": each.title,
                 "citation": each.citation,
                 "rule": each.rule,
-                "answers": each.answers.in_words,
+                "answers": _answers_in_words(each),
                 "low": each.low,
                 "high": each.high,
                 "items": [{"name": item.name, "text": item.text} for item in each.asked],
@@ -147,6 +147,11 @@ def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
             for each in map(study.instruments.__getitem__, instruments)
         ],
     }
+
+
+def _answers_in_words(instrument: Instrument) -> str:
+    alike = all(item.answers == instrument.answers for item in instrument.asked)
+    return instrument.answers.in_words if alike else "each with its own answers"
 
 
 def _labels(named: list[str], contrasts: list[Compared], labels: dict[str, str]) -> dict[str, str]:

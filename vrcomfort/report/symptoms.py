@@ -10,10 +10,11 @@ from vrcomfort.report.descriptives import describe, of_the_tested
 from vrcomfort.report.pairs import in_a_test
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from numpy.typing import NDArray
 
+    from vrcomfort.questionnaire import Instrument
     from vrcomfort.report.exposures import Exposures
 
     Floats = NDArray[np.float64]
@@ -21,15 +22,26 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 
-def symptom_rows(scored: Exposures, conditions: Iterable[str], tests: list[Row]) -> list[Row]:
+def symptom_rows(
+    scored: Exposures,
+    conditions: Iterable[str],
+    tests: list[Row],
+    instruments: Mapping[str, Instrument],
+) -> list[Row]:
     """Describe the answers by item and condition, of those tested (of all, if nobody is).
 
     Returns
     -------
     list of dict
         By instrument and item: `n` exposures, `mean`, `sd`, and `above` of them with an answer
-        above 0 (with a baseline: above that of the baseline).
+        above the lowest that there is (with a baseline: above that of the baseline).
     """
+    raw = {each.instrument for each in scored.outcomes if scored.bases[each.name] == "raw_post"}
+    lowest = {
+        (name, item.name): float(item.answers.low)
+        for name in raw
+        for item in instruments[name].items
+    }
     tested = any(in_a_test(tests, condition) for condition in conditions)
     table = scored.table
     found = []
@@ -46,7 +58,7 @@ def symptom_rows(scored: Exposures, conditions: Iterable[str], tests: list[Row])
             found.append({
                 "instrument": instrument, "item": item, "condition": condition,
                 "n": int(values.size), "mean": float(values.mean()), "sd": deviation,
-                "above": int((values > 0).sum()),
+                "above": int((values > lowest.get((instrument, item), 0.0)).sum()),
             })  # fmt: skip
     return found
 

@@ -73,8 +73,8 @@ class Vocabulary:
 
     @property
     def questionnaire(self) -> str:
-        """Return how sentences call the instruments, such as SSQ."""
-        return " and ".join(short(each) for each in self.instruments)
+        """Return how sentences call the instruments, such as SSQ, before the word scores."""
+        return " and ".join(short(each).removesuffix(" scores") for each in self.instruments)
 
     def item(self, instrument: str, name: str) -> str:
         """Return a question's wording."""

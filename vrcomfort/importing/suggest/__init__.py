@@ -74,6 +74,9 @@ def suggest_mapping(
     top = Draft({"format_version": 1, "name": files[0].stem})
     if own:
         top.put("instruments", list(own))
+    labels = {name: label for draft in useful for name, label in draft.labels.items()}
+    if any(name != label for name, label in labels.items()):
+        top.put("condition_labels", labels)
     for line in _TOP:
         top.note(line, "format_version")
     doubts += _ignored_sheets(top, drafts, useful)

@@ -2,17 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from difflib import SequenceMatcher
+from itertools import combinations
 
 from vrcomfort.importing.headings import is_number
 from vrcomfort.importing.source import SourceTable
+from vrcomfort.importing.suggest.draft import toml_value
 from vrcomfort.importing.suggest.fact_draft import FactDraft
 from vrcomfort.importing.suggest.roles import (
+    MOST_CONDITIONS,
     few_texts,
     is_numeric,
     texts,
     varies_within,
 )
+from vrcomfort.questionnaire import plain
+
+MOST_NAMED = 5
+LONG_WORD, NEAR, RARER = 6, 0.85, 2
+"""Letters in which a misspelling shows, how alike the two words are, and how much rarer one is."""
 
 
 class Conditions(FactDraft):
@@ -21,6 +31,7 @@ class Conditions(FactDraft):
     def draft(self) -> None:
         """Draft where the condition comes from, and number repetitions."""
         self._condition()
+        self._alike()
         self._repetitions()
 
     def _condition(self) -> None:
@@ -141,21 +152,70 @@ class Conditions(FactDraft):
             return
         keys = [self.found.participant, *self._known.row_keys]
         keys += [c for columns in self.found.columns.values() for c in columns]
-        seen: set[tuple[str, ...]] = set()
+        seen: dict[tuple[str, ...], tuple[int, tuple[str, ...]]] = {}
+        again: dict[str, list[str]] = {}
         for table in self._known.tables:
-            for row in table.rows:
+            for number, row in zip(table.numbers, table.rows, strict=True):
                 if not any(row[column] for column in self._known.taken):
                     continue
                 key = (table.file.name, table.sheet, *(row[c] for c in dict.fromkeys(keys)))
-                if key in seen and row[self.found.participant]:
-                    self._count_exposures()
-                    return
-                seen.add(key)
+                who = row[self.found.participant]
+                if key in seen and who:
+                    first, cells = seen[key]
+                    same = [f"row {number} is the same as row {first}"] if cells == row else []
+                    again.setdefault(who, []).extend(same)
+                seen.setdefault(key, (number, row))
+        if again:
+            self._count_exposures(again)
 
-    def _count_exposures(self) -> None:
+    def _count_exposures(self, again: Mapping[str, Sequence[str]]) -> None:
+        """Have exposures numbered, and ask; `again`: who has several, and which rows are equal."""
         self.found.draft.put("trial", {"count": True}, "exposures in the order of the rows")
-        question = "Somebody has one condition more than once: do rows stand in the order of time?"
-        self.doubt(question, "they do; exposures are numbered in the order of the rows")
+        people = ", ".join([*again][:MOST_NAMED])
+        more = f" and {len(again) - MOST_NAMED} more" if len(again) > MOST_NAMED else ""
+        columns = " (and conditions in a row)" if "condition" in self._known.said else ""
+        question = f"One condition more than once: {people}{more}. Do rows{columns} stand in the "
+        assumed = "they do; exposures are numbered so"
+        same = [each for found in again.values() for each in found]
+        if same:
+            assumed += f" (but {same[0]}: leave it out of the file if it was saved twice)"
+        self.doubt(f"{question}order of time?", assumed)
+
+    def _alike(self) -> None:
+        """Ask whether words for conditions that are nearly the same are one."""
+        column = self.found.columns.get("condition", ())
+        cells = self._table.column(column[0]) if len(column) == 1 else ()
+        counts = Counter(filter(None, cells))
+        few = len(counts) <= MOST_CONDITIONS
+        pairs = [
+            sorted(pair, key=lambda word: -counts[word])
+            for pair in (combinations(counts, 2) if few else ())
+            if _are_alike(counts, *pair)
+        ]
+        if pairs:
+            shown = "; ".join(f"{usual!r} and {rare!r}" for usual, rare in pairs)
+            one = {word: word for word in counts} | {rare: usual for usual, rare in pairs}
+            said = "they are not; `values` of condition make them one: "
+            question = f"Is each of these one condition, typed differently: {shown}?"
+            self.doubt(question, f"{said}values = {toml_value(one)}")
+
+
+def _are_alike(counts: Mapping[str, int], a: str, b: str) -> bool:
+    """Return whether two words are the same but for signs and case, or one is misspelt."""
+    rare, usual = sorted((counts[a], counts[b]))
+    return plain(a) == plain(b) or (RARER * rare <= usual and _near(a, b))
+
+
+def _near(a: str, b: str) -> bool:
+    """Return whether two words differ in a letter or two of many, and not in numbers or un-."""
+    short, long = sorted((plain(a), plain(b)), key=len)
+    if len(short) < LONG_WORD or long.endswith(short) or _digits(short) != _digits(long):
+        return False
+    return SequenceMatcher(None, short, long, autojunk=False).ratio() >= NEAR
+
+
+def _digits(text: str) -> list[str]:
+    return [letter for letter in text if letter.isdigit()]
 
 
 def _all_one_each(table: SourceTable, column: int) -> bool:

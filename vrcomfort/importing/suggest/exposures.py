@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from vrcomfort.importing.suggest.conditions import Conditions
 from vrcomfort.importing.suggest.fact_draft import DraftedFacts, Exposures, FactDraft
 from vrcomfort.importing.suggest.file_names import parts_of_names
@@ -9,10 +11,14 @@ from vrcomfort.importing.suggest.roles import (
     MOST_CONDITIONS,
     few_texts,
     is_numeric,
+    is_personal,
     texts,
     timepoint,
     varies_within,
 )
+
+LONGEST_CODE = 24
+"""Letters of a participant's code at most."""
 
 
 def draft_facts(known: Exposures) -> DraftedFacts:
@@ -124,10 +130,23 @@ class _Facts(FactDraft):
             repeated = repeated or (reading.transpose and column == 0 and len(words) > 1)
             if words and all(timepoint(word) for word in words):
                 continue
-            if (whole or repeated) and max(map(len, words), default=99) <= 24:
+            if (whole or repeated) and max(map(len, words), default=99) <= LONGEST_CODE:
                 heading = self.heading(column)
                 self.doubt(f"Does {heading!r} tell participants apart?", "it does")
                 self._roles.unknown.remove(column)
+                return column
+        return self._coded_name()
+
+    def _coded_name(self) -> int | None:
+        """Return a column that is called name and holds codes, such as s01."""
+        for column in self._roles.metadata:
+            words = texts(self._table, column)
+            codes = all(
+                re.fullmatch(r"[\w -]*\d[\w -]*", w) and len(w) <= LONGEST_CODE for w in words
+            )
+            if is_personal(self.heading(column)) and len(words) > 1 and codes:
+                question = f"Does {self.heading(column)!r} tell participants apart?"
+                self.doubt(question, "it does; it holds codes, no names of people")
                 return column
         return None
 

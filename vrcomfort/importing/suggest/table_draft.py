@@ -63,6 +63,8 @@ class TableDraft:
         self.table = replace(tables[0], rows=rows)
         self.draft = Draft()
         self.doubts: list[Doubt] = []
+        self.labels: dict[str, str] = {}
+        """Condition that headings say → how they write it."""
         self._totals = self._total_rows()
         self._fill_down()
         self.gives = False
@@ -165,8 +167,11 @@ class TableDraft:
             for text in (*self.table.labels, *self.table.headings)
             for word in words_of(text)
         }
-        spelt = "_".join(words.get(word, word) for word in said.split("_"))
-        return {**facts, "condition": spelt} if said else facts
+        parts = [words.get(word, word) for word in said.split("_")]
+        if not said:
+            return facts
+        self.labels["_".join(parts)] = " ".join(parts)
+        return {**facts, "condition": "_".join(parts)}
 
     def _exposures(self, said: set[str]) -> Exposures:
         answered = any(

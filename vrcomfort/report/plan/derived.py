@@ -52,13 +52,14 @@ def _lines(study: StudyData) -> Iterator[str]:
     moments = _moments(study)
     conditions = conditions_in(study, moments["exposure_timepoint"])
     outcomes = _outcomes(study, moments["exposure_timepoint"])
+    before = any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets)
     yield 'name = "derived"'
-    yield f"title = {_text(_title(conditions))}"
+    yield f"title = {_text(_title(conditions, before=before))}"
     yield f"note = {_text('The plan was derived from the data, because none was given.')}"
     if study.planned_participants:
         yield f"participants = {study.planned_participants}"
     yield f"outcomes = {_list(each.name for each in outcomes)}"
-    if not any(sheet.timepoint == moments["baseline_timepoint"] for sheet in study.sheets):
+    if not before:
         yield 'scores = "raw"'
     yield from (f"{key} = {_text(name)}" for key, name in moments.items())
     groups = _groups(study)
@@ -106,9 +107,9 @@ def _outcomes(study: StudyData, timepoint: str) -> tuple[Outcome, ...]:
     return tuple(found)
 
 
-def _title(conditions: list[str]) -> str:
+def _title(conditions: list[str], *, before: bool) -> str:
     if len(conditions) == 1:
-        return "Before and after exposure"
+        return "Before and after exposure" if before else "One condition, described"
     return "Every pair of conditions"
 
 

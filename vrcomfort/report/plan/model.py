@@ -115,7 +115,7 @@ class Plan(Settings):
     contrasts: tuple[Contrast, ...] = ()
     """Empty: every pair of conditions, in the order of the protocol."""
     alternative: Side = "two-sided"
-    """`greater`: more discomfort under a."""
+    """`greater`: higher scores under a."""
     zeros: Literal["pratt", "wilcox"] = "pratt"
     p_value: Literal["exact", "asymptotic"] = "exact"
     """`exact`: where the number of pairs allows it, with ties and zeros."""
