@@ -12,6 +12,9 @@ from tests.support.resume import attempts, go, rows
 from tests.support.study import AheadHeadset, frame
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.refresh_period import RefreshPeriod
+from vrcomfort.protocol import Ratings
+from vrcomfort.questionnaire import find_instrument
+from vrcomfort.session.ratings import RatingSchedule
 from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
@@ -151,3 +154,23 @@ def test_a_slow_program_does_not_lengthen_the_period_at_which_frames_are_due():
     assert [period.update(ns) for ns in (1050, 850, 700)] == [50, 50, 50]
     period.forget()
     assert period.update(100) == 100, "the display's rate has changed"
+
+
+class Silent:
+    """Answers no rating."""
+
+    def prompt(self, *_):
+        """Nobody is there."""
+
+    def rating(self, _):
+        """Say nothing."""
+
+
+def test_a_rating_that_waited_for_an_open_one_when_a_freeze_began_is_missed_too():
+    settings = Ratings(instrument="fms", every_s=1.0, timeout_s=0.9)
+    schedule = RatingSchedule(settings, find_instrument("fms"), Silent(), 10.0)
+    assert schedule.update(1.3, 1.3) is None  # asked late, so open until 2.2
+    assert schedule.update(2.1, 2.1) is None
+    missed = schedule.missed_while_frozen(7.05, 7.05, 1.0)
+    assert [each.onset_s for each in missed] == pytest.approx([2, 3, 4, 5, 6, 7])
+    assert schedule.update(7.1, 7.1).onset_s == 1.3

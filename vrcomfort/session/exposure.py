@@ -130,8 +130,8 @@ class FrameLoop:
             self.elapsed_s = shown_ns / 1e9
             self.context.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, stimulus)
-            if schedule and (frozen_s := (passed_ns - frame.period_ns) / 1e9) > FREEZE_S:
-                self._miss(stimulus, schedule, frozen_s)
+            if schedule and (passed_ns - frame.period_ns) / 1e9 > FREEZE_S:
+                self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
             # The next frame would lie more than half outside.
@@ -191,10 +191,10 @@ class FrameLoop:
             self._record(stimulus, schedule, rated)
             schedule.check(rated)
 
-    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule, frozen_s: float) -> None:
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
         stretch, now_s = self.context.stretch, self.context.clock.now_s()
         felt_s = self.elapsed_s * stretch
-        for missed in schedule.missed_while_frozen(felt_s, now_s, frozen_s, stretch):
+        for missed in schedule.missed_while_frozen(felt_s, now_s, stretch):
             self._record(stimulus, schedule, missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:

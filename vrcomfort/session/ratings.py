@@ -69,23 +69,21 @@ class RatingSchedule:
         latency_s = None if response is None else now_s - pending.onset_s
         return Rated(pending.onset_s, latency_s, response)
 
-    def missed_while_frozen(
-        self, elapsed_s: float, now_s: float, frozen_s: float, stretch: float
-    ) -> list[Rated]:
-        """Return the ratings that fell due while the picture stood still: nobody was asked.
+    def missed_while_frozen(self, elapsed_s: float, now_s: float, stretch: float) -> list[Rated]:
+        """Return the ratings that are due after the picture stood still: nobody was asked.
+
+        Also those that fell due before, while another question was open.
 
         Parameters
         ----------
         elapsed_s, now_s
             At the first frame after it, as for `update`.
-        frozen_s
-            How long it stood still, in seconds shown.
         stretch
             Seconds of the protocol that each shown second stands for.
         """
         missed = []
         last_s = min(elapsed_s, self._duration_s - self._settings.timeout_s)
-        while elapsed_s - frozen_s * stretch < (due_s := self._due_s()) <= last_s:
+        while (due_s := self._due_s()) <= last_s:
             self._asked += 1
             missed.append(Rated(now_s - (elapsed_s - due_s) / stretch, None, None))
         return missed
