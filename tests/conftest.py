@@ -1,4 +1,4 @@
-"""Shared fixtures: one OpenGL context, checked after each test that uses it."""
+"""Shared fixtures: one OpenGL context, checked after each test that uses it; a browser."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import moderngl
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support.browser import find_browser
 from tests.support.openxr import fresh_monado
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado
@@ -163,3 +164,12 @@ def feed(monado: Monado) -> Iterator[RemoteFeed]:
 def _no_progress_lines(monkeypatch: pytest.MonkeyPatch) -> None:
     """What a command says does not depend on how busy the machine is."""
     monkeypatch.setattr("vrcomfort.cli.terminal.SILENT_S", 3600.0)
+
+
+@pytest.fixture(scope="module")
+def browser() -> str:
+    """Return the command of a browser that shows pages."""
+    found = find_browser()
+    if found is None:
+        pytest.skip("there is no browser; scripts/browser.sh installs one")
+    return found

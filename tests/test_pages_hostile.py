@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.browser import find_browser, open_page
+from tests.support.browser import open_page
 from tests.support.report import Study, build_report, foreign
 from vrcomfort.errors import InputError
 from vrcomfort.report import ReportSummary
@@ -102,14 +102,6 @@ def test_every_cell_of_the_reports_tables_is_inert(reports, kind):
                 assert not cell.startswith(("=", "+", "@", "\t", "\r")), (table.name, cell)
                 if cell.startswith("-"):
                     float(cell)
-
-
-@pytest.fixture(scope="module")
-def browser() -> str:
-    found = find_browser()
-    if found is None:
-        pytest.skip("there is no browser; scripts/browser.sh installs one")
-    return found
 
 
 @pytest.mark.slow

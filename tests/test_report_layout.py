@@ -5,21 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.browser import find_browser
 from tests.support.layout import lay_out
 from tests.support.report import Study, build_report, foreign
 
 NAMES = ("No motion blur at all", "Full motion blur", "Head motion cancelled", "Rotation cancelled",
          "Objects only")  # fmt: skip
 MOST_BYTES = 3_000_000
-
-
-@pytest.fixture(scope="module")
-def browser() -> str:
-    found = find_browser()
-    if found is None:
-        pytest.skip("there is no browser; scripts/browser.sh installs one")
-    return found
 
 
 @pytest.fixture(scope="module")

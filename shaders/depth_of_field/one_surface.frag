@@ -26,15 +26,13 @@ void main() {
     vec4 p = texelFetch(colour_and_coc, pixel, 0);
     float own_px = abs(p.a);
     bool wanted = own_px > 0.5;
-#ifdef WITH_WIDE
     float wide = coarser_part(0, own_px);
     blurred = vec4(mean_over(colour_and_coc, vec2(pixel), own_px, wanted && wide < 1.0), 1.0);
+#ifdef WITH_WIDE
     for (bool on = wanted && wide > 0.0; on; on = false) {
         vec2 at = gl_FragCoord.xy / vec2(textureSize(colour_and_coc, 0));
         blurred.rgb = mix(blurred.rgb, textureLod(gathered, at, 0.0).rgb, wide);
     }
-#else
-    blurred = vec4(mean_over(colour_and_coc, vec2(pixel), own_px, wanted), 1.0);
 #endif
     blurred.rgb = wanted ? blurred.rgb : p.rgb;
 }

@@ -2,6 +2,7 @@
 
 const float HALF_MAX = 65504.0;
 
+// A clamp alone of what is no number may give anything.
 vec3 finite(vec3 light) {
     return clamp(mix(light, vec3(0.0), isnan(light)), 0.0, HALF_MAX);
 }

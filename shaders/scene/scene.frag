@@ -39,7 +39,7 @@ flat in float own_motion;
 layout(location = 1) out vec2 velocity;
 #endif
 
-const float HALF_FLOAT_MAX = 65504.0;
+#include "finite.glsl"
 
 #ifdef VELOCITY
 // At the nearest of the samples that the triangle covers: where the resolve takes its depth.
@@ -198,10 +198,8 @@ void main() {
 #ifdef FOG
     sum = through_air(sum, distance_m);
 #endif
-    // At the rim of a triangle, what vertices interpolate may leave their range. A clamp of what is
-    // no number may give anything: blur would spread it.
-    sum = mix(sum, vec3(0.0), isnan(sum));
-    radiance = vec4(clamp(sum, vec3(0.0), vec3(HALF_FLOAT_MAX)), coverage);
+    // At the rim of a triangle, what vertices interpolate may leave their range.
+    radiance = vec4(finite(sum), coverage);
 #ifdef VELOCITY
     velocity = vec2(AS_THE_EYE, 0.0);
     // As a loop it is left at once where nothing moves by itself.

@@ -176,16 +176,14 @@ def _traffic(
     scene: Scene, condition: Condition, renderer: StereoRenderer
 ) -> dict[str, Traffic] | None:
     """Draw a frame where the scene begins; not of many views, which would take minutes."""
-    from vrcomfort.render.condition_passes import RESOLVE
-    from vrcomfort.tradeoff.timing import NO_EFFECT
-    from vrcomfort.tradeoff.traffic import a_step, traffic_of
+    from vrcomfort.tradeoff.traffic import a_step, by_effect, traffic_of
 
     lens = condition.depth_of_field
     if lens is not None and lens.views > MOST_VIEWS:
         return None
     size_px = renderer.size_px
-    found = traffic_of(renderer.ctx, scene, condition, a_step(scene.spawn, size_px), size_px)
-    return {name: each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}}
+    step = a_step(scene.spawn, size_px)
+    return by_effect(traffic_of(renderer.ctx, scene, condition, step, size_px))
 
 
 def _quality(condition: Condition, drawn: list[str]) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading
+from vrcomfort.importing.source import Grid, Reading, cell_text
 from vrcomfort.importing.text_files import decode, encoding_of, read_bytes
 
 KEY = "key"
@@ -105,11 +105,11 @@ def _holds_records(content: dict[str, Any]) -> bool:
 def _flat(value: Any, path: str) -> list[dict[str, str]]:
     """Return the rows of a value: one, or one for each record of the lists in it."""
     if not isinstance(value, dict | list):
-        return [{path or "value": _text(value)}]
+        return [{path or "value": cell_text(value)}]
     if isinstance(value, list):
         if any(isinstance(each, dict) for each in value):
             return [row for each in value for row in _flat(each, path)]
-        return [{f"{path}.{place}": _text(each) for place, each in enumerate(value, start=1)}]
+        return [{f"{path}.{place}": cell_text(each) for place, each in enumerate(value, start=1)}]
     outside: dict[str, str] = {}
     inside: list[dict[str, str]] = []
     for name, each in value.items():
@@ -120,13 +120,3 @@ def _flat(value: Any, path: str) -> list[dict[str, str]]:
         else:
             outside |= rows[0] if rows else {}
     return [{**outside, **row} for row in inside] or [outside]
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    return " ".join(str(value).split())

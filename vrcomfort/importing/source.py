@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import datetime
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from vrcomfort.errors import InputError
 
@@ -124,3 +125,16 @@ def unique(headings: Sequence[str]) -> tuple[str, ...]:
             taken.add(name)
         found.append(name)
     return tuple(found)
+
+
+def cell_text(value: Any) -> str:
+    """Return a cell's value as a text file would have it."""
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, float) and value.is_integer():
+        return str(int(value))
+    if isinstance(value, datetime.datetime | datetime.date | datetime.time):
+        return value.isoformat()
+    return " ".join(str(value).split())

@@ -6,13 +6,14 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable
 
+from vrcomfort.questionnaire import plain
+
 
 def alike(names: Iterable[str]) -> list[list[str]]:
     """Return groups of names that differ in case, spaces, signs or leading zeros alone."""
     groups: dict[str, list[str]] = defaultdict(list)
     for name in names:
-        key = re.sub(r"[\W_]+", "", name.casefold())
-        groups[re.sub(r"(?<!\d)0+(?=\d)", "", key)].append(name)
+        groups[re.sub(r"(?<!\d)0+(?=\d)", "", plain(name))].append(name)
     return [group for group in groups.values() if len(group) > 1]
 
 

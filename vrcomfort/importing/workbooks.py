@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import datetime
 import warnings
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from vrcomfort.errors import InputError
-from vrcomfort.importing.source import Grid, Reading
+from vrcomfort.importing.source import Grid, Reading, cell_text
 from vrcomfort.importing.text_files import read_bytes
 
 if TYPE_CHECKING:
@@ -47,7 +46,7 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
 
 
 def _grid(file: Path, sheet: Worksheet, formulas: Worksheet, reading: Reading) -> Grid:
-    cells = [[_text(cell.value) for cell in row] for row in sheet.iter_rows()]
+    cells = [[cell_text(cell.value) for cell in row] for row in sheet.iter_rows()]
     _require_saved_values(file, sheet, formulas)
     for merged in sheet.merged_cells.ranges:
         text = cells[merged.min_row - 1][merged.min_col - 1]
@@ -75,15 +74,3 @@ def _require_saved_values(file: Path, sheet: Worksheet, formulas: Worksheet) -> 
                 message = "this formula has no saved value; open the workbook, and save it again"
                 place = f"sheet {sheet.title}, cell {cell.coordinate}"
                 raise InputError(f"{file}, {place}: {message}")
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
-    if isinstance(value, datetime.datetime | datetime.date | datetime.time):
-        return value.isoformat()
-    return " ".join(str(value).split())

@@ -136,12 +136,17 @@ def a_step(spawn: Pose, size_px: tuple[int, int]) -> tuple[Frame, Frame]:
     return before, after
 
 
-def of_effects(found: dict[str, Traffic]) -> Traffic:
-    """Return what the effects of an eye's image amount to.
+def by_effect(found: dict[str, Traffic]) -> dict[str, Traffic]:
+    """Return what is an effect's.
 
     Radii that are written where samples are resolved move no bytes that are not moved without them.
     """
-    effects = [each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}]
+    return {name: each for name, each in found.items() if name not in {*NO_EFFECT, RESOLVE}}
+
+
+def of_effects(found: dict[str, Traffic]) -> Traffic:
+    """Return what the effects of an eye's image amount to."""
+    effects = by_effect(found).values()
     reads = [each.reads for each in effects if each.reads is not None]
     return Traffic(
         sum(each.passes for each in effects),
