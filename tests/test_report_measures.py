@@ -83,14 +83,14 @@ def test_ratings_are_summed_up_over_those_that_were_answered(tmp_path: Path) -> 
     assert of(study, "ratings.mean")["P01", "off"] == 4
     assert of(study, "ratings.last")["P01", "on"] == 2
     # 20 s at a mean of 2 and, the missed one bridged, 40 s at a mean of 5.5
-    assert of(study, "ratings.area")["P01", "off"] == pytest.approx((40 + 220) / 60)
+    assert of(study, "ratings.area")["P01", "off"] == 40 + 220
     assert of(study, "ratings.time_to", threshold=3)["P01", "off"] == 20
 
 
 def test_slope_is_that_of_least_squares_per_minute(tmp_path: Path) -> None:
-    course = courses_of(read_study(rated(tmp_path / "study")))["P01", "1", "2"]
-    assert course.at_s.tolist() == [0, 20, 60]
-    at, ratings = course.at_s / 60, course.ratings
+    course = courses_of(read_study(rated(tmp_path / "study")))["P01", "1", "2"].ratings.answered
+    assert course.times_s.tolist() == [0, 20, 60]
+    at, ratings = course.times_s / 60, course.ratings
     expected = ((at - at.mean()) * (ratings - ratings.mean())).sum() / ((at - at.mean()) ** 2).sum()
     slope = of(tmp_path / "study", "ratings.slope")["P01", "off"]
     assert float(slope) == pytest.approx(expected, rel=1e-8)
@@ -108,7 +108,10 @@ def test_who_finished_below_a_threshold_ties_at_the_longest_and_who_left_has_non
 
 def test_ratings_after_the_end_of_the_last_attempt_do_not_count(tmp_path: Path) -> None:
     study = rated(tmp_path / "study", left_early="P04")
-    assert courses_of(read_study(study))["P04", "1", "2"].at_s.tolist() == [0, 20]
+    assert courses_of(read_study(study))["P04", "1", "2"].ratings.answered.times_s.tolist() == [
+        0,
+        20,
+    ]
 
 
 def test_an_exposure_with_no_answered_rating_is_left_out_with_its_reason(tmp_path: Path) -> None:

@@ -179,4 +179,4 @@ def unknown_outcome(name: str, known: Iterable[str]) -> str:
     choices = {each.casefold(): each for each in known}
     near = get_close_matches(name.casefold(), choices, n=1, cutoff=0.6)
     hint = f"did you mean `{choices[near[0]]}`?" if near else f"there are {', '.join(known)}"
-    return f"`{name}` is no score of any instrument, and no measure; {hint}"
+    return f"`{name}` is no score of any instrument; {hint}"

@@ -109,7 +109,7 @@ def number_of(text: str) -> Fraction | None:
     return Fraction(text.strip())
 
 
-def exactly(value: float) -> Fraction | None:
+def exactly(value: float | Fraction) -> Fraction | None:
     """Return a computed number; None of NaN and infinity."""
     return Fraction(value) if math.isfinite(value) else None
 

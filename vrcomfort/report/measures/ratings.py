@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from fractions import Fraction
-from typing import TYPE_CHECKING, ClassVar
-
-import numpy as np
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures.model import Measure, Quantity, Value, exactly, number_of
+from vrcomfort.stats.rating_courses import RatingCourse
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-    from numpy.typing import NDArray
-
     from vrcomfort.report.study_data import StudyData
 
-    Floats = NDArray[np.float64]
     Exposure = tuple[str, str, str]
 
 _ANSWERED = "of the ratings that were answered"
@@ -30,7 +27,7 @@ QUANTITIES = {
         "the last rating that was answered, carried forward where the exposure ended early",
     ),
     "area": Quantity(
-        "Area under the ratings", "rating × min", "",
+        "Area under the ratings", "rating × s", "",
         "the area under the answered ratings by trapezia, from the first to the last of them",
     ),
     "slope": Quantity(
@@ -61,40 +58,31 @@ class Ratings:
         for key in dict.fromkeys([*trials, *courses]):
             trial, course = trials.get(key, {}), courses.get(key)
             condition = course.condition if course else trial.get("condition", "")
-            if course is None or not course.at_s.size:
+            if course is None or course.ratings.peak() is None:
                 reason = "no rating was answered" if course else "nothing was rated"
                 yield Value(*key, condition, None, reason)
                 continue
             if measure.quantity == "time_to":
                 finished = trial.get("status", "completed") == "completed"
-                found = _time_to(course, measure.threshold, longest if finished else None)
+                otherwise = longest if finished else None
+                found = _time_to(course.ratings, measure.threshold, otherwise)
                 reason = "left below the threshold"
             else:
-                found = _SUMMARIES[measure.quantity](course)
+                summary = _SUMMARIES[measure.quantity](course.ratings)
+                found = None if summary is None else exactly(summary)
                 reason = "only one rating was answered"
             yield Value(*key, condition, found, "" if found is not None else reason)
 
 
-class Course:
-    """The answered ratings of one exposure, in order of time.
+class Course(NamedTuple):
+    """The ratings of one exposure, from its start on, and its condition."""
 
-    Parameters
-    ----------
-    at_s
-        Seconds from the start of the exposure, shape (n,).
-    ratings
-        Shape (n,).
-    """
-
-    def __init__(self, condition: str, answered: list[tuple[float, float]]) -> None:
-        answered.sort(key=lambda each: each[0])
-        self.condition = condition
-        self.at_s: Floats = np.array([at for at, _ in answered], dtype=np.float64)
-        self.ratings: Floats = np.array([rating for _, rating in answered], dtype=np.float64)
+    condition: str
+    ratings: RatingCourse
 
 
 def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]:
-    """Return the answered ratings of each exposure that was asked for any.
+    """Return the ratings of each exposure that was asked for any.
 
     Of an exposure that was begun again, those of the last attempt count.
 
@@ -116,7 +104,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]
     if instrument and instrument not in asked:
         raise InputError(f"nothing was rated with {instrument}; ratings are of {', '.join(asked)}")
     trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
-    answered: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
+    due: dict[Exposure, list[tuple[float, float]]] = defaultdict(list)
     conditions: dict[Exposure, str] = {}
     for row in study.ratings:
         if instrument and row.get("instrument", "") != instrument:
@@ -127,8 +115,12 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]
         if at_s is None:
             continue
         conditions.setdefault(key, row.get("condition", "") or trial.get("condition", ""))
-        answered[key] += [] if rating is None or row.get("missed") == "1" else [(at_s, rating)]
-    return {key: Course(conditions[key], answered[key]) for key in conditions}
+        missed = rating is None or row.get("missed") == "1"
+        due[key].append((at_s, math.nan if rating is None or missed else rating))
+    return {
+        key: Course(conditions[key], RatingCourse.of(*zip(*each, strict=True)))
+        for key, each in due.items()
+    }
 
 
 def _at_s(row: dict[str, str], trial: dict[str, str]) -> float | None:
@@ -151,42 +143,36 @@ def _number(text: str, row: dict[str, str]) -> float | None:
 
 
 def _longest_s(trials: dict[Exposure, dict[str, str]], courses: dict[Exposure, Course]) -> float:
-    lengths = [float(c.at_s[-1]) for c in courses.values() if c.at_s.size]
+    lengths = [float(course.ratings.times_s[-1]) for course in courses.values()]
     for trial in trials.values():
         start, end = (_number(trial.get(name, ""), trial) for name in ("start_s", "end_s"))
         lengths += [] if start is None or end is None else [end - start]
     return max(lengths, default=0.0)
 
 
-def _time_to(course: Course, threshold: float | None, otherwise: float | None) -> Fraction | None:
-    reached = course.at_s[course.ratings >= (0.0 if threshold is None else threshold)]
-    if reached.size:
-        return exactly(float(reached[0]))
+def _time_to(
+    course: RatingCourse, threshold: float | None, otherwise: float | None
+) -> Fraction | None:
+    found = course.time_to(math.inf if threshold is None else threshold)
+    if found and found.reached:
+        return exactly(found.time_s)
     return None if otherwise is None else exactly(otherwise)
 
 
-def _area(course: Course) -> Fraction | None:
-    if course.at_s.size < 2:
-        return None
-    return exactly(float(np.trapezoid(course.ratings, course.at_s / 60)))
+def _mean(course: RatingCourse) -> Fraction | None:
+    """Return the mean of ratings as they were given, without rounding."""
+    given = course.answered.ratings.tolist()
+    return sum(map(Fraction, given), Fraction(0)) / len(given) if given else None
 
 
-def _slope(course: Course) -> Fraction | None:
-    minutes = course.at_s / 60
-    if np.ptp(minutes) == 0:
-        return None
-    centred = minutes - minutes.mean()
-    return exactly(float(centred @ course.ratings / (centred @ centred)))
+def _area(course: RatingCourse) -> float | None:
+    return course.area() if course.answered.ratings.size > 1 else None
 
 
-def _mean(course: Course) -> Fraction:
-    return sum(map(Fraction, course.ratings.tolist()), Fraction(0)) / course.ratings.size
-
-
-_SUMMARIES: dict[str, Callable[[Course], Fraction | None]] = {
-    "peak": lambda course: exactly(float(course.ratings.max())),
+_SUMMARIES: dict[str, Callable[[RatingCourse], float | Fraction | None]] = {
+    "peak": RatingCourse.peak,
     "mean": _mean,
-    "last": lambda course: exactly(float(course.ratings[-1])),
+    "last": RatingCourse.last,
     "area": _area,
-    "slope": _slope,
+    "slope": RatingCourse.slope_per_min,
 }
