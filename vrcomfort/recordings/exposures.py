@@ -25,6 +25,8 @@ from vrcomfort.records.frame_rows import CUT
 
 _LENGTH, _ANGLE = 1e9, 1e12
 """Steps in a metre; in a radian and in a dioptre."""
+_ROUNDING_S = 1e-6
+"""Of session times in files."""
 
 _OPTIONAL: dict[str, Kind] = {
     "head_valid": "BIGINT", "head_tracked": "BIGINT", "session_state": "VARCHAR",
@@ -57,7 +59,7 @@ class ExposureFrames:
         Sum of the angles between the head's orientations, over the same frames.
     avatar_path_m
         Way of the avatar in the world, over the same frames.
-    focus_change_dioptre
+    focus_travel_dioptre
         Sum of the changes of 1 / focus distance between frames.
     focus_lag_dioptre
         Mean distance, in dioptres, between the focus after and before the refocus law.
@@ -77,10 +79,10 @@ class ExposureFrames:
     hidden_s: float
     unfocused_s: float
     untracked_s: float | None
-    head_path_m: float
-    head_turning_deg: float
+    head_path_m: float | None
+    head_turning_deg: float | None
     avatar_path_m: float | None
-    focus_change_dioptre: float | None
+    focus_travel_dioptre: float | None
     focus_lag_dioptre: float | None
     blur_changes: int | None
 
@@ -184,7 +186,7 @@ def _attempts(trials: Path) -> list[_Attempt]:
     rows = sorted(table.dicts(), key=lambda row: (int(row["trial"]), float(row["start_s"])))
     found: list[_Attempt] = []
     for row in rows:
-        trial, from_s = int(row["trial"]), -math.inf
+        trial, from_s = int(row["trial"]), float(row["start_s"]) - _ROUNDING_S
         if found and found[-1].trial == trial:
             from_s = (found[-1].until_s + float(row["start_s"])) / 2
             found[-1] = replace(found[-1], until_s=from_s)
@@ -249,10 +251,10 @@ def _exposure(attempt: _Attempt, row: dict[str, Any]) -> ExposureFrames:
         hidden_s=row["hidden"] / 1e9,
         unfocused_s=row["unfocused"] / 1e9,
         untracked_s=scaled("untracked", 1e9),
-        head_path_m=row["head_path"] / _LENGTH,
-        head_turning_deg=row["turning"] / _ANGLE * degrees,
+        head_path_m=scaled("head_path", _LENGTH),
+        head_turning_deg=scaled("turning", _ANGLE / degrees),
         avatar_path_m=scaled("avatar_path", _LENGTH),
-        focus_change_dioptre=scaled("focus_change", _ANGLE),
+        focus_travel_dioptre=scaled("focus_change", _ANGLE),
         focus_lag_dioptre=row["focus_lag"] / _ANGLE / both if both else None,
         blur_changes=None if row["blur_changes"] is None else int(row["blur_changes"]),
     )
@@ -342,7 +344,7 @@ _SUMS = """
     coalesce(sum(passed - seen) FILTER (NOT froze), 0) AS hidden,
     sum(CASE WHEN head_tracked = 0 THEN period_ns WHEN head_tracked = 1 THEN 0 END) AS untracked,
     coalesce(bool_or(wrong), false) AS wrong,
-    coalesce(sum(head_step), 0) AS head_path, coalesce(sum(turn), 0) AS turning,
+    sum(head_step) AS head_path, sum(turn) AS turning,
     sum(avatar_step) AS avatar_path, sum(focus_step) AS focus_change,
     sum(lag_step) AS focus_lag, count(lag_step) AS focused,
     CASE WHEN bool_or(has_blur) THEN count(*) FILTER (blur_changed) END AS blur_changes"""

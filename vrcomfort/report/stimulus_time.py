@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 SEEN = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
 MOVEMENT = (
-    "head_path_m", "head_turning_deg", "avatar_path_m", "focus_change_dioptre",
+    "head_path_m", "head_turning_deg", "avatar_path_m", "focus_travel_dioptre",
     "focus_lag_dioptre", "blur_changes",
 )  # fmt: skip
 
