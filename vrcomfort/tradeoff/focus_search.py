@@ -53,7 +53,9 @@ class SearchCost:
     zone_ratio: float | None
     zone_mean_on: Where | None
     cost: float
-    """Frame ÷ plain frames before and after it."""
+    """Frame ÷ plain frames before and after it; of plain frames, ÷ their median."""
+    cost_p5: float
+    cost_p95: float
     frame_ms: float
     frames_per_s: float
 
@@ -195,9 +197,11 @@ def _row(
 ) -> SearchCost:
     zone = search.focus if search.name == "autofocus_zone" else None
     frame_s = float(np.median(seconds))
-    cost = float(np.median(seconds / plain_s))
+    p5, cost, p95 = map(float, np.percentile(seconds / plain_s, [5, 50, 95]))
     ratio, where = (zone.zone_ratio, zone.zone_mean_on) if zone else (None, None)
-    return SearchCost(scene, *size_px, search.name, ratio, where, cost, frame_s * 1e3, 1 / frame_s)
+    return SearchCost(
+        scene, *size_px, search.name, ratio, where, cost, p5, p95, frame_s * 1e3, 1 / frame_s
+    )
 
 
 def write(
@@ -223,15 +227,17 @@ def _write_csv(path: Path, rows: Sequence[dict[str, Any]]) -> None:
 
 def _tables(costs: Sequence[SearchCost], errors: Sequence[ZoneError]) -> list[str]:
     lines = [
-        "| scene | each eye, px | search | zone ratio | averaged by | cost | ms | frames/s |",
-        "|---|---|---|---|---|---|---|---|",
+        "| scene | each eye, px | search | zone ratio | averaged by "
+        "| cost | 5–95 % | ms | frames/s |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]
     for c in costs:
         ratio = "" if c.zone_ratio is None else f"{c.zone_ratio:g}"
         where = "" if c.zone_mean_on is None else c.zone_mean_on.upper()
         lines.append(
             f"| {c.scene} | {c.width_px}×{c.height_px} | {c.search} | {ratio} | {where} "
-            f"| {c.cost:.2f} | {c.frame_ms:.1f} | {c.frames_per_s:.1f} |"
+            f"| {c.cost:.2f} | {c.cost_p5:.2f}–{c.cost_p95:.2f} "
+            f"| {c.frame_ms:.1f} | {c.frames_per_s:.1f} |"
         )
     lines += [
         "",
