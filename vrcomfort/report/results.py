@@ -30,6 +30,7 @@ from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
 from vrcomfort.report.sensitivity import sensitivity
+from vrcomfort.report.smallest_effect import smallest_effects
 from vrcomfort.report.study_data import conditions_in
 from vrcomfort.report.withdrawals import (
     count_withdrawals,
@@ -109,6 +110,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "families": families,
         "tests": tests,
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
+        "smallest_effects": smallest_effects(plan, tests),
         "descriptives": describe_all(scored, plan, conditions, tests),
         "recovery": describe_recovery(scored),
         **models,

@@ -35,6 +35,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "scores": exposures,
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
         "sensitivity": results["sensitivity"],
+        "smallest_effects": results["smallest_effects"],
         "descriptives": results["descriptives"],
         "symptoms": results["symptoms"],
         "recovery": [_flat_recovery(row) for row in results["recovery_course"]],

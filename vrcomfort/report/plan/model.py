@@ -149,6 +149,9 @@ class Plan(Settings):
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
+    smallest_effect_power: Annotated[float, Field(ge=0.1, le=0.99)] | None = None
+    """Say which effect the primary tests would have found with this power, at their number of
+    pairs; None: do not."""
     figures: tuple[FigureName, ...] = ()
     """Figures wanted; empty: every one that the data allow."""
 
