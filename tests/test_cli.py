@@ -52,6 +52,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "plan",
         "import-trace",
         "import",
+        "verify",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

@@ -27,6 +27,7 @@ from vrcomfort.cli import (
     stopping,
     tradeoff,
     undo_withdrawal,
+    verify,
 )
 from vrcomfort.cli.terminal import complain
 from vrcomfort.errors import InputError
@@ -90,6 +91,7 @@ for module in (
     demo,
     tradeoff,
     undo_withdrawal,
+    verify,
 ):
     module.register(app)
 
