@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    check,
     demo,
     design,
     doctor,
@@ -28,10 +29,9 @@ from vrcomfort.cli import (
     tradeoff,
     undo_withdrawal,
 )
-from vrcomfort.cli.terminal import complain
+from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
 
-EXIT_BAD_INPUT = 2
 STOPPED = "stopped; what was already written stays"
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
@@ -85,6 +85,7 @@ for module in (
     report,
     score,
     design,
+    check,
     plan,
     doctor,
     demo,
