@@ -16,6 +16,7 @@ from tests.support.study import Scripted
 from tests.test_study_answers import Corrects
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import undo_withdrawal
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, seal
 
@@ -234,16 +235,26 @@ def test_a_link_is_told(study: Path, tmp_path: Path) -> None:
     assert f"{SESSION}/ratings.csv: is a symbolic link; put the file itself here" in told(study)
 
 
+def test_packed_copies_belong_to_a_session(run, study: Path) -> None:
+    assert run("pack", study)[0] == 0
+    assert verify_study(study).findings == []
+    edit(study / SESSION / "gaze.csv", 2, lambda line: line.replace("0.0,", "0.00,", 1))
+    notes = [str(each) for each in verify_study(study).notes]
+    words = "is not of its CSV as that is now, and not read; vrcomfort pack renews it"
+    assert notes == [f"{SESSION}/gaze.parquet: {words}"]
+
+
 def test_an_import_is_checked_for_its_own_files(run, tmp_path: Path) -> None:
     answers = tmp_path / "answers.csv"
-    rows = [f"P{p},plain,{item},1" for p in (1, 2) for item in ("nausea", "fatigue")]
-    answers.write_text("\n".join(["participant,condition,item,response", *rows]) + "\n")
+    items = [item.name for item in shipped_instruments()["ssq"].items]
+    rows = [f"P{p},{c},{'0,3,' * 7}0,3" for p in (1, 2) for c in ("plain", "blur")]
+    answers.write_text("\n".join([f"participant,condition,{','.join(items)}", *rows]) + "\n")
     mapping, study = tmp_path / "map.toml", tmp_path / "imported"
     run("import", answers, "--suggest", "--out", mapping)
     code, _, err = run("import", answers, "--mapping", mapping, "--out", study)
     assert code == 0, err
     assert told(study) == []
-    assert verify_study(study).counts["rows of questionnaires.csv"] == 4
+    assert verify_study(study).counts["rows of questionnaires.csv"] == 64
     edit(study / "questionnaires.csv", 2, lambda line: line.replace("P1", "P9", 1))
     (study / "mapping.toml").write_text("")
     assert told(study) == [

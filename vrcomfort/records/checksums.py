@@ -29,13 +29,15 @@ class Checksum(NamedTuple):
 def seal(folder: Path, access: Access) -> None:
     """Write down what the files of a session are, now that it has ended.
 
+    Parquet files are left out: they are copies that can be made again.
+
     Raises
     ------
     InputError
         If the disk refuses.
     """
     files = [each for each in folder.iterdir() if each.is_file() and not each.is_symlink()]
-    names = sorted(each.name for each in files if not each.name.startswith("."))
+    names = [each.name for each in files if each.suffix != ".parquet" and each.name[0] != "."]
     _write(folder, {name: sha256_of(folder / name) for name in names if name != CHECKSUMS}, access)
 
 

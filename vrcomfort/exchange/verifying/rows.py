@@ -10,7 +10,7 @@ from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recorded_rows import Kind, RecordedRow, cell_value, kinds_of, split_line
 from vrcomfort.records.rows import Row
-from vrcomfort.records.schema import ADDED_COLUMNS, SCHEMA_VERSION
+from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
 _TEXT = {"session_state", "rays_used"}
 HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
@@ -51,13 +51,14 @@ def _header(
     file: Path, line: bytes, row_type: type[Row], version: int, found: Verified
 ) -> tuple[str, ...] | None:
     """Return a file's columns; None, and a finding, where they are not those of its version."""
-    columns = row_type.columns()
     try:
         there = tuple(split_line(line))
-    except (ValueError, UnicodeDecodeError):
+    except ValueError:  # also text that is no UTF-8
         there = ()
-    added = set(ADDED_COLUMNS.get(row_type.FILE, ())) if version < SCHEMA_VERSION else set()
-    wanted = tuple(name for name in columns if name in there or name not in added)
+    columns = row_type.columns()
+    wanted = columns_of_version(version, row_type.FILE, columns)
+    if version < SCHEMA_VERSION and there == columns:
+        wanted = columns  # a continuation has begun, and was killed before it wrote the manifest
     if not line.endswith(b"\n"):
         found.fault(file, "the header is half-written or missing; restore it from a copy", 1)
         return None

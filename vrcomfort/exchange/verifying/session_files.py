@@ -6,30 +6,44 @@ from pathlib import Path
 
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.recordings.source import find_source, parquet_of
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, sha256_of
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 
 _OWN = {*(each.FILE for each in (*SESSION_ROWS, *OPTIONAL_ROWS)), "manifest.json", CHECKSUMS}
+_PACKED = {parquet_of(Path(each.FILE)).name for each in (FrameRow, GazeRow)}
 _BESIDE = {
-    ".cut": "half-written rows that a resumed session moved aside; nothing to do",
-    ".schema1": "the file as it was before it got the columns of a newer version; nothing to do",
+    "cut": "half-written rows that a resumed session moved aside; nothing to do",
+    "schema": "the file as it was before it got the columns of a newer version; nothing to do",
 }
 
 
 def check_files(folder: Path, found: Verified) -> None:
     """Find files that do not belong into a session's folder."""
     for each in sorted(folder.iterdir()):
-        beside = next((end for end in _BESIDE if each.name == f"{each.stem}{end}"), None)
+        beside = each.suffix.lstrip(".").rstrip("0123456789")
         if each.is_symlink():
             found.fault(each, "is a symbolic link; put the file itself here")
         elif each.name in _OWN:
             continue
-        elif beside and each.stem in _OWN:
+        elif each.name in _PACKED:
+            _check_packed(each, found)
+        elif beside in _BESIDE and each.stem in _OWN:
             found.note(each, _BESIDE[beside])
         elif each.name.startswith(".") and each.name.endswith(".new"):
             found.note(each, "a draft that a killed program left; remove it")
         else:
             found.fault(each, "is no file of a session; move it out of the study")
+
+
+def _check_packed(file: Path, found: Verified) -> None:
+    """Say so where a Parquet file is no longer read in the place of its CSV."""
+    csv = file.with_suffix(".csv")
+    if not csv.is_file():
+        found.note(file, "its CSV is missing, and a Parquet file alone is no record")
+    elif find_source(csv).note:
+        found.note(file, "is not of its CSV as that is now, and not read; vrcomfort pack renews it")
 
 
 def check_checksums(folder: Path, found: Verified, *, ended: bool) -> None:
