@@ -13,6 +13,8 @@ from pydantic import Field, PrivateAttr
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import Name, Settings, Word
 
@@ -37,41 +39,6 @@ class Locomotion(Settings):
     snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
     """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
     it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
-
-
-class Trial(Settings):
-    """One exposure: a scene seen under a condition."""
-
-    scene: str
-    condition: str
-
-
-class Sequence(Settings):
-    """The order in which one participant meets the trials, session by session."""
-
-    name: Name
-    sessions: Annotated[tuple[tuple[Trial, ...], ...], Field(min_length=1)]
-
-    @property
-    def trials(self) -> tuple[Trial, ...]:
-        """Return all trials in order, sessions joined."""
-        return tuple(trial for session in self.sessions for trial in session)
-
-
-class Order(Settings):
-    """How trials are ordered over participants.
-
-    `explicit` takes the listed sequences; the other rules order every condition in every scene:
-    `williams` (balanced Latin square), `full` (every order once), `random` (one seeded order per
-    participant).
-    """
-
-    rule: Literal["explicit", "williams", "full", "random"]
-    sessions: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Sessions over which the generated rules deal the trials; explicit sequences say it."""
-    assignment: Literal["in_turn", "shuffled"] = "in_turn"
-    """Among equally filled sequences take the first, or one drawn with the study's seed."""
-    sequences: tuple[Sequence, ...] = ()
 
 
 class Ask(Settings):
@@ -154,8 +121,16 @@ class Protocol(Settings):
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
-    conditions: Annotated[tuple[Condition, ...], Field(min_length=1)]
+    conditions: tuple[Condition, ...] = ()
+    factors: tuple[Factor, ...] = ()
+    """Instead of conditions: every level of each with every level of the others."""
     order: Order
+    groups: tuple[Group, ...] = ()
+    """Levels of a between-subject factor."""
+    covariates: tuple[Covariate, ...] = ()
+    """What is entered of everybody who is enrolled."""
+    allocation: Allocation | None = None
+    """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     ratings: Ratings | None = None
     headset: Headset = Headset()

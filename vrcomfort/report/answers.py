@@ -55,7 +55,7 @@ def _claim(test: Test, words: Vocabulary) -> str:
         said = f"no difference was shown between {of_a} and {of_b}"
     else:
         said = f"{'higher' if _higher(test) else 'lower'} under {of_a} than under {of_b}"
-    return f"{name}: {said}; difference {_shift(test)}, n\u00a0=\u00a0{test['n']}."
+    return f"{name}: {said}; difference {_shift(test, words)}, n\u00a0=\u00a0{test['n']}."
 
 
 def decisive_p(test: Test) -> float:
@@ -89,11 +89,11 @@ def _order_of(test: Test, words: Vocabulary) -> str:
     return f" But {met_before(*map(words.condition, test['confounded']))}."
 
 
-def _shift(test: Test) -> str:
+def _shift(test: Test, words: Vocabulary) -> str:
     shift = test["shift"]
     percent = f"{100 * test['effect']['confidence']:g}\u00a0% CI"
     found = interval(shift)
-    of = f"{number(shift['estimate'])} points"
+    of = f"{number(shift['estimate'])} {words.unit(test['outcome'])}".rstrip()
     return (
         f"{of} (no {percent}: too few differences)" if found == NONE else f"{of}, {percent} {found}"
     )

@@ -96,6 +96,8 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
         if several
         else ""
     )
+    if not words.instruments:
+        return Method("Measures", f"{_measures(results)}{repeated}".strip())
     incomplete = (
         "Missing answers count as the mean of the others of their score where enough are given."
         if results["plan"]["missing_items"] == "prorate"
@@ -103,10 +105,20 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
     )
     text = (
         f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
-        f"{basis_sentence(results)}{repeated}"
+        f"{basis_sentence(results)}{repeated} {_measures(results)}".rstrip()
     )
     cited = [f"instrument_{each['name']}" for each in words.instruments]
     return Method("Scores", text, tuple(key for key in cited if is_known(key)))
+
+
+def _measures(results: Results) -> str:
+    """Say what each measure is, and which direction is the good one."""
+    named = [each for each in results["outcomes"] if each["basis"] == "measured"]
+    return " ".join(
+        f"{each['title']}{' in ' + each['unit_label'] if each['unit_label'] else ''} is "
+        f"{each['definition']}{'; ' + each['better'] + ' is better' if each['better'] else ''}."
+        for each in named
+    )
 
 
 def _instrument(asked: Mapping[str, Any]) -> str:

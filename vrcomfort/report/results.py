@@ -15,6 +15,7 @@ from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.families import adjust
+from vrcomfort.report.measures import Measure, definition_of
 from vrcomfort.report.models import (
     check_columns,
     check_levels,
@@ -25,6 +26,7 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
 from vrcomfort.report.sensitivity import sensitivity
@@ -119,7 +121,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
 
 def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
     """Describe the outcomes and the instruments that they are of."""
-    instruments = dict.fromkeys(each.instrument for each in scored.outcomes)
+    instruments = dict.fromkeys(o.instrument for o in scored.outcomes if isinstance(o, Outcome))
     return {
         "outcomes": [
             {
@@ -129,6 +131,9 @@ def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
                 "unit": scored.units[each.name],
                 "basis": scored.bases[each.name],
                 "parts": each.parts,
+                "unit_label": each.unit_label,
+                "better": each.better,
+                "definition": definition_of(each) if isinstance(each, Measure) else "",
             }
             for each in scored.outcomes
         ],

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.study_data import trial_s
+from vrcomfort.report.study_data import people_of, trial_s
 from vrcomfort.stats.withdrawal import fisher_exact
 
 if TYPE_CHECKING:
@@ -159,8 +159,7 @@ def lost_signs(found: list[Withdrawal], a: str, b: str) -> dict[str, int]:
 
 def everybody(study: StudyData) -> list[str]:
     """Return every participant that any file names."""
-    names = {s.participant for s in study.sheets} | {p["participant"] for p in study.participants}
-    return sorted(names, key=natural)
+    return sorted(people_of(study), key=natural)
 
 
 def why_not(

@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.measures import Limit, Measured
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
@@ -26,7 +27,6 @@ TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
     "hidden_s", "unfocused_s",
 ]  # fmt: skip
-Limit = Annotated[float, Field(allow_inf_nan=False)]
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
@@ -101,8 +101,10 @@ class Plan(Settings):
     """Planned number; fewer in the data is a deviation."""
 
     outcomes: tuple[str, ...] = ()
-    """Scores of any instrument by name; the first is the primary one. Empty: every score of what
-    was asked after exposures."""
+    """Scores of any instrument, and measures, by name; the first is the primary one. Empty: every
+    score of what was asked after exposures."""
+    measures: tuple[Measured, ...] = ()
+    """Names, labels, units and directions of measures."""
     scores: Literal["difference_from_baseline", "raw"] = "difference_from_baseline"
     """What conditions are compared on. Without any baseline in the data they are raw."""
     missing_items: Literal["leave_out", "prorate"] = "leave_out"
