@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import t as t_distribution
 
-from vrcomfort.stats.mean_curves import mean_curves, quasi_variances
+from vrcomfort.stats.mean_curves import mean_curves, within_variances
 
 RANDOM = np.random.default_rng(3)
 
@@ -57,9 +57,10 @@ def test_no_variance_one_person_and_nobody_have_means_without_intervals():
     assert found.n.tolist() == [[1, 1, 0], [1, 1, 0]]
 
 
-def test_quasi_variances_give_the_variance_of_every_difference():
-    own, shared = np.array([1.0, 2.0, 4.0, 0.5]), 3.0
-    covariance = np.diag(own) + shared
-    np.testing.assert_allclose(quasi_variances(covariance), own)
-    np.testing.assert_allclose(quasi_variances(covariance[:2, :2]), own[:2])
-    np.testing.assert_allclose(quasi_variances(covariance[:1, :1]), own[:1] + shared)
+def test_what_all_means_share_is_in_no_variance():
+    for count in (2, 3, 6):
+        alone = np.full(count, 0.7)
+        np.testing.assert_allclose(within_variances(np.diag(alone) + 3.0), alone)
+    np.testing.assert_allclose(within_variances(np.array([[2.5]])), [2.5])
+    unequal = np.diag([1.0, 3.0]) + 5.0  # half of the variance of the difference each
+    np.testing.assert_allclose(within_variances(unequal), [2.0, 2.0])

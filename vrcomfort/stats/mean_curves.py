@@ -3,8 +3,9 @@
 At each time, ``value ~ condition + (1 | participant)`` is fitted to every exposure that is there.
 Its means are those of conditions that the same people would have met, so a condition that a few
 sensitive people met is not higher for that. Intervals are for the comparison of conditions: the
-spread between people, which all conditions share, is taken out, as by Loftus & Masson (1994) and
-Cousineau (2005), whose intervals need everybody under every condition. Here any may be missing.
+spread between people, which all conditions share, is taken out, as by Loftus & Masson (1994),
+Cousineau (2005) and Morey (2008), whose intervals need everybody under every condition. In such
+data they are those of Loftus & Masson; here, any exposure may be missing.
 """
 
 from __future__ import annotations
@@ -95,23 +96,20 @@ def _means(
     else:  # each mean against that of the others
         against = rows - (rows.sum(axis=0) - rows) / (count - 1)
         df = np.array([fit.degrees_of_freedom(row) for row in against])
-    half = t_distribution.isf((1 - confidence) / 2, df) * np.sqrt(quasi_variances(covariance))
+    half = t_distribution.isf((1 - confidence) / 2, df) * np.sqrt(within_variances(covariance))
     return rows @ fit.coefficients, np.asarray(half, dtype=np.float64)
 
 
-def quasi_variances(covariance: Floats) -> Floats:
-    """Return the variance of each mean without what all means share (Firth & de Menezes 2004).
+def within_variances(covariance: Floats) -> Floats:
+    """Return the variance of each of k means without what all means share.
 
-    Those of two means sum to the variance of their difference: exactly for two means, or where
-    people met every condition as often, else as nearly as least squares has it.
+    It is k / (k − 1) times that of the mean's distance from the mean of all means: Cousineau's
+    (2005) normalisation with Morey's (2008) correction. In complete data, that is the variance of a
+    mean of residuals. Of one mean, it is its variance.
     """
     count = covariance.shape[0]
-    own: Floats = np.diag(covariance)
     if count == 1:
-        return own
-    found: Floats = own - covariance[0, 1]
-    if count > 2:
-        sums = (own[:, None] + own[None, :] - 2 * covariance).sum(axis=1)
-        found = (sums - sums.sum() / (2 * (count - 1))) / (count - 2)
-    positive: Floats = np.maximum(found, 0.0)
-    return positive
+        return np.asarray(np.diag(covariance), dtype=np.float64)
+    centred = np.eye(count) - 1 / count
+    apart = np.diag(centred @ covariance @ centred)
+    return np.asarray(np.maximum(apart, 0.0) * count / (count - 1), dtype=np.float64)

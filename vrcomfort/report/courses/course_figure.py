@@ -39,6 +39,8 @@ MOST_LINES = 200
 MOST_BANDS = 4
 """Conditions whose intervals can be told apart in one panel."""
 COLUMNS = 3
+STEPS = (1, 2, 5, 10)
+"""Of ticks of time."""
 
 
 def course_figure(courses: Courses, words: Vocabulary) -> Drawing | None:
@@ -90,7 +92,7 @@ def _limits(panels: list[Axes], low: float, high: float, longest: float) -> None
     for axes in panels:
         axes.set_ylim(low - room, high + room)
         axes.set_xlim(0, longest * 1.02)
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=5))
+        axes.xaxis.set_major_locator(MaxNLocator(nbins=5, steps=STEPS))
         axes.yaxis.set_major_locator(MaxNLocator(nbins=5, integer=True))
         axes.grid(axis="y", color=GRID)
         axes.set_axisbelow(True)
@@ -117,6 +119,7 @@ def _draw_together(axes: Axes, courses: Courses, words: Vocabulary, scale: float
         axes.plot([], [], color=INK, lw=1.0, ls=(0, (3, 2)), label="carried forward")
     axes.set_ylim(bottom=0 if np.nanmin(curves.mean) >= 0 else None)
     axes.set_xlim(0, float(curves.times_s.max()) / scale * 1.02)
+    axes.xaxis.set_major_locator(MaxNLocator(nbins=8, steps=STEPS))
     axes.grid(axis="y", color=GRID)
     axes.set_axisbelow(True)
     axes.legend(frameon=False, ncols=3, loc="lower left", bbox_to_anchor=(0, 1), fontsize=8)

@@ -21,7 +21,11 @@ MOST_TIMES = 48
 
 
 def grid_s(exposures: list[RatedExposure]) -> Floats:
-    """Return the times of the means: those of ratings where they are few and alike, else even."""
+    """Return the times of the means: those of ratings where they are few and alike, else even.
+
+    Even ones end where a tenth of the exposures that nobody left had ended: means of the few that
+    went on for longer would jump.
+    """
     answered = [e.course.answered.times_s for e in exposures]
     together = np.concatenate(answered) if answered else np.array([])
     if not together.size:
@@ -31,7 +35,9 @@ def grid_s(exposures: list[RatedExposure]) -> Floats:
         late = [together[np.round(together) == moment].max() for moment in rounded]
         return np.asarray(late, dtype=np.float64)
     first = max(float(np.median([each[0] for each in answered if each.size])), 0.0)
-    return np.linspace(first, float(together.max()), MOST_TIMES)
+    ends = [e.course.times_s[-1] for e in exposures if not e.left] or [float(together.max())]
+    last = float(np.quantile(ends, 0.1))
+    return np.linspace(first, max(last, first), MOST_TIMES)
 
 
 def at_times(exposures: list[RatedExposure], times_s: Floats, *, carried: bool) -> Floats:

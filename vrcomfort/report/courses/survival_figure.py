@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
-from vrcomfort.report.canvas import GRID, INK, LEGEND, Drawing, canvas, lines
-from vrcomfort.report.courses.course_figure import time_unit
+from vrcomfort.report.canvas import GRID, INK, LEGEND, PAPER, Drawing, canvas, lines
+from vrcomfort.report.courses.course_figure import STEPS, time_unit
 from vrcomfort.report.courses.events import Event, curve_of, repeated
 from vrcomfort.report.palette import colour_of, marker_of
 
@@ -51,7 +51,7 @@ def survival_figure(
             _draw(above, curve, condition, words, scale, band=len(shown) <= MOST_BANDS)
         above.set_ylim(-0.02, 1.04)
         above.set_xlim(0, longest / scale * 1.02)
-        above.xaxis.set_major_locator(MaxNLocator(nbins=6))
+        above.xaxis.set_major_locator(MaxNLocator(nbins=6, steps=STEPS))
         above.set_ylabel(title)
         above.grid(axis="y", color=GRID)
         above.set_axisbelow(True)
@@ -79,16 +79,16 @@ def _draw(
     x = np.concatenate([[0.0], curve.times_s / scale])
     share = np.concatenate([[1.0], curve.survival])
     label = lines(words.condition(condition), LEGEND) if condition else "all"
-    axes.step(x, share, where="post", color=colour, lw=1.8, label=label)
+    shape = marker_of(words.place(condition)) if known else "o"
+    axes.step(x, share, where="post", color=colour, lw=1.8, label=label, marker=shape,
+              markevery=[-1], ms=5, mec=PAPER, mew=0.5)  # fmt: skip
     if band:
         low = np.concatenate([[1.0], curve.low])
         high = np.concatenate([[1.0], curve.high])
         axes.fill_between(x, low, high, step="post", color=colour, alpha=0.14, lw=0)
-    shape = marker_of(words.place(condition)) if known else "o"
     left = np.append(curve.at_risk[1:], 0)
     censored = np.flatnonzero(curve.at_risk - curve.events > left)
     axes.plot(curve.times_s[censored] / scale, curve.survival[censored], "|", color=colour, ms=6)
-    axes.plot(x[-1], share[-1], shape, color=colour, ms=4.5)
 
 
 def _at_risk(
@@ -98,12 +98,16 @@ def _at_risk(
     for row, (condition, curve) in enumerate(curves.items()):
         known = condition in words.labels
         colour = colour_of(words.place(condition)) if known else INK
+        if known and len(curves) > 1:
+            shape = marker_of(words.place(condition))
+            below.plot(-0.035, -row, shape, color=colour, ms=5, clip_on=False,
+                       transform=below.get_yaxis_transform())  # fmt: skip
         for tick in ticks:
             still = int(np.searchsorted(curve.times_s, tick * scale - 1e-9))
             count = int(curve.at_risk[still]) if still < curve.at_risk.size else 0
             below.text(tick, -row, f"{count}", ha="center", va="center", color=colour, fontsize=8)
     below.set_ylim(-len(curves) + 0.4, 0.6)
     below.set_yticks([])
-    below.tick_params(axis="x", length=0, labelbottom=False)
+    below.tick_params(axis="both", length=0, labelbottom=False)
     for side in ("left", "bottom"):
         below.spines[side].set_visible(False)
