@@ -18,7 +18,7 @@ from vrcomfort.report.records import records
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
 from vrcomfort.report.results import PLAN_FILE, analyse, plain, to_json
-from vrcomfort.report.study_data import of_one_kind, read_study
+from vrcomfort.report.study_data import of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, write_report
@@ -26,6 +26,7 @@ from vrcomfort.report.writing import file_name, write_report
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from vrcomfort.recordings import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.study_data import StudyData
 
@@ -75,6 +76,8 @@ def build_report(
     out: Path,
     simulated: bool | None = None,
     forms: Collection[Form] = FORMS,
+    memory: Memory | None = None,
+    cluster: str | None = None,
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -96,6 +99,10 @@ def build_report(
         Tables and figures of an earlier report that this one does not have are removed.
     forms
         In which figures are written; PNG and PDF take most of the time of a small report.
+    memory
+        The most that reading frames may take; 512 MB without it.
+    cluster
+        Address of a running Dask scheduler, whose workers read the frames.
 
     Raises
     ------
@@ -104,6 +111,7 @@ def build_report(
         overwrite what is read.
     """
     study = _of_one_kind(read_study(Path(source), instrument), simulated)
+    study = with_frames(study, Path(source), memory=memory, cluster=cluster)
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))

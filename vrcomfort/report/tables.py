@@ -43,6 +43,8 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         "flow": _flat_flow(results["flow"]),
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
+        "movement": results["movement"],
+        "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
         "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
