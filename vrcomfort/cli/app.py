@@ -26,6 +26,7 @@ from vrcomfort.cli import (
     run,
     score,
     simulate,
+    status,
     stopping,
     tradeoff,
     undo_withdrawal,
@@ -95,6 +96,7 @@ for module in (
     tradeoff,
     undo_withdrawal,
     verify,
+    status,
 ):
     module.register(app)
 

@@ -7,14 +7,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pydantic import ValidationError
-
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.design import Design, build_design
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
-from vrcomfort.protocol import Protocol
 from vrcomfort.records.checksums import sha256_of
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescriptionShape, ImportShape
@@ -178,11 +175,10 @@ def _check_session_order(
     """Check the trials against the participant's order; return how many sessions that has."""
     file = folder / TrialRow.FILE
     try:
-        design = _design(manifest)
-        sessions = design.sequence(row.sequence).sessions
+        sessions = design_of(manifest).sequence(row.sequence).sessions
         table = CsvTable.read(file, appended=True)
         table.require(("trial", "condition", "scene", "status"))
-    except (InputError, ValidationError, KeyError):
+    except InputError:
         return None  # which has been told, or another version's protocol
     number = manifest["session"]
     if number > len(sessions):
@@ -192,12 +188,6 @@ def _check_session_order(
     completed = manifest["status"] == "completed"
     check_order(file, table.dicts(), sessions[number - 1], found, completed=completed)
     return len(sessions)
-
-
-def _design(manifest: Mapping[str, Any]) -> Design:
-    """Return the design of a session's own protocol."""
-    protocol = Protocol.model_validate(manifest["settings"])
-    return build_design(protocol, seed=manifest["seed"])
 
 
 def _imported(study: Path, found: Verified) -> None:
