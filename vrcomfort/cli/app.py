@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    check,
     demo,
     design,
     doctor,
@@ -26,14 +27,15 @@ from vrcomfort.cli import (
     run,
     score,
     simulate,
+    status,
     stopping,
     tradeoff,
     undo_withdrawal,
+    verify,
 )
-from vrcomfort.cli.terminal import complain
+from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
 
-EXIT_BAD_INPUT = 2
 STOPPED = "stopped; what was already written stays"
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
@@ -88,12 +90,15 @@ for module in (
     score,
     pack,
     design,
+    check,
     plan,
     power,
     doctor,
     demo,
     tradeoff,
     undo_withdrawal,
+    verify,
+    status,
 ):
     module.register(app)
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
+from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
@@ -114,18 +115,23 @@ def build_report(
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))
+    courses = analyse_courses(study, chosen, results, Path(source))
+    results |= plain(courses.results)
+    results["labels"] |= {
+        name: name for name in courses.conditions if name not in results["labels"]
+    }
     results["date"] = _today()
     words = Vocabulary.of(results)
     left = [
         residuals_of(scored, chosen, results["tests"], outcome["name"])
         for outcome in results["outcomes"]
     ]
-    figures = draw_figures(study, results, scored, left, words)
+    figures = draw_figures(study, results, scored, left, courses, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures, words),
         "reproduce.R": r_script(),
-        **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
+        **{f"tables/{name}": text for name, text in all_tables(results, scored, courses).items()},
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]

@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from vrcomfort.report.courses import Courses
+from vrcomfort.report.courses.tables import course_tables
 from vrcomfort.report.exposures import Exposures
 
 Row = dict[str, Any]
@@ -18,7 +20,7 @@ _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -61,6 +63,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
+        **course_tables(results, courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 

@@ -14,12 +14,14 @@ from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
+from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
-    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
+    "survival",
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
@@ -152,6 +154,8 @@ class Plan(Settings):
     smallest_effect_power: Annotated[float, Field(ge=0.1, le=0.99)] | None = None
     """Say which effect the primary tests would have found with this power, at their number of
     pairs; None: do not."""
+    ratings: RatingAnalysis = RatingAnalysis()
+    """How ratings during exposure are analysed, where there are any."""
     figures: tuple[FigureName, ...] = ()
     """Figures wanted; empty: every one that the data allow."""
 
