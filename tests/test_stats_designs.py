@@ -170,6 +170,8 @@ def test_who_is_alone_or_all_alike_gets_a_result_that_says_so() -> None:
     assert (alike.p, alike.z, alike.shift.estimate, alike.effect.estimate) == (1.0, None, 0.0, 0.0)
     apart = mann_whitney([9] * 6, [1] * 6)
     assert (apart.shift.low, apart.shift.high, apart.effect.estimate) == (8.0, 8.0, 1.0)
+    lonely = mann_whitney([9], [1] * 15)
+    assert (lonely.p, lonely.shift.low, lonely.shift.high) == (1 / 16, None, None)
     assert -1 < apart.effect.low < apart.effect.high == 1
 
 
