@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from vrcomfort.report.exposures import Exposures
+from vrcomfort.report.further_tables import further_tables
 
 Row = dict[str, Any]
 
@@ -34,6 +35,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     tables = {
         "scores": exposures,
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
+        **further_tables(results),
         "sensitivity": results["sensitivity"],
         "descriptives": results["descriptives"],
         "symptoms": results["symptoms"],
