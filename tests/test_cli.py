@@ -49,6 +49,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "report",
         "score",
         "design",
+        "check",
         "plan",
         "import-trace",
         "import",

@@ -24,7 +24,7 @@ from vrcomfort.report.measures import (
 from vrcomfort.report.measures.model import in_steps
 from vrcomfort.report.plan import load_plan
 from vrcomfort.report.results import analyse
-from vrcomfort.report.study_data import read_study
+from vrcomfort.report.study_data import read_study, with_frames
 
 PEOPLE = tuple(f"P{i:02d}" for i in range(1, 9))
 COURSES = {"off": (1, 3, None, 8), "on": (0, 1, None, 2)}
@@ -58,7 +58,7 @@ def of(study: Path, name: str, **said: object) -> dict[tuple[str, str], Fraction
     """Return (participant, condition) → value."""
     own = Measured(name="m", measure=name, **said) if said else None
     measure = measure_of("m", own) if own else measure_of(name)
-    found = values_of(read_study(study), measure)
+    found = values_of(with_frames(read_study(study), study), measure)
     return {(value.participant, value.condition): value.number for value in found}
 
 
@@ -182,7 +182,8 @@ def test_a_column_of_participants_has_one_value_per_person(tmp_path: Path) -> No
 def test_frames_give_path_turning_and_focus_changes_of_the_last_attempt(tmp_path: Path) -> None:
     study = rated(tmp_path / "study")
     header = ("session_s", "trial", "discontinuity", "head_x_m", "head_y_m", "head_z_m",
-              "head_qx", "head_qy", "head_qz", "head_qw", "focus_m")  # fmt: skip
+              "head_qx", "head_qy", "head_qz", "head_qw", "focus_m", "xr_time_ns", "period_ns",
+              "dropped")  # fmt: skip
     turn = 2**-0.5
     frames = [
         (50.0, 1, 1, 9, 9, 9, 0, 0, 0, 1, 1),  # of an earlier attempt
@@ -192,7 +193,10 @@ def test_frames_give_path_turning_and_focus_changes_of_the_last_attempt(tmp_path
         (100.3, 1, 0, 0, 0, 1, 0, 0, 0, -1, ""),
         (200.0, 2, 0, 7, 7, 7, 0, 0, 0, 1, 1),
     ]
-    rows = [dict(zip(header, frame, strict=True)) for frame in frames]
+    rows = [
+        dict(zip(header, (*frame, round(frame[0] * 1e9), 10**8, 0), strict=True))
+        for frame in frames
+    ]
     write_csv(study / "sub-P01" / "ses-1" / "frames.csv", header, rows)
     assert float(of(study, "frames.head_path_m")["P01", "on"]) == pytest.approx(6)
     assert float(of(study, "frames.head_turning_deg")["P01", "on"]) == pytest.approx(90)

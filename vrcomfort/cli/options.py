@@ -48,6 +48,10 @@ def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls
 StudyFolder = Annotated[
     Path, output_option("--out", help="The study folder; made if it is not there.")
 ]
+MemoryOption = Annotated[
+    str,
+    typer.Option(metavar="SIZE", help="The most memory that reading frames may take, as 512MB."),
+]
 GroupReadable = Annotated[
     bool,
     typer.Option(

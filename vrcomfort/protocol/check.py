@@ -30,6 +30,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from group_problems(protocol)
     yield from _simulation(protocol)
     yield from _ratings(protocol)
+    yield from _visibility(protocol)
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
@@ -67,3 +68,16 @@ def _ratings(protocol: Protocol) -> Iterator[Problem]:
     if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
         message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
         yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
+
+
+def _visibility(protocol: Protocol) -> Iterator[Problem]:
+    names = _conditions(protocol)
+    seen = protocol.visibility
+    named: list[tuple[Path, str]] = [
+        (("visibility", "unseen", index), name) for index, name in enumerate(seen.unseen)
+    ]
+    for index, pair in enumerate(seen.alike):
+        named += [(("visibility", "alike", index, side), name) for side, name in enumerate(pair)]
+    for path, name in named:
+        for problem in unknown_name(path, "condition", name, names):
+            yield Problem(path, problem.message)

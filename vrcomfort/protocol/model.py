@@ -16,7 +16,8 @@ from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
 from vrcomfort.questionnaire import Instrument, shipped_instruments
-from vrcomfort.settings import Name, Settings, Word
+from vrcomfort.settings import KeyPath, Name, Settings, Word
+from vrcomfort.settings.locate import locate
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
@@ -25,10 +26,29 @@ Coefficient = Annotated[float, Field(ge=0, le=1e6)]
 PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
+PixelCount = Annotated[int, Field(ge=16, le=8192)]
+
+
 class Headset(Settings):
     """What the headset should be set to; a playback headset is built from it."""
 
+    name: str = ""
+    """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
+    image_size_px: tuple[PixelCount, PixelCount] = (1832, 1920)
+    """Width and height of one eye's image in that headset, for `vrcomfort check`. What a session
+    was shown in is recorded from the headset itself."""
+    refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
+    """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
     ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
+
+
+class Visibility(Settings):
+    """What `vrcomfort check` would refuse, and the study means so."""
+
+    unseen: tuple[str, ...] = ()
+    """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
+    alike: tuple[tuple[str, str], ...] = ()
+    """Pairs of conditions that differ by less than a pixel there."""
 
 
 class Locomotion(Settings):
@@ -134,6 +154,7 @@ class Protocol(Settings):
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     ratings: Ratings | None = None
     headset: Headset = Headset()
+    visibility: Visibility = Visibility()
     locomotion: Locomotion = Locomotion()
     simulation: Simulation = Simulation()
 
@@ -171,6 +192,11 @@ class Protocol(Settings):
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
         return hashlib.sha256(self._text.encode()).hexdigest()
+
+    def fault(self, path: KeyPath, message: str) -> InputError:
+        """Return the error for something wrong at a key of the text."""
+        line, column = locate(self._text).of(path) if self._text else (None, None)
+        return InputError(message, file=self._file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
         """Return how long each exposure is shown: as the protocol says, or shortened.

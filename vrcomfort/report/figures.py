@@ -22,6 +22,9 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
+from vrcomfort.report.courses.course_figure import course_figure
+from vrcomfort.report.courses.events import of_leaving, of_threshold
+from vrcomfort.report.courses.survival_figure import survival_figure
 from vrcomfort.report.estimation import estimation_figure
 from vrcomfort.report.flow_figure import flow_figure
 from vrcomfort.report.group_figure import group_figure
@@ -32,6 +35,7 @@ from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
+    from vrcomfort.report.courses import Courses
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
@@ -46,6 +50,7 @@ def draw_figures(
     results: dict[str, Any],
     scored: Exposures,
     residuals: list[Residuals],
+    courses: Courses,
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -64,11 +69,32 @@ def draw_figures(
     drawn["recovery"] = recovery_figure(scored, results, words)
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
     drawn["residuals"] = residual_figure(residuals, words)
+    drawn |= _course_figures(results, courses, words)
     return {
         name: drawing
         for name, drawing in drawn.items()
         if drawing and (name.startswith(_OTHERWISE) or _wanted(results, name))
     }
+
+
+def _course_figures(
+    results: dict[str, Any], courses: Courses, words: Vocabulary
+) -> dict[str, Drawing | None]:
+    """Return the figures of ratings over time, and of the time to a rating and to leaving."""
+    drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
+    confidence, found = results["plan"]["confidence"], results["ratings"]
+    if found is not None and found["reached"]:
+        events = of_threshold(courses.exposures, found["threshold"])
+        title = f"share below a rating of {found['threshold']:g}"
+        drawn["survival_rating"] = survival_figure(
+            "survival-rating", events, title, words, confidence
+        )
+    if results["leaving"] is not None:
+        events = of_leaving(courses.exposures)
+        drawn["survival_leaving"] = survival_figure(
+            "survival-leaving", events, "share that went on", words, confidence
+        )
+    return drawn
 
 
 _OTHERWISE = ("estimation_", "comparison_", "flow")

@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
+from vrcomfort.report.courses.summaries import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.references import entries
@@ -65,6 +66,8 @@ def render_page(
         described=_described(results),
         moments=_moments(results),
         disagreements=_disagreements(results),
+        rating_titles=TITLES,
+        rating_ways=MEANINGS,
         fewest=methods.fewest_for_shift(results["plan"]),
         colours_light=palette.css_variables(dark=False),
         colours_dark=palette.css_variables(dark=True),

@@ -21,8 +21,10 @@ from vrcomfort.questionnaire import (
     read_long,
     shipped_instruments,
 )
+from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
+from vrcomfort.workers import workers
 
 _KEYS = (
     "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint",
@@ -60,6 +62,8 @@ class StudyData:
     manifests: tuple[dict[str, Any], ...]
     files: int
     warnings: tuple[str, ...]
+    frames: tuple[ExposureFrames, ...] = ()
+    """What the frames of each attempt at an exposure say; see `with_frames`."""
     tasks: tuple[dict[str, str], ...] = ()
     """Rows of tasks.csv: participant, trial or condition, and numbers."""
     source: Path = Path()
@@ -187,6 +191,37 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
         sheets=tuple(sheet for sheet in study.sheets if sheet.participant in kept),
         warnings=(*study.warnings, f"{note} in this report; for the others {hint}"),
         **rows,
+    )
+
+
+def with_frames(
+    study: StudyData, source: Path, *, memory: Memory | None = None, cluster: str | None = None
+) -> StudyData:
+    """Return a study with the sums over the frames of its exposures, and notes on those not read.
+
+    Parameters
+    ----------
+    memory
+        The most that reading frames may take.
+    cluster
+        Address of a running Dask scheduler, whose workers read instead of this process.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers, or its workers do not see the study.
+    """
+    files = sorted(source.rglob("frames.csv")) if source.is_dir() else []
+    if not files:
+        return study
+    with workers(1, cluster) as work:
+        frames, notes = frame_measures(files, memory, work)
+    people = {trial["participant"] for trial in study.trials}
+    notes = [note.replace(f"{source}/", "") for note in notes]
+    return replace(
+        study,
+        frames=tuple(each for each in frames if each.participant in people),
+        warnings=(*study.warnings, *notes),
     )
 
 

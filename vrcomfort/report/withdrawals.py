@@ -39,7 +39,7 @@ class Withdrawal:
 
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     """Return the withdrawals that trials.csv and participants.csv record, one per participant."""
-    undone = _undone(study)
+    undone = undone_attempts(study)
     ended = [t for t in _trials(study) if t["status"] in ENDED and _attempt(t) not in undone]
     found = {t["participant"]: _from_trial(t) for t in ended}
     last = {t["participant"]: t for t in _trials(study)}
@@ -54,7 +54,7 @@ def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
     return tuple(trial.get(name, "") for name in ("participant", "session", "trial", "attempt"))
 
 
-def _undone(study: StudyData) -> set[tuple[str, ...]]:
+def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
     """Return the attempts in which somebody withdrew, and an operator took it back."""
     return {
         (str(of.get("participant")), str(of.get("session")), str(u["trial"]), str(u["attempt"]))

@@ -15,12 +15,14 @@ from pydantic import Field, PrivateAttr
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
 from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
+from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
-    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
+    "survival",
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
@@ -163,6 +165,8 @@ class Plan(Settings):
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
+    ratings: RatingAnalysis = RatingAnalysis()
+    """How ratings during exposure are analysed, where there are any."""
     figures: tuple[FigureName, ...] = ()
     """Figures wanted; empty: every one that the data allow."""
 
