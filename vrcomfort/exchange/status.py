@@ -193,7 +193,7 @@ def _person(
         for number, manifest in manifests.items()
     )
     step, options = _next_step(row, sessions, len(planned) if planned else None)
-    own = next((m for m in reversed(manifests.values()) if not isinstance(m, InputError)), last)
+    own = next((m for m in reversed(list(manifests.values())) if not isinstance(m, InputError)), last)
     command = _command(study, row.participant, own, options) if step and options is not None else ""
     return PersonState(
         row.participant,
