@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
+from vrcomfort.report.courses.methods import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
 from vrcomfort.report.references import is_known
 from vrcomfort.report.vocabulary import answers_in_words, short
@@ -51,6 +52,7 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             _crossover(results),
             _mixed(results),
             _withdrawals(results),
+            *(Method(*paragraph) for paragraph in course_paragraphs(results)),
             _figures(results),
             _answering(results),
             Method("Choices", plan["note"]) if plan["note"] else None,
