@@ -26,9 +26,11 @@ from vrcomfort.cli import (
     run,
     score,
     simulate,
+    status,
     stopping,
     tradeoff,
     undo_withdrawal,
+    verify,
 )
 from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
@@ -93,6 +95,8 @@ for module in (
     demo,
     tradeoff,
     undo_withdrawal,
+    verify,
+    status,
 ):
     module.register(app)
 
