@@ -54,6 +54,8 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "plan",
         "import-trace",
         "import",
+        "verify",
+        "status",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

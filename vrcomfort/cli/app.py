@@ -27,9 +27,11 @@ from vrcomfort.cli import (
     schema,
     score,
     simulate,
+    status,
     stopping,
     tradeoff,
     undo_withdrawal,
+    verify,
 )
 from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
@@ -95,6 +97,8 @@ for module in (
     demo,
     tradeoff,
     undo_withdrawal,
+    verify,
+    status,
 ):
     module.register(app)
 

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
+from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
+from vrcomfort.report.further_answers import further_answers
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
@@ -114,18 +116,23 @@ def build_report(
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))
+    courses = analyse_courses(study, chosen, results, Path(source))
+    results |= plain(courses.results)
+    results["labels"] |= {
+        name: name for name in courses.conditions if name not in results["labels"]
+    }
     results["date"] = _today()
     words = Vocabulary.of(results)
     left = [
         residuals_of(scored, chosen, results["tests"], outcome["name"])
         for outcome in results["outcomes"]
     ]
-    figures = draw_figures(study, results, scored, left, words)
+    figures = draw_figures(study, results, scored, left, courses, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures, words),
         "reproduce.R": r_script(),
-        **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
+        **{f"tables/{name}": text for name, text in all_tables(results, scored, courses).items()},
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
@@ -201,7 +208,11 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(answer(test, words)["text"] for test in results["tests"]),
+        headlines=(
+            *(answer(test, words)["text"] for test in results["tests"]),
+            *(answer(row, words)["text"] for row in results["comparisons"]),
+            *(line["text"] for line in further_answers(results, words)),
+        ),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

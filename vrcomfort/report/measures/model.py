@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.study_data import StudyData
 
 Better = Literal["lower", "higher", ""]
-DIGITS = 9
+DIGITS = 12
 """Digits of the largest value of a measure to which values are compared: what is alike in them is
 tied."""
 
