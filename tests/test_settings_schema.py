@@ -145,3 +145,13 @@ def test_faults_that_types_do_not_see_are_all_told(tmp_path):
     assert [each.line for each in told] == [5, 19, 20]
     assert "no scene file" in told[0].message
     assert all("did you mean `plain`?" in each.message for each in told[1:])
+
+
+def test_a_misspelt_key_is_not_told_as_missing_as_well(tmp_path):
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, PROTOCOL.replace("exposure_s =", "exposre_s ="))
+    assert "did you mean `exposure_s`?" in caught.value.message
+    assert caught.value.others == ()
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, PROTOCOL.replace("exposure_s =", "nothing_like_it ="))
+    assert [each.message for each in caught.value.others] == ["`exposure_s` is missing; add it"]

@@ -80,7 +80,21 @@ def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
         return model.model_validate(_frozen(data), strict=True)
     except ValidationError as error:
         found = [_explain(model, detail) for detail in _causes(error.errors())]
-        raise first_problem(found, text, file) from error
+        raise first_problem(_without_echoes(found), text, file) from error
+
+
+def _without_echoes(found: list[Problem]) -> list[Problem]:
+    """Leave out what is missing only because it is there, misspelt, and told of as that."""
+    return [
+        each
+        for each in found
+        if not each.missing
+        or not any(
+            other.path[:-1] == each.path[:-1] and f"`{each.path[-1]}`" in other.message
+            for other in found
+            if not other.missing
+        )
+    ]
 
 
 def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> InputError:
