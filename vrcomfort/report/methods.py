@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, Literal
 
+from vrcomfort.report.courses.methods import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
 from vrcomfort.report.further_methods import Method, further_methods
 from vrcomfort.report.references import is_known
@@ -45,6 +46,7 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             _crossover(results),
             _mixed(results),
             _withdrawals(results),
+            *(Method(*paragraph) for paragraph in course_paragraphs(results)),
             _figures(results),
             _answering(results),
             Method("Choices", plan["note"]) if plan["note"] else None,
