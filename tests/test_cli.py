@@ -50,6 +50,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "score",
         "design",
         "check",
+        "schema",
         "plan",
         "import-trace",
         "import",

@@ -25,6 +25,7 @@ from vrcomfort.cli import (
     render,
     report,
     run,
+    schema,
     score,
     simulate,
     status,
@@ -91,6 +92,7 @@ for module in (
     pack,
     design,
     check,
+    schema,
     plan,
     doctor,
     demo,
@@ -126,7 +128,8 @@ def main() -> None:
     try:
         app(prog_name="vrcomfort")
     except InputError as error:
-        complain(str(error))
+        for each in (error.alone, *error.others):
+            complain(str(each))
         sys.exit(EXIT_BAD_INPUT)
     except BrokenPipeError:
         # The reader (`| head`) has gone: nothing to say, and nobody to say it to.
