@@ -52,7 +52,10 @@ def test_the_next_participant_takes_the_place_of_who_withdrew(tmp_path: Path) ->
     sequences = """
 [[order.sequences]]
 name = "ba"
-sessions = [[{ scene = "room.glb", condition = "blur" }]]
+sessions = [
+  [{ scene = "room.glb", condition = "blur" }],
+  [{ scene = "room.glb", condition = "plain" }],
+]
 """
     text = PROTOCOL.replace("[[questionnaires]]", f"{sequences}\n[[questionnaires]]", 1)
     protocol = tiny_protocol(tmp_path, text)

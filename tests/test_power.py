@@ -162,6 +162,17 @@ def test_ranges_and_effects_are_read_or_refused_in_a_sentence():
         question_of("carnegie_2015", None)
 
 
+def test_a_test_that_is_not_simulated_is_told_with_its_place(tmp_path):
+    file = tmp_path / "plan.toml"
+    for line, what in (('test = "sign"', "`sign`"), ('between = "group"', "groups")):
+        file.write_text(f'name = "x"\ntitle = "x"\n[[contrasts]]\na = "u"\nb = "v"\n{line}\n')
+        with pytest.raises(InputError, match=what) as refusal:
+            question_of(str(file), Effect(0.5, standardised=True))
+        assert refusal.value.line
+    file.write_text(file.read_text().replace(line, 'test = "paired_t"'))
+    assert question_of(str(file), Effect(0.5, standardised=True)).test.name == "paired_t"
+
+
 PLAN = """name = "asked"
 title = "With the smallest effect"
 outcomes = ["T"]

@@ -4,7 +4,6 @@ The numbers are read from R's own output (tests/data/fms/reference_output.txt), 
 what R printed, to the last digit that it printed.
 """
 
-import json
 import re
 from pathlib import Path
 
@@ -14,7 +13,10 @@ import pytest
 from vrcomfort.importing.convert import import_files
 from vrcomfort.importing.mapping import load_mapping
 from vrcomfort.importing.study import write_study
-from vrcomfort.report.build import build_report
+from vrcomfort.report.build import build_report, choose_plan
+from vrcomfort.report.courses import analyse_courses
+from vrcomfort.report.results import analyse, plain
+from vrcomfort.report.study_data import read_study
 
 FMS = Path(__file__).parent / "data" / "fms"
 R = (FMS / "reference_output.txt").read_text("utf-8")
@@ -22,15 +24,22 @@ NUMBER = r"-?\d*\.?\d+(?:e[-+]\d+)?"
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    """Return the results of the report, and its folder."""
-    folder = tmp_path_factory.mktemp("fms")
+def study(tmp_path_factory):
+    """Return the folder of the study that the mapping makes of the ratings."""
+    folder = tmp_path_factory.mktemp("fms") / "study"
     mapping = load_mapping(FMS / "mapping.toml")
     files = [FMS / "ratings.csv"]
-    write_study(folder / "study", import_files(files, mapping.mapping), mapping, files)
-    build_report(folder / "study", plan=FMS / "plan.toml", out=folder / "report", forms=("svg",))
-    text = (folder / "report" / "results.json").read_text("utf-8")
-    return json.loads(text), folder / "report"
+    write_study(folder, import_files(files, mapping.mapping), mapping, files)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def results(study):
+    """Return what is analysed, without figures and page."""
+    data = read_study(study)
+    plan = choose_plan(data, FMS / "plan.toml")
+    found, _ = analyse(data, plan)
+    return found | plain(analyse_courses(data, plan, found, study).results)
 
 
 SEARCH = 1e-8
@@ -66,8 +75,7 @@ def model(results, name):
     return next(m for m in results["ratings"]["models"] if m["summary"] == name)
 
 
-def test_peaks_of_each_condition(report):
-    results, _ = report
+def test_peaks_of_each_condition(results):
     found = summaries(results, "peak")
     assert is_printed(results["ratings"]["exposures"], after("runs"))
     assert is_printed(results["ratings"]["people"], after("people"))
@@ -81,8 +89,8 @@ def test_peaks_of_each_condition(report):
             assert is_printed(mine[key], text), (condition, key)
 
 
-def test_the_mixed_model_of_peaks(report):
-    found = model(report[0], "peak")
+def test_the_mixed_model_of_peaks(results):
+    found = model(results, "peak")
     names = ["(Intercept)", *re.findall(r"^condition(\w+) +-?\d", R, re.MULTILINE)]
     names = list(dict.fromkeys(names))
     assert len(names) == 9
@@ -105,8 +113,8 @@ def test_the_mixed_model_of_peaks(report):
         assert is_printed(whole[key], text), key
 
 
-def test_the_time_to_a_rating_of_ten(report):
-    (found,) = report[0]["ratings"]["reached"]
+def test_the_time_to_a_rating_of_ten(results):
+    (found,) = results["ratings"]["reached"]
     reached, exposures = re.search(r"reached FMS 10: (\d+) of (\d+)", R).groups()
     assert (found["came"], found["n"]) == (int(reached), int(exposures))
     keys = ("time_s", "at_risk", "events", "survival", "standard_error", "low", "high")
@@ -118,8 +126,8 @@ def test_the_time_to_a_rating_of_ten(report):
             assert is_printed(row[key], text), (line, key)
 
 
-def test_the_log_rank_test_of_two_conditions(report):
-    (found,) = report[0]["ratings"]["reached"]
+def test_the_log_rank_test_of_two_conditions(results):
+    (found,) = results["ratings"]["reached"]
     test = next(t for t in found["log_rank"] if len(t["groups"]) == 2 and not t["within_people"])
     for place, group in enumerate(test["groups"]):
         n, observed, expected, share, of_variance = numbers_after(f"condition={group}")
@@ -133,8 +141,7 @@ def test_the_log_rank_test_of_two_conditions(report):
     assert test["df"] == 1
 
 
-def test_the_paired_tests_of_mean_ratings(report):
-    results, folder = report
+def test_the_paired_tests_of_mean_ratings(results):
     (test,) = results["tests"]
     found = test["t_test"]
     assert is_printed(found["n"], after("paired people"))
@@ -148,13 +155,12 @@ def test_the_paired_tests_of_mean_ratings(report):
     assert is_printed(found["p"], of_t)
     assert is_printed(test["w_plus"], after("V ="))
     assert is_printed(test["p_asymptotic"], of_wilcoxon)
-    table = pd.read_csv(folder / "tables" / "t_tests.csv")
-    assert is_printed(table["mean"][0], after("mean diff"))
 
 
-def test_the_page_has_them(report):
-    results, folder = report
-    page = (folder / "index.html").read_text("utf-8")
+@pytest.mark.slow
+def test_the_page_has_them(study, tmp_path):
+    made = build_report(study, plan=FMS / "plan.toml", out=tmp_path, forms=("svg",))
+    page = made.index.read_text("utf-8")
     words = " ".join(re.sub(r"<[^>]+>", " ", page).split())
     for text in (
         "141 of 214 exposures reached it",
@@ -167,4 +173,6 @@ def test_the_page_has_them(report):
     ):
         assert text in words, text
     assert 'id="ratings"' in page
-    assert {"figures/ratings.svg", "figures/survival_rating.svg"} <= set(results["files"])
+    assert {"ratings.svg", "survival_rating.svg"} <= {figure.name for figure in made.figures}
+    table = pd.read_csv(tmp_path / "tables" / "t_tests.csv")
+    assert is_printed(table["mean"][0], after("mean diff"))

@@ -114,10 +114,12 @@ def _write(folder: Path, question: Question, rows: list[Row], facts: dict[str, A
 
 
 def _print(question: Question, rows: list[Row], seed: int, *, quiet: bool) -> None:
+    from vrcomfort.report.power import TITLES
+
     test = question.test
     screen = console(quiet)
-    screen.print(f"{question.outcome}, {question.contrast}: signed-rank test, {test.alternative}, "
-                 f"α = {test.alpha:.3g}")  # fmt: skip
+    what = f"{question.outcome}, {question.contrast}: {TITLES[test.name]}"
+    screen.print(f"{what}, {test.alternative}, α = {test.alpha:.3g}")
     screen.print(f"Differences: {question.generator_in_words}. Seed {seed}.")
     adjusted = f"  α/{question.holm_tests} (Holm)" if rows[0].adjusted else ""
     formula = "  by formula" if rows[0].t_test_formula is not None else ""

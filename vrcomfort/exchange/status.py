@@ -193,17 +193,12 @@ def _person(
         for number, manifest in manifests.items()
     )
     step, options = _next_step(row, sessions, len(planned) if planned else None)
-    own = next((m for m in reversed(manifests.values()) if not isinstance(m, InputError)), last)
-    command = _command(study, row.participant, own, options) if step and options is not None else ""
+    read = [each for each in manifests.values() if not isinstance(each, InputError)]
+    own = read[-1] if read else last
+    command = "" if options is None else _command(study, row.participant, own, options)
+    group, note = row.group or "", row.note
     return PersonState(
-        row.participant,
-        row.status,
-        row.sequence,
-        row.group or "",
-        sessions,
-        step,
-        command,
-        row.note,
+        row.participant, row.status, row.sequence, group, sessions, step, command, note
     )
 
 

@@ -12,6 +12,7 @@ from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
 from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
+from vrcomfort.report.further_answers import further_answers
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
@@ -207,7 +208,11 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(answer(test, words)["text"] for test in results["tests"]),
+        headlines=(
+            *(answer(test, words)["text"] for test in results["tests"]),
+            *(answer(row, words)["text"] for row in results["comparisons"]),
+            *(line["text"] for line in further_answers(results, words)),
+        ),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

@@ -107,12 +107,20 @@ class Exposures:
     def basis(self) -> Basis:
         """Return what the scores of the first outcome that has any are."""
         scores = (basis for basis in self.bases.values() if basis != "measured")
-        return next(scores, "measured" if self.bases else "raw_post")
+        return next(scores, "measured")
 
     @property
     def planned(self) -> dict[str, int]:
         """Return the planned exposures of the primary outcome."""
         return next(iter(self.planned_of.values()), {})
+
+
+def column_of(scored: Exposures, table: pd.DataFrame, column: str) -> pd.Series:
+    """Return a column of the exposures, or what participants.csv says of each row's person."""
+    if column in COLUMNS:
+        return table[column].replace("", pd.NA)
+    said = table["participant"].map(lambda who: scored.people.get(who, {}).get(column))
+    return said.replace("", pd.NA)
 
 
 def score_exposures(study: StudyData, plan: Plan) -> Exposures:

@@ -27,6 +27,7 @@ from vrcomfort.report.courses.events import of_leaving, of_threshold
 from vrcomfort.report.courses.survival_figure import survival_figure
 from vrcomfort.report.estimation import estimation_figure
 from vrcomfort.report.flow_figure import flow_figure
+from vrcomfort.report.group_figure import group_figure
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residual_figure import residual_figure
@@ -58,6 +59,9 @@ def draw_figures(
         if _wanted(results, "subscales" if place else "paired"):
             tests = [test for test in results["tests"] if test["outcome"] == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
+    for place, row in enumerate(results["comparisons"]):
+        if _wanted(results, "paired"):
+            drawn[f"comparison_{place}"] = group_figure(scored, row, words)
     drawn["flow"] = flow_figure(results["flow"])
     for instrument in dict.fromkeys(row["instrument"] for row in results["symptoms"]):
         rows = [row for row in results["symptoms"] if row["instrument"] == instrument]
@@ -93,7 +97,7 @@ def _course_figures(
     return drawn
 
 
-_OTHERWISE = ("estimation_", "flow")
+_OTHERWISE = ("estimation_", "comparison_", "flow")
 """What no plan leaves out, or what was chosen before it was drawn."""
 
 

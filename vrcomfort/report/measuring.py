@@ -60,6 +60,7 @@ class Beside:
         self._rows = rows
         self._of_exposure: dict[tuple[Any, ...], Row] = {}
         self._of_condition: dict[tuple[Any, ...], list[Row]] = defaultdict(list)
+        self._of_person: dict[str, list[Row]] = defaultdict(list)
         for row in rows.values():
             if row["timepoint"] == timepoint:
                 self._index(row)
@@ -69,16 +70,19 @@ class Beside:
             key = row["participant"], row["session"], row["number"]
             self._of_exposure.setdefault(key, row)
         self._of_condition[row["participant"], row["condition"]].append(row)
+        self._of_person[row["participant"]].append(row)
 
     def put(self, row: Row, name: str, number: Any) -> None:
         """Add a measure to the row of its exposure, if there is one, else as a row of its own.
 
-        What is said of a person under a condition, of no one exposure, goes to the only one.
+        What is said of a person (under a condition), of no one exposure, goes to the only one.
         """
-        found = self._of_exposure.get((row["participant"], row["session"], row["number"]))
-        if not row["number"] and row["condition"]:
-            same = self._of_condition[row["participant"], row["condition"]]
-            found = same[0] if len(same) == 1 else None
+        who, condition = row["participant"], row["condition"]
+        if row["number"]:
+            same = [self._of_exposure.get((who, row["session"], row["number"]))]
+        else:
+            same = [*(self._of_condition[who, condition] if condition else self._of_person[who])]
+        found = same[0] if len(same) == 1 else None
         if found is None or name in found:
             found = dict(row)
             key = tuple(row[each] for each in _SAME)

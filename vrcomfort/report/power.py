@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -39,6 +39,7 @@ if TYPE_CHECKING:
 STUDIES_AT_ONCE = 500
 """In a piece of work; the seed of a piece is of its place, so that results hang on no process."""
 MOST_PARTICIPANTS = 500
+TITLES = {"signed_rank": "signed-rank test", "paired_t": "paired t test"}
 
 
 class Effect(NamedTuple):
@@ -181,7 +182,7 @@ def question_of(
         plan = load_plan(find_plan(plan_name))
     first = plan.contrasts[0] if plan.contrasts else None
     alternative = (first.alternative if first else None) or plan.alternative
-    test = PairedTest("signed_rank", alternative, 1 - plan.confidence, plan.zeros, plan.p_value)
+    test = PairedTest(_test_of(plan), alternative, 1 - plan.confidence, plan.zeros, plan.p_value)
     generator, words, effect_sd = _generator(effect, sd, found)
     return Question(
         outcome=plan.outcomes[0] if plan.outcomes else "the primary score",
@@ -193,6 +194,25 @@ def question_of(
         generator_in_words=words,
         effect_sd=effect_sd,
     )  # fmt: skip
+
+
+def _test_of(plan: Plan) -> Literal["signed_rank", "paired_t"]:
+    """Return the test of the first contrast.
+
+    Raises
+    ------
+    InputError
+        If it is one that is not simulated.
+    """
+    first = plan.contrasts[0] if plan.contrasts else None
+    test = (first.test if first else None) or "signed_rank"
+    if first is not None and first.between:
+        message = "compares groups, and power is simulated for pairs alone"
+        raise plan.fault(f"the first contrast {message}; put one of pairs first", "contrasts", 0)
+    if test not in {"signed_rank", "paired_t"}:
+        message = f"the power of `{test}` is not simulated; that of signed_rank and paired_t is"
+        raise plan.fault(message, "contrasts", 0, "test")
+    return "paired_t" if test == "paired_t" else "signed_rank"
 
 
 def _generator(
@@ -291,7 +311,7 @@ def draw_power(question: Question, rows: list[Row]) -> Drawing:
     with canvas("power", 5.0, 3.4) as (figure, drawing):
         axes = figure.add_subplot()
         sizes = [row.n for row in rows]
-        curves = [("signed-rank test", palette.colour_of(0), [row.power for row in rows])]
+        curves = [(TITLES[question.test.name], palette.colour_of(0), [row.power for row in rows])]
         if rows[0].adjusted is not None:
             first = [row.adjusted for row in rows if row.adjusted is not None]
             curves.append((f"at p ≤ α/{question.holm_tests} (Holm)", palette.colour_of(1), first))

@@ -37,7 +37,7 @@ _NEEDED_ELSEWHERE = {
     "ratings.csv": ("missed",),
     "tasks.csv": ("participant",),
 }
-_INSTEAD = ("tasks.csv", "ratings.csv")
+_INSTEAD = ("tasks.csv", "ratings.csv", "participants.csv")
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",

@@ -11,6 +11,7 @@ from typing import Any
 from vrcomfort.report.courses import Courses
 from vrcomfort.report.courses.tables import course_tables
 from vrcomfort.report.exposures import Exposures
+from vrcomfort.report.further_tables import further_tables
 
 Row = dict[str, Any]
 
@@ -36,6 +37,7 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
     tables = {
         "scores": exposures,
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
+        **further_tables(results),
         "sensitivity": results["sensitivity"],
         "smallest_effects": results["smallest_effects"],
         "descriptives": results["descriptives"],

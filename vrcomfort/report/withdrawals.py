@@ -186,7 +186,8 @@ def why_not(
     for row in scored.excluded:
         what = with_labels(row["questionnaire"], study.labels)
         reasons[row["participant"]].append(f"{what}: {row['reason']}")
-    default = ["not every exposure has a questionnaire"]
+    asked = "not every exposure has a questionnaire"
+    default = [asked if study.sheets else "no value of what was compared"]
     return [
         {"participant": name, "reason": "; ".join(reasons.get(name) or default)}
         for name in everybody(study)

@@ -67,7 +67,9 @@ def course_figure(courses: Courses, words: Vocabulary) -> Drawing | None:
                 axes.set_ylabel(f"{found['short']} rating")
             if place + COLUMNS >= len(panels):
                 axes.set_xlabel(f"time in exposure ({unit})")
-        _limits(panels, found["low"], found["high"], float(curves.times_s.max()) / scale)
+        gone = [e.ended_s for e in courses.exposures if e.left]
+        longest = max([float(curves.times_s.max()), *gone])
+        _limits(panels, found["low"], found["high"], longest / scale)
     return drawing
 
 

@@ -14,6 +14,7 @@ from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
+from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
@@ -31,7 +32,7 @@ Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
 class Contrast(Settings):
-    """Two sides that the same people met; differences are `a` minus `b`.
+    """Two sides that the same people met, or two groups; differences are `a` minus `b`.
 
     A side is a condition, at the plan's exposure timepoint unless another is given. A side without
     a condition is that timepoint whatever the condition: `a_timepoint = "post"`, `b_timepoint =
@@ -42,6 +43,13 @@ class Contrast(Settings):
     b: str = ""
     a_timepoint: str = ""
     b_timepoint: str = ""
+    between: str = ""
+    """Blank: the same people met both. Else the column whose values `a` and `b` are: one of
+    participants.csv, `group`, `sequence`, or `condition` where each met one of the two."""
+    condition: str = ""
+    """Of a contrast between groups: of which exposures; blank: of all."""
+    test: TestName | None = None
+    """None: signed_rank of pairs, mann_whitney of groups."""
     alternative: Side | None = None
     """None: that of the plan."""
 
@@ -133,6 +141,12 @@ class Plan(Settings):
     narrow where there is an effect; they differ in the n of the standard error. R's ``effectsize``
     counts the non-zero scores of condition a; the formula is for the non-zero differences."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
+    correlations: tuple[Correlated, ...] = ()
+    equivalence: tuple[Equivalent, ...] = ()
+    """Two one-sided t tests at 1 − `confidence` each."""
+    preferences: tuple[Preferred, ...] = ()
+    agreement: tuple[Agreed, ...] = ()
+    """Intraclass correlations."""
     families: tuple[Family, ...] = ()
     """Outcomes in no family are not adjusted."""
 
@@ -147,6 +161,8 @@ class Plan(Settings):
     )
     """Factors that have one level in the data are left out."""
     sums_of_squares: Literal["II", "III"] = "III"
+    aligned_ranks: bool = False
+    """Whether the effects of the ANOVA are tested on aligned ranks as well."""
     mixed_model: tuple[str, ...] = ("condition", "scene", "position", "session")
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.report.measures import fault_of
 from vrcomfort.report.outcomes import Outcome, fault_of_outcome, known_outcomes
+from vrcomfort.report.plan.designs import INDEPENDENT, PAIRED
 from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
 from vrcomfort.settings import Problem, did_you_mean, repeated
 
@@ -26,6 +27,7 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from _families(plan, known)
     for index, contrast in enumerate(plan.contrasts):
         yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
+    yield from _of_designs(plan)
     for index, factor in enumerate(plan.anova):
         if factor.name in _TAKEN:
             message = f"`{factor.name}` cannot name a factor; choose another word"
@@ -88,7 +90,49 @@ def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
                     yield Problem(path, f"{message}; adjust them once")
 
 
+def _of_designs(plan: Plan) -> Iterator[Problem]:
+    """Yield what is wrong with correlations, equivalence, preferences and agreement."""
+    yield from repeated(("preferences",), [each.name for each in plan.preferences])
+    named = [
+        *((("correlations", i, key), getattr(each, key))
+          for i, each in enumerate(plan.correlations) for key in ("x", "y")),
+        *((("equivalence", i, "outcome"), each.outcome) for i, each in enumerate(plan.equivalence)),
+        *((("agreement", i, "outcome"), each.outcome) for i, each in enumerate(plan.agreement)),
+    ]  # fmt: skip
+    for path, name in named:
+        if plan.outcomes and name not in plan.outcomes:
+            hint = did_you_mean(name, plan.outcomes)
+            yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
+    for index, pair in enumerate(plan.correlations):
+        if pair.x == pair.y:
+            yield Problem(("correlations", index), f"`{pair.x}` is correlated with itself")
+    for index, bounds in enumerate(plan.equivalence):
+        if bounds.low >= bounds.high:
+            message = f"low ({bounds.low:g}) is not below high ({bounds.high:g})"
+            yield Problem(("equivalence", index, "low"), message)
+    for index, asked in enumerate(plan.preferences):
+        if asked.a == asked.b or {asked.a, asked.b} & set(asked.none):
+            yield Problem(("preferences", index), "a, b and none name one value twice")
+
+
+def _of_groups(contrast: Contrast) -> Iterator[str]:
+    """Yield what is wrong with a contrast between groups."""
+    if contrast.a_timepoint or contrast.b_timepoint:
+        yield "groups are compared after exposure; leave the timepoints away"
+    if not contrast.a or not contrast.b or contrast.a == contrast.b:
+        yield f"name two different values of `{contrast.between}` as a and b"
+    if contrast.test in PAIRED:
+        yield f"`{contrast.test}` needs pairs; between groups there are {', '.join(INDEPENDENT)}"
+
+
 def _of_contrast(contrast: Contrast, plan: Plan) -> Iterator[str]:
+    if contrast.between:
+        yield from _of_groups(contrast)
+        return
+    if contrast.condition:
+        yield "`condition` is of contrasts between groups; name it as a or b"
+    if contrast.test in INDEPENDENT:
+        yield f"`{contrast.test}` needs groups; give `between`, or one of {', '.join(PAIRED)}"
     sides = [
         (condition, timepoint or plan.exposure_timepoint)
         for condition, timepoint in (
