@@ -7,7 +7,8 @@ of heavy tails on both. `docs/statistics.md` says how often each covers.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.special import stdtrit
@@ -20,6 +21,11 @@ if TYPE_CHECKING:
 RESAMPLES = 1999
 SEED = 19930101
 """Of every bootstrap here; a report says it, and the same data give the same interval."""
+KEPT_UP_TO = 200
+"""Values up to which resamples are drawn once for samples of the same size; of more, which have few
+distinct values, they are drawn as counts of those."""
+ROUNDING = 1e-13
+"""Of the largest value, or of its square: less is no mean, or the variance of equal values."""
 _BLOCK = 2_000_000
 
 
@@ -61,16 +67,34 @@ def mean_interval(values: ArrayLike, *, confidence: float = 0.95) -> MeanInterva
 
 
 def _studentised(centred: Floats) -> Floats:
-    """Return t* of every resample of n − 1 values, drawn as counts of the distinct ones."""
-    distinct, counts = np.unique(centred, return_counts=True)
+    """Return t* of every resample of n − 1 values."""
     random, n = np.random.default_rng(SEED), centred.size - 1
-    found, block = [], max(1, _BLOCK // distinct.size)
-    for first in range(0, RESAMPLES, block):
-        drawn = random.multinomial(n, counts / (n + 1), size=min(block, RESAMPLES - first))
-        means = drawn @ distinct / n
-        squares = drawn @ distinct**2 / n - means**2
-        constant = drawn.max(axis=1) == n
-        errors = np.sqrt(np.where(constant, 1.0, np.abs(squares)) / (n - 1))
-        infinite = np.where(means == 0, 0.0, np.copysign(np.inf, means))
-        found.append(np.where(constant, infinite, means / errors))
-    return np.concatenate(found)
+    if centred.size <= KEPT_UP_TO:
+        return _t_of(_kept(centred.size), np.sort(centred), n)
+    distinct, counts = np.unique(centred, return_counts=True)
+    block = max(1, _BLOCK // distinct.size)
+    blocks = [min(block, RESAMPLES - first) for first in range(0, RESAMPLES, block)]
+    shares = counts / centred.size
+    return np.concatenate(
+        [_t_of(random.multinomial(n, shares, size=rows), distinct, n) for rows in blocks]
+    )
+
+
+@lru_cache(maxsize=8)
+def _kept(size: int) -> Floats:
+    """Return how often each resample has each value, shape (RESAMPLES, size)."""
+    random = np.random.default_rng(SEED)
+    drawn = random.multinomial(size - 1, np.full(size, 1 / size), size=RESAMPLES)
+    return drawn.astype(np.float64)
+
+
+def _t_of(drawn: NDArray[np.floating[Any] | np.integer[Any]], values: Floats, n: int) -> Floats:
+    """Return the mean of each resample over its standard error; `drawn` counts its `values`."""
+    sums = drawn @ np.stack([values, values**2], axis=1)
+    means = sums[:, 0] / n
+    squares = sums[:, 1] / n - means**2
+    size = np.abs(values).max()
+    constant = squares <= ROUNDING * size**2
+    errors = np.sqrt(np.where(constant, 1.0, squares) / (n - 1))
+    infinite = np.where(np.abs(means) <= ROUNDING * size, 0.0, np.copysign(np.inf, means))
+    return np.where(constant, infinite, means / errors)
