@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, many_answers, mask, memory, python_time, requires
+from bench import effects, many_answers, mask, memory, python_time, recordings, requires
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -40,6 +40,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
         ctx, frames=options.memory_frames // 50
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
+    "recordings": lambda _, options: recordings.measure(options.frame_rows),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
 }
 
@@ -55,6 +56,7 @@ def main() -> None:
     parser.add_argument("--scene", choices=SCENES, help="python_time in one scene alone")
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
     parser.add_argument("--people", type=int, default=1000, help="whose answers are reported")
+    parser.add_argument("--frame-rows", type=int, default=10_000_000, help="summed by exposure")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

@@ -13,6 +13,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support.browser import find_browser
 from tests.support.openxr import fresh_monado
+from vrcomfort.cli import main
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed
@@ -173,3 +174,22 @@ def browser() -> str:
     if found is None:
         pytest.skip("there is no browser; scripts/browser.sh installs one")
     return found
+
+
+@pytest.fixture
+def run(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, str]]:
+    """Return what runs the command and gives (exit code, stdout, stderr)."""
+
+    def call(*arguments: object) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, arguments)])
+        code = 0
+        try:
+            main()
+        except SystemExit as end:
+            code = int(end.code or 0)
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return call

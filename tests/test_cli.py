@@ -10,7 +10,6 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from vrcomfort.cli import main
 from vrcomfort.gpu.gl import VERSION_NAME
 from vrcomfort.resources import data_folder
 
@@ -29,23 +28,6 @@ SSQ_ITEMS = (
     "sweating,nausea,difficulty_concentrating,fullness_of_head,blurred_vision,dizzy_eyes_open,"
     "dizzy_eyes_closed,vertigo,stomach_awareness,burping"
 )
-
-
-@pytest.fixture
-def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """Return what runs the command and gives (exit code, stdout, stderr)."""
-
-    def call(*arguments: object) -> tuple[int, str, str]:
-        monkeypatch.setattr("sys.argv", ["vrcomfort", *map(str, arguments)])
-        code = 0
-        try:
-            main()
-        except SystemExit as end:
-            code = int(end.code or 0)
-        out, err = capsys.readouterr()
-        return code, out, err
-
-    return call
 
 
 def assert_refused(result: tuple[int, str, str], *words: str) -> None:
@@ -67,9 +49,12 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "report",
         "score",
         "design",
+        "check",
         "plan",
         "import-trace",
         "import",
+        "verify",
+        "status",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

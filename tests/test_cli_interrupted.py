@@ -171,7 +171,7 @@ def test_processes_do_not_wait_for_their_work_after_ctrl_c(tmp_path: Path):
     file.write_text(
         """
 import time
-from vrcomfort.tradeoff.workers import workers
+from vrcomfort.workers import workers
 if __name__ == "__main__":
     try:
         with workers(2, None) as work:

@@ -44,7 +44,8 @@ def test_mantiuk_in_numbers():
     study = load_protocol("mantiuk_2011")
     assert (study.participants, study.exposure_s) == (21, 15.0)
     by_gaze = [c for c in study.conditions if c.focus.method == "gaze"]
-    assert [c.depth_of_field.aperture_m for c in by_gaze] == [0.019, 0.007, 0.002]
+    openings = [c.depth_of_field.aperture_m for c in by_gaze]
+    assert openings == pytest.approx([19 * 0.003, 7 * 0.003, 2 * 0.003])  # the unit is ours
     for condition in by_gaze:
         assert (condition.focus.law, condition.focus.duration_s) == ("duration", 0.37)
         assert condition.focus.gaze_radius_deg == 1.5

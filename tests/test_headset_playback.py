@@ -13,6 +13,7 @@ from vrcomfort.geometry import Pose, axis_angle, slerp, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset, default_fovs
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.rows import cell_text, csv_line
+from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.traces.pose_track import PoseTrack
 from vrcomfort.traces.trace import Trace, read_trace
 
@@ -167,24 +168,20 @@ def test_a_session_has_one_clock_over_several_runs():
     assert second[0].avatar_pose.position[0] == first[0].avatar_pose.position[0] + 1
 
 
+class Rows(list):
+    """What a session's recorder is given."""
+
+    def write(self, *rows):
+        self.extend(rows)
+
+
 def record(frames, path):
     """Write the frames as a session does, with blanks where no focus was found."""
-    rows = [
-        FrameRow(
-            session_s=frame.predicted_display_time_ns * 1e-9,
-            xr_time_ns=frame.predicted_display_time_ns,
-            period_ns=frame.period_ns,
-            trial=1,
-            should_render=frame.should_render,
-            head=frame.head_pose,
-            left=frame.views[0],
-            right=frame.views[1],
-            avatar=frame.avatar_pose,
-            discontinuity=frame.discontinuity,
-            snap_turn=frame.snap_turn,
-        )
-        for frame in frames
-    ]
+    rows = Rows()
+    log = FrameLog(rows)
+    for frame in frames:
+        log.add(frame, None, trial=1, session_s=frame.predicted_display_time_ns * 1e-9)
+    log.finish()
     cells = [FrameRow.columns(), *([cell_text(cell) for cell in row.cells()] for row in rows)]
     path.write_text("".join(map(csv_line, cells)), encoding="utf-8")
 
@@ -254,3 +251,14 @@ def test_hands_are_played_where_they_are_known():
         found = [frame.hands[1] and frame.hands[1].position[0] for frame in frames]
         assert [None if x is None else round(x, 9) for x in found] == expected
         assert all(frame.hands[0] is None for frame in frames)
+
+
+def test_recorded_hands_play_again_and_hands_never_seen_are_none(tmp_path):
+    places = np.array([[0.0, 1, 0], [np.nan] * 3, [0.4, 1, 0.125]])
+    turns = np.where(np.isnan(places[:, :1]), np.nan, [[0.0, 0.6, 0, 0.8]])
+    trace = turning_trace(range(0, 30_000_000, 10_000_000), right_hand=PoseTrack(places, turns))
+    frames = play(trace, 3)
+    record(frames, tmp_path / "frames.csv")
+    recorded = read_trace(tmp_path / "frames.csv")
+    assert recorded.left_hand is None
+    assert [frame.hands for frame in play(recorded, 3)] == [frame.hands for frame in frames]

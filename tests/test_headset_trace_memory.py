@@ -12,6 +12,7 @@ import pytest
 from vrcomfort.errors import InputError
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.pose_columns import HANDS
 from vrcomfort.traces import table
 from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import import_trace, read_trace, write_trace
@@ -25,7 +26,7 @@ def small_parts(monkeypatch):
     monkeypatch.setattr(table, "ROWS_AT_ONCE", ROWS_AT_ONCE)
 
 
-def recording(path, rows: int, **changed):
+def recording(path, rows: int, *, hands: bool = False, **changed):
     """Write a frames.csv as a session does; `changed` has column → (row → cell)."""
     columns = FrameRow.columns()
     cells = dict.fromkeys(columns, "0.25") | {"period_ns": "10000000", "rays_used": "1" * 9}
@@ -33,6 +34,8 @@ def recording(path, rows: int, **changed):
     for side in ("left", "right"):
         cells |= {f"{side}_fov_left_rad": "-0.8", f"{side}_fov_down_rad": "-0.8"}
     cells["discontinuity"] = "0"
+    if not hands:
+        cells |= dict.fromkeys(HANDS, "")
     with path.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(columns)
@@ -52,10 +55,12 @@ def peak_bytes(path) -> int:
     return peak
 
 
-def test_a_longer_trace_needs_the_memory_of_its_numbers_and_of_one_part(tmp_path):
-    few = peak_bytes(recording(tmp_path / "few.csv", FEW))
-    many = peak_bytes(recording(tmp_path / "many.csv", MANY))
+@pytest.mark.parametrize("hands", [False, True])
+def test_a_longer_trace_needs_the_memory_of_its_numbers_and_of_one_part(tmp_path, hands):
+    few = peak_bytes(recording(tmp_path / "few.csv", FEW, hands=hands))
+    many = peak_bytes(recording(tmp_path / "many.csv", MANY, hands=hands))
     numbers = 2 + 7 + 14 + 8 + 7 + 1  # time and period, head, eyes, fields of view, avatar, trial
+    numbers += 14 if hands else 0
     # All numbers, and once more those of one group while its parts are joined.
     assert (many - few) / (MANY - FEW) < 8 * (numbers + 14) + 8
 

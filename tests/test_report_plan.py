@@ -488,7 +488,7 @@ def test_shipped_plans_go_by_name(tmp_path):
 def test_the_template_and_the_page_have_every_key():
     text = find_plan("default").read_text("utf-8")
     keys = set(re.findall(r"^(?:# )?(\w+) += ", text, re.MULTILINE))
-    keys |= set(re.findall(r"^\[\[(\w+)\]\]$", text, re.MULTILINE))
+    keys |= set(re.findall(r"^\[\[?(\w+)\]\]?$", text, re.MULTILINE))
     assert set(Plan.model_fields) <= keys
     page = (Path(__file__).parents[1] / "docs/plans.md").read_text("utf-8")
     told = set(re.findall(r"`\[*(\w+)\]*`", page))

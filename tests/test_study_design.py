@@ -1,33 +1,11 @@
 from __future__ import annotations
 
-from collections import Counter
-from itertools import pairwise
-
 import pytest
 
-from tests.support.study import PROTOCOL
-from vrcomfort.design import Enrolment, audit, build_design, williams
+from tests.support.studies import generated
+from vrcomfort.design import Enrolment, audit, build_design
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import load_protocol, parse_protocol
-
-
-def generated(rule: str, conditions: int, extra: str = ""):
-    """Return a protocol with one scene and a generated order."""
-    head = PROTOCOL.split("[[conditions]]")[0].replace(".glb", ".gltf")
-    tail = PROTOCOL[PROTOCOL.index("[[questionnaires]]") :]
-    tables = "".join(f'[[conditions]]\nname = "c{n}"\n' for n in range(conditions))
-    return parse_protocol(f'{head}{tables}[order]\nrule = "{rule}"\n{extra}{tail}')
-
-
-@pytest.mark.parametrize("n", range(2, 9))
-def test_williams_squares_are_balanced_for_place_and_for_carry_over(n):
-    square = williams(n)
-    assert len(square) == (n if n % 2 == 0 else 2 * n)
-    for column in zip(*square, strict=True):
-        assert set(Counter(column).values()) == {len(square) // n}
-    pairs = Counter(pair for row in square for pair in pairwise(row))
-    assert len(pairs) == n * (n - 1)
-    assert set(pairs.values()) == {len(square) // n}
+from vrcomfort.protocol import load_protocol
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])

@@ -75,9 +75,10 @@ def test_the_columns_are_those_of_the_design():
     assert columns[40:46] == (
         "avatar_qw", "head_valid", "head_tracked", "session_state", "focus_m", "focus_raw_m"
     )  # fmt: skip
-    assert columns[-6:] == (
-        "cpu_ms", "gpu_ms", "dropped", "missed_refreshes", "discontinuity", "resumed"
+    assert columns[-20:-15] == (
+        "cpu_ms", "gpu_ms", "dropped", "missed_refreshes", "discontinuity"
     )  # fmt: skip
+    assert columns[-15:] == (*pose_columns("left_hand"), *pose_columns("right_hand"), "resumed")
     assert len(set(columns)) == len(columns) == len(frame_row().cells())
 
 

@@ -8,7 +8,11 @@ from pathlib import Path
 import pytest
 
 from vrcomfort.cli import main
-from vrcomfort.records.schema import ADDED_COLUMNS, SCHEMA_VERSION
+from vrcomfort.records import FrameRow
+from vrcomfort.records.disk import OWNER
+from vrcomfort.records.mend import mend
+from vrcomfort.records.pose_columns import HANDS
+from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 from vrcomfort.traces.trace import read_trace
 
 FIRST = Path(__file__).parent / "data" / "study_of_schema_1"
@@ -63,9 +67,27 @@ def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
     assert len(rows(tmp_path / "played" / "frames.csv")) == 3
 
 
+def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
+    session = study / "sub-P02/ses-1"
+    second = columns_of_version(2, "frames.csv", FrameRow.columns())
+    assert set(FrameRow.columns()) - set(second) == set(HANDS)
+    frames = [{name: row.get(name, "") for name in second} for row in rows(session / "frames.csv")]
+    with (session / "frames.csv").open("w", newline="") as stream:
+        writer = csv.DictWriter(stream, second, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(frames)
+    before = (session / "frames.csv").read_bytes()
+    assert mend(session, FrameRow, OWNER) is None
+    assert (session / "frames.csv.schema2").read_bytes() == before
+    blank = dict.fromkeys(HANDS, "")
+    assert rows(session / "frames.csv") == [
+        {name: {**row, **blank}[name] for name in FrameRow.columns()} for row in frames
+    ]
+
+
 def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
     session = study / "sub-P02/ses-1"
-    before = {name: (session / name).read_bytes() for name in ADDED_COLUMNS}
+    before = {name: (session / name).read_bytes() for name in ("trials.csv", "frames.csv")}
     succeeds(resume, vrcomfort, study)
     for name, text in before.items():
         assert (session / f"{name}.schema1").read_bytes() == text, "what was there is kept"

@@ -12,11 +12,13 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    check,
     demo,
     design,
     doctor,
     import_answers,
     import_trace,
+    pack,
     plan,
     play,
     render,
@@ -24,14 +26,15 @@ from vrcomfort.cli import (
     run,
     score,
     simulate,
+    status,
     stopping,
     tradeoff,
     undo_withdrawal,
+    verify,
 )
-from vrcomfort.cli.terminal import complain
+from vrcomfort.cli.terminal import EXIT_BAD_INPUT, complain
 from vrcomfort.errors import InputError
 
-EXIT_BAD_INPUT = 2
 STOPPED = "stopped; what was already written stays"
 FAULTS_OF_THE_MACHINE = {
     errno.ENOSPC: "the disk is full; what was already written stays",
@@ -84,12 +87,16 @@ for module in (
     import_answers,
     report,
     score,
+    pack,
     design,
+    check,
     plan,
     doctor,
     demo,
     tradeoff,
     undo_withdrawal,
+    verify,
+    status,
 ):
     module.register(app)
 

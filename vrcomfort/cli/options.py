@@ -48,6 +48,10 @@ def output_option(*names: str, help: str) -> Any:  # noqa: A002 - as typer calls
 StudyFolder = Annotated[
     Path, output_option("--out", help="The study folder; made if it is not there.")
 ]
+MemoryOption = Annotated[
+    str,
+    typer.Option(metavar="SIZE", help="The most memory that reading frames may take, as 512MB."),
+]
 GroupReadable = Annotated[
     bool,
     typer.Option(
@@ -100,6 +104,35 @@ def typed_words(ctx: typer.Context) -> str:
             if not isinstance(value, bool):
                 words.append(str(value))
     return list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
+
+
+CovariateOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--covariate",
+        metavar="NAME=VALUE",
+        help="Known of a new participant, as the protocol's [[covariates]] say; once for each.",
+    ),
+]
+
+
+def parse_covariates(texts: list[str] | None) -> dict[str, str]:
+    """Read ``NAME=VALUE`` texts.
+
+    Raises
+    ------
+    InputError
+        If one has no `=`, or a name comes twice.
+    """
+    known: dict[str, str] = {}
+    for text in texts or []:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"--covariate {text!r} says nothing; write NAME=VALUE, as age=34")
+        if name in known:
+            raise InputError(f"--covariate {name} is given twice; give it once")
+        known[name] = value
+    return known
 
 
 SceneOption = Annotated[

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from vrcomfort.cli.options import Json, Quiet, output_option
+from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
 from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.terminal import console, progress_bar, warn
 
@@ -66,6 +66,15 @@ def report(
             "--simulated", help="Of a study with both, the simulated participants, not the real."
         ),
     ] = False,
+    memory: MemoryOption = "512MB",
+    cluster: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="A running Dask scheduler, such as tcp://host:8786, whose workers read the "
+            "frames; they need to see the study.",
+        ),
+    ] = None,
     quiet: Quiet = False,
     as_json: Json = False,
 ) -> None:
@@ -76,6 +85,7 @@ def report(
     - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
     """
     from vrcomfort.cli.report_file import study_of
+    from vrcomfort.recordings import Memory
     from vrcomfort.report import build_report
 
     folder = output_folder(out)
@@ -87,6 +97,8 @@ def report(
             instrument=instrument,
             out=folder,
             simulated=simulated or None,
+            memory=Memory.of_text(memory),
+            cluster=cluster,
         )
     for warning in summary.warnings:
         warn(warning)

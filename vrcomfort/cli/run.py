@@ -10,6 +10,7 @@ import typer
 
 from vrcomfort.cli.gaze_check import require_eye_tracker, require_recorded_gaze
 from vrcomfort.cli.options import (
+    CovariateOption,
     ExposureOption,
     GroupReadable,
     ProtocolArgument,
@@ -18,6 +19,7 @@ from vrcomfort.cli.options import (
     StudyFolder,
     StudySeed,
     TraceOption,
+    parse_covariates,
     parse_size,
     typed_words,
 )
@@ -87,6 +89,7 @@ def run(
             help="The participant's distance between the pupils; recorded.", min=40, max=85
         ),
     ] = None,
+    covariate: CovariateOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -127,7 +130,13 @@ def run(
         _require_gaze(headset, study, playback)
         numbers = [session or next_session(out, participant)]
         enrolment = owned.enter_context(
-            study_setup.open_enrolment(participant, numbers, kind, resume=resume)
+            study_setup.open_enrolment(
+                participant,
+                numbers,
+                kind,
+                resume=resume,
+                covariates=parse_covariates(covariate),
+            )
         )
         _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)

@@ -103,15 +103,15 @@ def simulate_study(
     setup = StudySetup(protocol, out, playback, seed, exposure_s, durability="session_end")
     resume_check = ResumeCheck(protocol, playback, exposure_s)
     kept_seed = open_study(out, protocol, seed=seed, group_readable=group_readable)
-    sessions = build_design(protocol, seed=kept_seed).sessions
+    design = build_design(protocol, seed=kept_seed)
     outcomes: list[Outcome] = []
     ends = {name: resume_check.ends(out, name) for name in _names(out, participants)}
     if told := told_of_the_other_kind(out, simulated=True):
         warn(told)
     with progress_bar("simulated", participants, quiet=quiet, unit="participants") as advance:
-        for name, ended in ends.items():
-            if not _is_over(out, name, ended, sessions):
-                outcomes.append(_simulate_one(setup, out, name))
+        for number, (name, ended) in enumerate(ends.items(), start=1):
+            if not _is_over(out, name, ended, design.sessions):
+                outcomes.append(_simulate_one(setup, out, name, design.imagined(number)))
             advance()
             if outcomes and outcomes[-1].status == "aborted":
                 break
@@ -130,11 +130,11 @@ def _names(study: Path, participants: int) -> list[str]:
     return [f"P{number:0{digits}d}" for number in range(1, participants + 1)]
 
 
-def _simulate_one(setup: StudySetup, study: Path, name: str) -> Outcome:
+def _simulate_one(setup: StudySetup, study: Path, name: str, covariates: dict[str, str]) -> Outcome:
     from vrcomfort.records import unfinished_sessions
 
     kind, resume = RespondentKind.SIMULATED, bool(unfinished_sessions(study, name))
-    with setup.open_enrolment(name, None, kind, resume=resume) as enrolment:
+    with setup.open_enrolment(name, None, kind, resume=resume, covariates=covariates) as enrolment:
         return setup.run(enrolment, kind, lambda _: None)
 
 

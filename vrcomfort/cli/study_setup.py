@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from enum import StrEnum
 from functools import lru_cache
@@ -76,6 +77,7 @@ class StudySetup:
         kind: RespondentKind,
         *,
         resume: bool = False,
+        covariates: Mapping[str, str] | None = None,
     ) -> AbstractContextManager[Enrolment]:
         """Return a participant who can be run; see `session.open_enrolment`."""
         from vrcomfort.session import open_enrolment
@@ -90,6 +92,7 @@ class StudySetup:
             exposure_s=self._exposure_s,
             resume=resume,
             group_readable=self._group_readable,
+            covariates=covariates,
         )
 
     def run(

@@ -19,6 +19,8 @@ from rich.progress import BarColumn, Progress, ProgressColumn, Task, TimeRemaini
 from rich.table import Column
 from rich.text import Text
 
+EXIT_BAD_INPUT = 2
+
 SILENT_S = 2.0
 """Where no bar can be shown, a line says after so long that work is under way."""
 

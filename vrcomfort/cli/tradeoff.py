@@ -33,7 +33,9 @@ def tradeoff(
     effects: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME,…", help="depth_of_field, motion_blur, both; without it, the first two."
+            metavar="NAME,…",
+            help="depth_of_field, motion_blur, both; without it, the first two. Or focus, "
+            "alone: what each search for the focus costs.",
         ),
     ] = None,
     methods: Annotated[
@@ -102,6 +104,7 @@ def tradeoff(
     - `vrcomfort tradeoff --quick --out out/tradeoff`
     - `vrcomfort tradeoff --scenes temple --effects depth_of_field --samples 4096 --out temple`
     - `vrcomfort tradeoff --effects depth_of_field --size 1832x1920 --windows --out headset`
+    - `vrcomfort tradeoff --effects focus --out focus`
     - `vrcomfort tradeoff --cluster tcp://host:8786 --cache /shared/cache --out out/tradeoff`
     """
     # Before anything loads OpenMP: FLIP's threads would wait for each other's cores.
@@ -112,6 +115,13 @@ def tradeoff(
     from vrcomfort.tradeoff.store import default_folder
     from vrcomfort.tradeoff.walk import SCENES
 
+    if effects is not None and effects.strip() == "focus":
+        others = (methods, lens, poses, pose, samples, jobs, cluster, cache)
+        if any((windows, flicker, references, eyes == 1, *(each is not None for each in others))):
+            raise InputError("--effects focus takes --scenes, --size, --rounds and --quick alone")
+        chosen = _chosen("--scenes", scenes, SCENES)
+        _tradeoff_of_focus(output_folder(out), chosen, size, rounds, quick=quick, quiet=quiet)
+        return
     scope = Scope(
         scenes=_chosen("--scenes", scenes, SCENES),
         effects=_chosen("--effects", effects, EFFECTS[:2], EFFECTS),
@@ -151,6 +161,33 @@ def tradeoff(
     console(quiet).print(summary.reused)
     if summary.page is not None:
         console(quiet).print(f"Trade-off: {summary.page}")
+
+
+def _tradeoff_of_focus(
+    out: Path,
+    scenes: tuple[str, ...],
+    size: str | None,
+    rounds: int | None,
+    *,
+    quick: bool,
+    quiet: bool,
+) -> None:
+    """Measure the searches for the focus, and write focus.md and two tables."""
+    from vrcomfort.tradeoff import focus_search as focus
+    from vrcomfort.tradeoff.shots import context
+
+    sizes = (QUICK_SIZE_PX,) if quick else focus.SIZES_PX
+    sizes = (parse_size(size),) if size else sizes
+    rounds = rounds or (focus.QUICK_ROUNDS if quick else focus.ROUNDS)
+    places = focus.QUICK_PLACES if quick else focus.PLACES
+    each = (len(focus.searches()) - 1) * len(sizes) + len(focus.ZONE_RATIOS)
+    costs, errors = [], []
+    with progress_bar("focus", each * len(scenes), quiet=quiet) as advance:
+        for scene in scenes:
+            for size_px in sizes:
+                costs += focus.search_costs(scene, size_px, rounds, advance)
+            errors += focus.zone_errors(scene, places, advance)
+    console(quiet).print(f"Focus: {focus.write(out, costs, errors, context())}")
 
 
 def _chosen(

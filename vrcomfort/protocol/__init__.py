@@ -2,22 +2,17 @@
 
 from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.load import load_protocol, parse_protocol
-from vrcomfort.protocol.model import (
-    Ask,
-    Order,
-    Protocol,
-    Ratings,
-    Sequence,
-    Simulation,
-    Trial,
-    Unfocused,
-)
+from vrcomfort.protocol.model import Ask, Protocol, Ratings, Simulation, Unfocused
+from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
 
 __all__ = [
+    "Allocation",
     "Ask",
     "Condition",
+    "Covariate",
     "DepthOfField",
     "Focus",
+    "Group",
     "MotionBlur",
     "Order",
     "Protocol",

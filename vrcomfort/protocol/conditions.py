@@ -367,6 +367,8 @@ class Condition(Settings):
 
     name: Name
     label: str = ""
+    levels: dict[str, str] = Field(default_factory=dict)
+    """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
     focus: Focus = Focus()

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.check import problems
+from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import first_problem, parse_settings, read_text
+from vrcomfort.settings import Problem, first_problem, in_words, parse_settings, read_text
 from vrcomfort.settings.hints import did_you_mean
 
 
@@ -37,6 +40,7 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
         As `load_protocol`.
     """
     protocol = parse_settings(Protocol, text, file)
+    protocol = _with_crossed_factors(protocol, text, file)
     protocol._text, protocol._file = text, file
     instruments, found = find_instruments(protocol)
     found += problems(protocol)
@@ -44,6 +48,23 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     if found:
         raise first_problem(found, text, file)
     return _by_name(protocol, instruments)
+
+
+def _with_crossed_factors(protocol: Protocol, text: str, file: Path | None) -> Protocol:
+    """Return a protocol whose conditions are the combinations of its factors' levels."""
+    if not protocol.factors:
+        return protocol
+    found = list(factor_problems(protocol.factors))
+    if protocol.conditions:
+        message = "conditions are written down and crossed from [[factors]]; keep one of the two"
+        found.append(Problem(("conditions",), message))
+    if not found:
+        try:
+            return protocol.model_copy(update={"conditions": crossed(protocol.factors)})
+        except ValidationError as error:
+            message = f"these levels cannot be combined: {in_words(error.errors()[0])}"
+            found.append(Problem(("factors",), message))
+    raise first_problem(found, text, file)
 
 
 def _by_name(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Protocol:

@@ -13,8 +13,11 @@ from pydantic import Field, PrivateAttr
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
 from vrcomfort.questionnaire import Instrument, shipped_instruments
-from vrcomfort.settings import Name, Settings, Word
+from vrcomfort.settings import KeyPath, Name, Settings, Word
+from vrcomfort.settings.locate import locate
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
@@ -23,10 +26,29 @@ Coefficient = Annotated[float, Field(ge=0, le=1e6)]
 PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
+PixelCount = Annotated[int, Field(ge=16, le=8192)]
+
+
 class Headset(Settings):
     """What the headset should be set to; a playback headset is built from it."""
 
+    name: str = ""
+    """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
+    image_size_px: tuple[PixelCount, PixelCount] = (1832, 1920)
+    """Width and height of one eye's image in that headset, for `vrcomfort check`. What a session
+    was shown in is recorded from the headset itself."""
+    refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
+    """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
     ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
+
+
+class Visibility(Settings):
+    """What `vrcomfort check` would refuse, and the study means so."""
+
+    unseen: tuple[str, ...] = ()
+    """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
+    alike: tuple[tuple[str, str], ...] = ()
+    """Pairs of conditions that differ by less than a pixel there."""
 
 
 class Locomotion(Settings):
@@ -37,41 +59,6 @@ class Locomotion(Settings):
     snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
     """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
     it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
-
-
-class Trial(Settings):
-    """One exposure: a scene seen under a condition."""
-
-    scene: str
-    condition: str
-
-
-class Sequence(Settings):
-    """The order in which one participant meets the trials, session by session."""
-
-    name: Name
-    sessions: Annotated[tuple[tuple[Trial, ...], ...], Field(min_length=1)]
-
-    @property
-    def trials(self) -> tuple[Trial, ...]:
-        """Return all trials in order, sessions joined."""
-        return tuple(trial for session in self.sessions for trial in session)
-
-
-class Order(Settings):
-    """How trials are ordered over participants.
-
-    `explicit` takes the listed sequences; the other rules order every condition in every scene:
-    `williams` (balanced Latin square), `full` (every order once), `random` (one seeded order per
-    participant).
-    """
-
-    rule: Literal["explicit", "williams", "full", "random"]
-    sessions: Annotated[int, Field(ge=1, le=1000)] = 1
-    """Sessions over which the generated rules deal the trials; explicit sequences say it."""
-    assignment: Literal["in_turn", "shuffled"] = "in_turn"
-    """Among equally filled sequences take the first, or one drawn with the study's seed."""
-    sequences: tuple[Sequence, ...] = ()
 
 
 class Ask(Settings):
@@ -154,11 +141,20 @@ class Protocol(Settings):
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
-    conditions: Annotated[tuple[Condition, ...], Field(min_length=1)]
+    conditions: tuple[Condition, ...] = ()
+    factors: tuple[Factor, ...] = ()
+    """Instead of conditions: every level of each with every level of the others."""
     order: Order
+    groups: tuple[Group, ...] = ()
+    """Levels of a between-subject factor."""
+    covariates: tuple[Covariate, ...] = ()
+    """What is entered of everybody who is enrolled."""
+    allocation: Allocation | None = None
+    """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     ratings: Ratings | None = None
     headset: Headset = Headset()
+    visibility: Visibility = Visibility()
     locomotion: Locomotion = Locomotion()
     simulation: Simulation = Simulation()
 
@@ -196,6 +192,11 @@ class Protocol(Settings):
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
         return hashlib.sha256(self._text.encode()).hexdigest()
+
+    def fault(self, path: KeyPath, message: str) -> InputError:
+        """Return the error for something wrong at a key of the text."""
+        line, column = locate(self._text).of(path) if self._text else (None, None)
+        return InputError(message, file=self._file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
         """Return how long each exposure is shown: as the protocol says, or shortened.

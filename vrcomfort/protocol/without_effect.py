@@ -9,7 +9,7 @@ from typing import Any
 from vrcomfort.optics.refocus.laws import LAWS
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
-from vrcomfort.settings import Problem, Settings
+from vrcomfort.settings import KeyPath, Problem, Settings
 
 _Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""
@@ -67,23 +67,37 @@ NEEDS: dict[str, dict[str, _Needs]] = {
 def without_effect(protocol: Protocol) -> Iterator[Problem]:
     """Yield a problem for each setting in the protocol's text that does nothing there.
 
-    Only what is written counts: defaults, and what a level of `quality` fills in, may be idle.
+    Only what is written counts: defaults, and what a level of `quality` fills in, may be idle. What
+    a level of a factor writes must do something in one of the conditions that it is part of.
     """
-    tables = tomllib.loads(protocol.text)["conditions"]
-    for index, (condition, table) in enumerate(zip(protocol.conditions, tables, strict=True)):
-        yield from _level(index, condition)
+    data = tomllib.loads(protocol.text)
+    for path, table, conditions in _written(protocol, data):
+        if table.get("quality") and not any(map(_has_dials, conditions)):
+            message = "`quality` does nothing without depth_of_field or motion_blur; remove it"
+            yield Problem((*path, "quality"), message)
         for effect, needs in NEEDS.items():
-            settings = getattr(condition, effect)
             for key in needs.keys() & table.get(effect, {}).keys():
-                if reason := _idle(settings, needs[key]):
-                    message = f"`{key}` does nothing with {reason}; remove it or change that"
-                    yield Problem(("conditions", index, effect, key), message)
+                reasons = [_idle(getattr(each, effect), needs[key]) for each in conditions]
+                if reasons and all(reasons):
+                    message = f"`{key}` does nothing with {reasons[0]}; remove it or change that"
+                    yield Problem((*path, effect, key), message)
 
 
-def _level(index: int, condition: Condition) -> Iterator[Problem]:
-    if condition.quality and not (condition.depth_of_field or condition.motion_blur):
-        message = "`quality` does nothing without depth_of_field or motion_blur; remove it"
-        yield Problem(("conditions", index, "quality"), message)
+def _written(
+    protocol: Protocol, data: Mapping[str, Any]
+) -> Iterator[tuple[KeyPath, Mapping[str, Any], list[Condition]]]:
+    """Yield where settings are written, what is there, and the conditions that have them."""
+    for index, table in enumerate(data.get("conditions", ())):
+        yield ("conditions", index), table, [protocol.conditions[index]]
+    for index, factor in enumerate(data.get("factors", ())):
+        for number, table in enumerate(factor["levels"]):
+            level = (factor["name"], table["name"])
+            having = [each for each in protocol.conditions if level in each.levels.items()]
+            yield ("factors", index, "levels", number), table, having
+
+
+def _has_dials(condition: Condition) -> bool:
+    return bool(condition.depth_of_field or condition.motion_blur)
 
 
 def _idle(settings: Settings, needs: _Needs) -> str | None:

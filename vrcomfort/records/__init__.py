@@ -4,6 +4,7 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
+from vrcomfort.records.met import what_was_met
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
@@ -20,6 +21,7 @@ from vrcomfort.records.study import (
     completed_sessions,
     enrol,
     enrolled,
+    entered,
     note_withdrawal,
     only_run,
     open_study,
@@ -50,6 +52,7 @@ __all__ = [
     "completed_sessions",
     "enrol",
     "enrolled",
+    "entered",
     "facts_of_run",
     "note_withdrawal",
     "only_run",
@@ -64,4 +67,5 @@ __all__ = [
     "told_of_the_other_kind",
     "undo_withdrawal",
     "unfinished_sessions",
+    "what_was_met",
 ]

@@ -7,11 +7,13 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from vrcomfort.geometry import Gaze, Pose, View
-from vrcomfort.records.pose_columns import POSE_COLUMNS
+from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
 from vrcomfort.records.rows import Cell
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
+
+_UNKNOWN = (None,) * 7
 
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
 
@@ -63,6 +65,8 @@ class FrameRow:
         Poses in stage space, with the eyes' frusta.
     avatar
         world-from-stage.
+    hands
+        stage-from-aim of the left and the right hand; None, blank, where it is not known.
     rays_m
         Nine distances along the focus rays, the centre first; empty where no focus was computed.
     rays_used
@@ -94,6 +98,7 @@ class FrameRow:
     left: View
     right: View
     avatar: Pose
+    hands: tuple[Pose | None, Pose | None] = (None, None)
     head_valid: bool | None = None
     head_tracked: bool | None = None
     session_state: str | None = None
@@ -118,7 +123,8 @@ class FrameRow:
         state = ("head_valid", "head_tracked", "session_state")
         focus = ("focus_m", "focus_raw_m", *RAYS, "rays_used")
         costs = ("max_blur_px", "cpu_ms", "gpu_ms", "dropped", "missed_refreshes")
-        return (*when, *POSE_COLUMNS, *state, *focus, *costs, "discontinuity", "resumed")
+        last = ("discontinuity", *HANDS, "resumed")
+        return (*when, *POSE_COLUMNS, *state, *focus, *costs, *last)
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -148,6 +154,7 @@ class FrameRow:
             self.dropped,
             self.missed_refreshes,
             CUT if self.discontinuity else SNAP_TURN if self.snap_turn else 0,
+            *(cell for hand in self.hands for cell in (hand.numbers if hand else _UNKNOWN)),
             self.resumed,
         ]
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
+from vrcomfort.records.checksums import unseal
 from vrcomfort.records.disk import OWNER, Access, refused
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import damaged
@@ -92,6 +93,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     begun = manifest.get("under_way")
     if begun:
         _check_begun(folder, begun, planned)
+    unseal(folder)
     there = [each for each in OPTIONAL_ROWS if (folder / each.FILE).exists()]
     cuts = [mend(folder, row_type, access) for row_type in (*SESSION_ROWS, *there)]
     whose = {"participant": manifest["participant"], "session": manifest["session"]}

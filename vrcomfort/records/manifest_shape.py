@@ -123,3 +123,7 @@ class DescriptionShape(_Part):
     protocol: str
     seed: Annotated[int, Field(ge=0)]
     readable_by: Literal["owner", "group"] = "owner"
+
+
+class ImportShape(_Part):
+    """What an import's ``dataset_description.json`` and ``import.json`` are: objects, any keys."""

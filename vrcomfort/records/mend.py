@@ -19,7 +19,7 @@ from vrcomfort.records.disk import (
 )
 from vrcomfort.records.recorded_rows import split_line
 from vrcomfort.records.rows import Row, csv_line
-from vrcomfort.records.schema import ADDED_COLUMNS
+from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
 
 def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
@@ -27,7 +27,7 @@ def mend(folder: Path, row_type: type[Row], access: Access) -> str | None:
 
     The half-written last row of a file (NUL bytes, after a power cut) is moved to the end of a
     file beside it, whose name has ``.cut`` appended. A file of an older schema gets the columns
-    that it lacks, blank; it stays as it was beside, with ``.schema1`` appended.
+    that it lacks, blank; it stays as it was beside, with ``.schema1`` (its version) appended.
 
     Returns
     -------
@@ -65,37 +65,40 @@ def _begin(file: Path, columns: tuple[str, ...], access: Access) -> None:
 
 
 def _mended(file: Path, columns: tuple[str, ...], access: Access) -> str | None:
-    there = _columns_there(file, columns)
+    version, there = _schema_of(file, columns)
     whole, lines = _whole_rows(file, there)
     cut = _cut(file, whole, lines, there, access) if whole < file.stat().st_size else None
     if there != columns:
-        _add_columns(file, there, columns, access)
+        _add_columns(file, there, columns, access, kept=f"{file.name}.schema{version}")
     return cut
 
 
-def _columns_there(file: Path, columns: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the columns of a file's own schema, if its header is of an older one."""
-    added = ADDED_COLUMNS.get(file.name, ())
-    older = tuple(column for column in columns if column not in added)
+def _schema_of(file: Path, columns: tuple[str, ...]) -> tuple[int, tuple[str, ...]]:
+    """Return the newest version whose columns a file's header has, and those; else the present."""
     with file.open("rb") as stream:
-        return older if stream.readline() == csv_line(older).encode() else columns
+        header = stream.readline()
+    for version in range(SCHEMA_VERSION, 0, -1):
+        older = columns_of_version(version, file.name, columns)
+        if header == csv_line(older).encode():
+            return version, older
+    return SCHEMA_VERSION, columns
 
 
 def _add_columns(
-    file: Path, there: tuple[str, ...], columns: tuple[str, ...], access: Access
+    file: Path, there: tuple[str, ...], columns: tuple[str, ...], access: Access, *, kept: str
 ) -> None:
-    """Put blank cells where `there` has no column."""
+    """Put blank cells where `there` has no column; the file as it was is called `kept`."""
     with file.open(encoding="utf-8", newline="") as stream:
         rows = csv.reader(stream)
         next(rows)
         cells = (dict(zip(there, row, strict=True)) for row in rows)
         lines = [csv_line(row.get(column, "") for column in columns) for row in cells]
-    kept = file.with_name(f"{file.name}.schema1")
-    kept.unlink(missing_ok=True)
+    beside = file.with_name(kept)
+    beside.unlink(missing_ok=True)
     try:
-        kept.hardlink_to(file)
+        beside.hardlink_to(file)
     except OSError:  # a file system without links
-        shutil.copyfile(file, kept)
+        shutil.copyfile(file, beside)
     replace_text(file, csv_line(columns) + "".join(lines), access)
 
 

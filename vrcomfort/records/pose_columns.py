@@ -30,6 +30,7 @@ HEAD = pose_columns("head")
 EYES = (*pose_columns("left"), *pose_columns("right"))
 FOVS = (*fov_columns("left"), *fov_columns("right"))
 AVATAR = pose_columns("avatar")
+HANDS = (*pose_columns("left_hand"), *pose_columns("right_hand"))
 POSE_COLUMNS = (*HEAD, *EYES, *FOVS, *AVATAR)
 
 

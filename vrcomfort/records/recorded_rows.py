@@ -12,25 +12,32 @@ from typing import Any, NamedTuple, get_args, get_type_hints
 
 from vrcomfort.csv_table import plain_digits
 from vrcomfort.errors import InputError
-from vrcomfort.records.frame_rows import FrameRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.manifest_shape import LONGEST_S
 from vrcomfort.records.rows import Row
 
 
-class _Kind(NamedTuple):
+class Kind(NamedTuple):
+    """What the cells of a column are."""
+
     of: type
     may_be_blank: bool = False
 
 
-_OF_FRAMES: Mapping[str, _Kind] = {
-    "session_s": _Kind(float),
+_OF_FRAMES: Mapping[str, Kind] = {
+    "session_s": Kind(float),
     **dict.fromkeys(
         ("xr_time_ns", "period_ns", "trial", "should_render", "dropped", "discontinuity"),
-        _Kind(int),
+        Kind(int),
     ),
-    "resumed": _Kind(int),
+    "resumed": Kind(int),
 }
 """When and for what: whoever plays frames back checks the rest."""
+
+_OF_GAZE: Mapping[str, Kind] = {
+    "session_s": Kind(float),
+    **dict.fromkeys(("xr_time_ns", "valid", "resumed"), Kind(int)),
+}
 
 _MAY_BE_NEGATIVE = {"xr_time_ns", "response"}
 _LARGEST = 2**62
@@ -79,13 +86,13 @@ def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
     InputError
         If a cell is not what its column holds.
     """
-    file, kinds = folder / row_type.FILE, _kinds(row_type)
+    file, kinds = folder / row_type.FILE, kinds_of(row_type)
     with file.open("rb") as stream:
         header = split_line(next(stream))
         for number, line in enumerate(stream, start=2):
             cells = dict(zip(header, split_line(line), strict=True))
             try:
-                values = {name: _value(cells[name], name, kinds[name]) for name in kinds}
+                values = {name: cell_value(cells[name], name, kinds[name]) for name in kinds}
             except ValueError as error:
                 column, message = error.args
                 message = f"{message}; mend it first"
@@ -93,19 +100,21 @@ def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
             yield RecordedRow(file, number, values)
 
 
-def _kinds(row_type: type[Row]) -> Mapping[str, _Kind]:
+def kinds_of(row_type: type[Row]) -> Mapping[str, Kind]:
     """Return what the cells of each column are, as the row's type says."""
     if row_type is FrameRow:
         return _OF_FRAMES
+    if row_type is GazeRow:
+        return _OF_GAZE
     hints = get_type_hints(row_type)
     kinds = {}
     for field in fields(row_type):  # type: ignore[arg-type]
         of = [each for each in get_args(hints[field.name]) if each is not NoneType]
-        kinds[field.name] = _Kind(*((of[0], True) if of else (hints[field.name], False)))
+        kinds[field.name] = Kind(*((of[0], True) if of else (hints[field.name], False)))
     return kinds
 
 
-def _value(cell: str, column: str, kind: _Kind) -> Any:
+def cell_value(cell: str, column: str, kind: Kind) -> Any:
     """Return a cell's value; raise `ValueError` with the column and what is wrong."""
     if kind.of is str:
         return cell

@@ -40,7 +40,13 @@ class _FlatRow:
 
 @dataclass(frozen=True)
 class ParticipantRow(_FlatRow):
-    """One participant of the study; `status` is enrolled, completed, withdrawn or excluded."""
+    """One participant of the study; `status` is enrolled, completed, withdrawn or excluded.
+
+    Parameters
+    ----------
+    others
+        Further columns, which follow: `group` where the protocol has groups, and its covariates.
+    """
 
     FILE: ClassVar[str] = "participants.csv"
     participant: str
@@ -48,6 +54,22 @@ class ParticipantRow(_FlatRow):
     status: str
     enrolled_at: str
     note: str = ""
+    others: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def columns(cls) -> tuple[str, ...]:
+        """Return the columns that every study has."""
+        return tuple(name for name in super().columns() if name != "others")
+
+    @property
+    def group(self) -> str | None:
+        """Return the level of the between-subject factor."""
+        return dict(self.others).get("group")
+
+    @property
+    def covariates(self) -> dict[str, str]:
+        """Return what was entered at the enrolment."""
+        return {name: value for name, value in self.others if name != "group"}
 
 
 @dataclass(frozen=True)

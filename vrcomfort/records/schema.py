@@ -7,16 +7,31 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.pose_columns import HANDS
 
-SCHEMA_VERSION = 2
+SCHEMA_VERSION = 3
 """Written into manifests and study descriptions. What has none is of version 1."""
 
-ADDED_COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "trials.csv": ("missed_refreshes", "live_s", "frozen_s", "hidden_s", "unfocused_s"),
-    "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
+ADDED_COLUMNS: Mapping[int, Mapping[str, tuple[str, ...]]] = {
+    2: {
+        "trials.csv": ("missed_refreshes", "live_s", "frozen_s", "hidden_s", "unfocused_s"),
+        "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
+    },
+    3: {"frames.csv": HANDS},
 }
-"""What version 2 has and version 1 has not. A folder of version 1 that is continued gets them,
-blank: what they say was not recorded."""
+"""What each version has and the one before has not. A folder of an older version that is continued
+gets them, blank: what they say was not recorded."""
+
+
+def columns_of_version(version: int, file_name: str, columns: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of a file's present `columns` that it had in an older version."""
+    later = {
+        column
+        for added, files in ADDED_COLUMNS.items()
+        if added > version
+        for column in files.get(file_name, ())
+    }
+    return tuple(column for column in columns if column not in later)
 
 
 def check_schema_version(content: Mapping[str, Any], file: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -174,11 +174,16 @@ def read_participants(study: Path) -> list[ParticipantRow]:
         last = len(found.rows) + 2
         message = "this row is half-written; complete it, with a line end, or remove it"
         raise InputError(message, file=file, line=last)
-    if found.rows and set(found.header) != set(ParticipantRow.columns()):
-        columns = ", ".join(ParticipantRow.columns())
-        raise InputError(f"the columns must be {columns}", file=file, line=1)
+    own = ParticipantRow.columns()
+    if found.rows and not set(own) <= set(found.header):
+        raise InputError(f"the columns must be {', '.join(own)}", file=file, line=1)
     _check_participants(found)
-    return [ParticipantRow(**row) for row in found.dicts()]
+    return [_participant(row) for row in found.dicts()]
+
+
+def _participant(row: dict[str, str]) -> ParticipantRow:
+    own = {name: row[name] for name in ParticipantRow.columns()}
+    return ParticipantRow(**own, others=tuple((k, v) for k, v in row.items() if k not in own))
 
 
 def _check_participants(found: CsvTable) -> None:
@@ -236,26 +241,61 @@ def note_withdrawal(study: Path, participant: str) -> None:
         set_status(study, participant, "withdrawn", f"session {ended[-1]}")
 
 
-def enrol(study: Path, design: Design, participant: str) -> ParticipantRow:
-    """Return the participant's row, enrolling them in the least filled sequence if they are new.
+def enrol(
+    study: Path, design: Design, participant: str, covariates: Mapping[str, str] | None = None
+) -> ParticipantRow:
+    """Return the participant's row, enrolling them if they are new: in the group and sequence next.
+
+    Parameters
+    ----------
+    covariates
+        Those that the protocol declares; of somebody who is enrolled, those known of them or none.
 
     Raises
     ------
     InputError
-        If the name cannot be part of a file name, differs from another in case alone, or they
-        have withdrawn or been excluded.
+        If the name cannot be part of a file name, differs from another in case alone, they have
+        withdrawn or been excluded, or a covariate is missing, unknown, impossible or another.
     """
     check_participant(participant)
     with _changing_participants(study):
         check_case(participant, (row.participant for row in read_participants(study)))
         there = enrolled(study, participant)
+        known = entered(design, there, covariates or {})
         if there is not None:
             return there
         rows = read_participants(study)
-        sequence = design.assign(Enrolment(row.sequence, row.status) for row in rows)
-        row = ParticipantRow(participant, sequence.name, "enrolled", now())
+        sequence = design.assign((enrolment_of(row) for row in rows), known)
+        group = {"group": sequence.group} if sequence.group else {}
+        others = tuple({**group, **known}.items())
+        row = ParticipantRow(participant, sequence.name, "enrolled", now(), others=others)
         _write_participants(study, [*rows, row])
     return row
+
+
+def enrolment_of(row: ParticipantRow) -> Enrolment:
+    """Return what assignment needs to know of a participant's row."""
+    return Enrolment(row.sequence, row.status, row.covariates)
+
+
+def entered(
+    design: Design, there: ParticipantRow | None, covariates: Mapping[str, str]
+) -> dict[str, str]:
+    """Return the covariates of a participant, checked.
+
+    Raises
+    ------
+    InputError
+        If one is missing, unknown, impossible, or not what was entered at the enrolment.
+    """
+    if there is None:
+        return design.checked(covariates)
+    for name, value in design.checked({**there.covariates, **covariates}).items():
+        before = there.covariates.get(name, value)
+        if value != before:
+            message = f"{there.participant} was enrolled with {name} = {before}, not {value}"
+            raise InputError(f"{message}; leave --covariate out")
+    return there.covariates
 
 
 def _changing_participants(study: Path) -> AbstractContextManager[None]:
@@ -338,6 +378,9 @@ def only_run(study: Path, participant: str) -> AbstractContextManager[None]:
 
 
 def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
-    lines = [csv_line(ParticipantRow.columns())]
-    lines += [csv_line(map(cell_text, row.cells())) for row in rows]
+    others = list(dict.fromkeys(name for row in rows for name, _ in row.others))
+    lines = [csv_line((*ParticipantRow.columns(), *others))]
+    for row in rows:
+        more = [dict(row.others).get(name, "") for name in others]
+        lines.append(csv_line(map(cell_text, (*row.cells(), *more))))
     replace_text(study / ParticipantRow.FILE, "".join(lines), access_of(study))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.checksums import seal_again
 from vrcomfort.records.disk import Access, replace_text
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
@@ -85,3 +86,4 @@ def _reopen(folder: Path, manifest: dict[str, Any], why: dict[str, Any], access:
     manifest["withdrawals_undone"] = [*manifest.get("withdrawals_undone", []), why | place]
     text = json.dumps(manifest, indent=2, ensure_ascii=False)
     replace_text(folder / "manifest.json", text + "\n", access)
+    seal_again(folder, ("manifest.json", TrialRow.FILE, f"{TrialRow.FILE}.cut"), access)

@@ -4,6 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.report.further_answers import (
+    comparison_answer,
+    decisive_p,
+    further_answers,
+    line_of,
+    mean_and_sd,
+)
 from vrcomfort.report.notices import met_before
 from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
 from vrcomfort.stats.ranks import fewest_for_interval
@@ -21,9 +28,9 @@ def answers(results: dict[str, Any], words: Vocabulary) -> list[dict[str, Any]]:
 
     Of many questions those of other scores than the first are in the tables alone.
     """
-    tests, order = results["tests"], list(words.outcomes)
+    tests, order = [*results["tests"], *results["comparisons"]], list(words.outcomes)
     shown = order if len(tests) <= MOST_ANSWERS else order[:1]
-    return [
+    groups = [
         {
             "outcome": outcome,
             "name": words.outcome(outcome),
@@ -33,13 +40,17 @@ def answers(results: dict[str, Any], words: Vocabulary) -> list[dict[str, Any]]:
         for outcome in shown
         if any(t["outcome"] == outcome for t in tests)
     ]
+    others = further_answers(results, words)
+    alone = {"outcome": "", "name": "", "primary": not groups, "lines": others}
+    return [*groups, alone] if others else groups
 
 
 def answer(test: Test, words: Vocabulary) -> dict[str, str]:
     """Return what one test says: `claim` in plain words, `evidence`, and both as `text`."""
+    if "design" in test:
+        return comparison_answer(test, words)
     claim, evidence = _claim(test, words), _evidence(test, words)
-    text = f"{claim} {evidence}" if evidence else claim
-    return {"claim": claim, "evidence": evidence, "text": text}
+    return line_of(claim, evidence)
 
 
 def _claim(test: Test, words: Vocabulary) -> str:
@@ -50,26 +61,17 @@ def _claim(test: Test, words: Vocabulary) -> str:
     if test["effect"] is None:
         return f"{name}: nobody’s score differed between {a} and {b} (n = {test['n']})."
     size = test["descriptives"]
-    of_a, of_b = f"{a} ({_mean(size[test['a']])})", f"{b} ({_mean(size[test['b']])})"
+    of_a, of_b = f"{a} ({mean_and_sd(size[test['a']])})", f"{b} ({mean_and_sd(size[test['b']])})"
     if decisive_p(test) > 1 - test["effect"]["confidence"]:
         said = f"no difference was shown between {of_a} and {of_b}"
     else:
         said = f"{'higher' if _higher(test) else 'lower'} under {of_a} than under {of_b}"
-    return f"{name}: {said}; difference {_shift(test)}, n\u00a0=\u00a0{test['n']}."
-
-
-def decisive_p(test: Test) -> float:
-    """Return the p that decides: adjusted, where the score is in a family."""
-    return float(test["p"] if test["p_holm"] is None else test["p_holm"])
+    return f"{name}: {said}; difference {_shift(test, words)}, n\u00a0=\u00a0{test['n']}."
 
 
 def _higher(test: Test) -> bool:
     """Return whether ranks say more under a; the shift may be 0 where most differences are."""
     return bool(test["w_plus"] > test["w_minus"])
-
-
-def _mean(found: dict[str, float | None]) -> str:
-    return f"M\u00a0=\u00a0{number(found['mean'])}, SD\u00a0=\u00a0{number(found['sd'])}"
 
 
 def _evidence(test: Test, words: Vocabulary) -> str:
@@ -89,11 +91,11 @@ def _order_of(test: Test, words: Vocabulary) -> str:
     return f" But {met_before(*map(words.condition, test['confounded']))}."
 
 
-def _shift(test: Test) -> str:
+def _shift(test: Test, words: Vocabulary) -> str:
     shift = test["shift"]
     percent = f"{100 * test['effect']['confidence']:g}\u00a0% CI"
     found = interval(shift)
-    of = f"{number(shift['estimate'])} points"
+    of = f"{number(shift['estimate'])} {words.unit(test['outcome'])}".rstrip()
     return (
         f"{of} (no {percent}: too few differences)" if found == NONE else f"{of}, {percent} {found}"
     )

@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from vrcomfort.errors import spare
 from vrcomfort.report.answers import answer
+from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
+from vrcomfort.report.further_answers import further_answers
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
 from vrcomfort.report.results import PLAN_FILE, analyse, plain, to_json
-from vrcomfort.report.study_data import of_one_kind, read_study
+from vrcomfort.report.study_data import of_one_kind, read_study, with_frames
 from vrcomfort.report.tables import all_tables
 from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, write_report
@@ -25,6 +27,7 @@ from vrcomfort.report.writing import file_name, write_report
 if TYPE_CHECKING:
     from collections.abc import Collection
 
+    from vrcomfort.recordings import Memory
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.study_data import StudyData
 
@@ -74,6 +77,8 @@ def build_report(
     out: Path,
     simulated: bool | None = None,
     forms: Collection[Form] = FORMS,
+    memory: Memory | None = None,
+    cluster: str | None = None,
 ) -> ReportSummary:
     """Write the report of a study.
 
@@ -95,6 +100,10 @@ def build_report(
         Tables and figures of an earlier report that this one does not have are removed.
     forms
         In which figures are written; PNG and PDF take most of the time of a small report.
+    memory
+        The most that reading frames may take; 512 MB without it.
+    cluster
+        Address of a running Dask scheduler, whose workers read the frames.
 
     Raises
     ------
@@ -103,21 +112,27 @@ def build_report(
         overwrite what is read.
     """
     study = _of_one_kind(read_study(Path(source), instrument), simulated)
+    study = with_frames(study, Path(source), memory=memory, cluster=cluster)
     chosen = choose_plan(study, plan)
     results, scored = analyse(study, chosen)
     results |= plain(records(study, scored, chosen, results, Path(source)))
+    courses = analyse_courses(study, chosen, results, Path(source))
+    results |= plain(courses.results)
+    results["labels"] |= {
+        name: name for name in courses.conditions if name not in results["labels"]
+    }
     results["date"] = _today()
     words = Vocabulary.of(results)
     left = [
         residuals_of(scored, chosen, results["tests"], outcome["name"])
         for outcome in results["outcomes"]
     ]
-    figures = draw_figures(study, results, scored, left, words)
+    figures = draw_figures(study, results, scored, left, courses, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures, words),
         "reproduce.R": r_script(),
-        **{f"tables/{name}": text for name, text in all_tables(results, scored).items()},
+        **{f"tables/{name}": text for name, text in all_tables(results, scored, courses).items()},
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
@@ -193,7 +208,11 @@ def _summary(out: Path, results: dict[str, Any], words: Vocabulary) -> ReportSum
         participants=results["participants"]["n"],
         analysed=len(results["participants"]["analysed"]),
         withdrawn=results["withdrawals"]["n"],
-        headlines=tuple(answer(test, words)["text"] for test in results["tests"]),
+        headlines=(
+            *(answer(test, words)["text"] for test in results["tests"]),
+            *(answer(row, words)["text"] for row in results["comparisons"]),
+            *(line["text"] for line in further_answers(results, words)),
+        ),
         warnings=(
             *quality["reading"],
             *_changed(quality["protocol_versions"]),

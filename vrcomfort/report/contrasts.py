@@ -11,7 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up
+from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, sides_of
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.signed_rank import signed_rank
@@ -41,11 +41,14 @@ class Compared:
     a: Side
     b: Side
     alternative: Alternative
+    between: str = ""
+    """The column that groups people; blank: the same people met both sides."""
+    test: str = "signed_rank"
 
     @property
     def of_conditions(self) -> bool:
         """Whether both sides are conditions at the plan's moment after exposure."""
-        return not (self.a.timepoint or self.b.timepoint)
+        return not (self.a.timepoint or self.b.timepoint or self.between)
 
 
 def conditions_of(scored: Exposures, labels: dict[str, str]) -> list[str]:
@@ -76,7 +79,9 @@ def contrasts_of(plan: Plan, conditions: list[str], there: list[str]) -> list[Co
         If the plan compares a condition that neither the data nor the study have.
     """
     for index, contrast in enumerate(plan.contrasts):
-        for key, name in (("a", contrast.a), ("b", contrast.b)):
+        groups = contrast.between and contrast.between != "condition"
+        sides = [] if groups else [("a", contrast.a), ("b", contrast.b)]
+        for key, name in (*sides, ("condition", contrast.condition)):
             if name and name not in there:
                 hint = did_you_mean(name, there)
                 hint = f"; {hint}" if hint.startswith("did") else ""
@@ -92,12 +97,18 @@ def contrasts_of(plan: Plan, conditions: list[str], there: list[str]) -> list[Co
 def _compared(contrast: Contrast, plan: Plan) -> Compared:
     """Return the sides; those at one moment after exposure have the scores of the plan."""
     alternative = contrast.alternative or plan.alternative
+    if contrast.between:
+        sides = sides_of(contrast.between, contrast.a, contrast.b, contrast.condition)
+        test = contrast.test or "mann_whitney"
+        return Compared(*sides, alternative, contrast.between, test)
+    test = contrast.test or "signed_rank"
     moments = [
         name or plan.exposure_timepoint for name in (contrast.a_timepoint, contrast.b_timepoint)
     ]
     if set(moments) == {plan.exposure_timepoint}:
-        return Compared(Side(contrast.a), Side(contrast.b), alternative)
-    return Compared(Side(contrast.a, moments[0]), Side(contrast.b, moments[1]), alternative)
+        return Compared(Side(contrast.a), Side(contrast.b), alternative, test=test)
+    sides = Side(contrast.a, moments[0]), Side(contrast.b, moments[1])
+    return Compared(*sides, alternative, test=test)
 
 
 def run_tests(scored: Exposures, plan: Plan, contrasts: list[Compared], lost: Lost) -> list[Test]:

@@ -27,12 +27,12 @@ def counterbalancing(
         `positions`: condition → count at each place of a session (of the study, if a session has
         one exposure); `carry_over`: before, after and count within those; `orders`: the orders of
         conditions and how many people met each; `balanced`: of positions. None where the data do
-        not say the order.
+        not say the order, or have no conditions.
     """
     part = table[table["participant"].isin(list(analysed)) & (table["position"] > 0)]
-    if part.empty:
-        return None
     names = [name for name in conditions if (part["condition"] == name).any()]
+    if not names:
+        return None
     runs = _runs(part)
     longest = max(len(run) for _, run in runs)
     places = Counter((name, place) for _, run in runs for place, name in enumerate(run))

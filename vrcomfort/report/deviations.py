@@ -101,6 +101,7 @@ def _titles(results: dict[str, Any]) -> dict[str, str]:
 
 def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
     tests = results["tests"]
+    yield from _not_compared(results)
     for reason in dict.fromkeys(test["not_tested"] for test in tests if test["not_tested"]):
         untested = [_in_words(t, results) for t in tests if t["not_tested"] == reason]
         yield _deviation("not_tested", f"no test of {'; '.join(untested)}: {reason}")
@@ -111,9 +112,19 @@ def _tests(results: dict[str, Any], plan: Plan) -> Iterator[Deviation]:
         yield _deviation("other_method", text)
 
 
+def _not_compared(results: dict[str, Any]) -> Iterator[Deviation]:
+    """Yield why a comparison by another test, or an equivalence, could not be made."""
+    rows = [row for key in ("comparisons", "equivalence") for row in results[key]]
+    untested = [row for row in rows if row["not_tested"]]
+    for reason in dict.fromkeys(row["not_tested"] for row in untested):
+        which = [_in_words(row, results) for row in untested if row["not_tested"] == reason]
+        yield _deviation("not_tested", f"no test of {'; '.join(which)}: {reason}")
+
+
 def _in_words(test: dict[str, Any], results: dict[str, Any]) -> str:
     labels, name = results["labels"], _titles(results)[test["outcome"]]
-    return f"{name}, {labels[test['a']]} minus {labels[test['b']]}"
+    a, b = (labels.get(test[side], test[side]) for side in ("a", "b"))
+    return f"{name}, {a} minus {b}"
 
 
 def _models(results: dict[str, Any]) -> Iterator[Deviation]:

@@ -74,8 +74,7 @@ def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -
             raw, effect = figure.subplots(2, 1, height_ratios=[3.2, rows])
         _draw_scores(raw, scores, shown, words)
         moments = any(side.timepoint for side in sides.values())
-        basis = "score" if moments else words.bases[outcome]
-        raw.set_ylabel(lines(f"{words.outcome(outcome)}, {basis}", 40))
+        raw.set_ylabel(lines(words.axis(outcome, raw=moments), 40))
         draw = _draw_beside if beside else _draw_below
         draw(effect, [(test, differences(scored, test)) for test in made], words)
     return drawing
@@ -149,7 +148,7 @@ def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary
     names = [_difference_of(test, words, 16) for test, _ in found]
     axes.set_xticks(range(len(found)), names)
     axes.set_xlim(-0.55, len(found) - 0.4)
-    axes.set_ylabel("difference (points)")
+    axes.set_ylabel(difference_label(found[0][0]["outcome"], words))
     _zero(axes.axhline)
 
 
@@ -164,8 +163,14 @@ def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary)
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="x", color=GRID)
     axes.set_axisbelow(True)
-    axes.set_xlabel("difference (points)")
+    axes.set_xlabel(difference_label(found[0][0]["outcome"], words))
     _zero(axes.axvline)
+
+
+def difference_label(outcome: str, words: Vocabulary) -> str:
+    """Return what an axis with differences of an outcome is called."""
+    unit = words.unit(outcome)
+    return f"difference ({unit})" if unit else "difference"
 
 
 def _difference_of(test: Test, words: Vocabulary, width: int) -> str:

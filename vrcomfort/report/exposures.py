@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import pandas as pd
 
+from vrcomfort.errors import InputError
 from vrcomfort.report.asked import (
     Scorer,
     check_timepoints,
@@ -19,7 +20,9 @@ from vrcomfort.report.asked import (
 )
 from vrcomfort.report.baselines import Baselines, Values
 from vrcomfort.report.facts import Facts
-from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, unknown_outcome
+from vrcomfort.report.measures import Measure
+from vrcomfort.report.measuring import Beside, exposure_of, measured, unmeasured
+from vrcomfort.report.outcomes import Outcome, items_of, known_outcomes, outcome_of_plan
 from vrcomfort.report.planned import planned_exposures
 
 if TYPE_CHECKING:
@@ -29,7 +32,7 @@ if TYPE_CHECKING:
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.study_data import StudyData
 
-Basis = Literal["difference_from_baseline", "raw_post"]
+Basis = Literal["difference_from_baseline", "raw_post", "measured"]
 Row = dict[str, Any]
 Found = TypeVar("Found")
 COLUMNS = (
@@ -74,7 +77,7 @@ class Exposures:
         Participant → what participants.csv says.
     """
 
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[Outcome | Measure, ...]
     absent: tuple[str, ...]
     units: dict[str, float]
     bases: dict[str, Basis]
@@ -102,13 +105,22 @@ class Exposures:
 
     @property
     def basis(self) -> Basis:
-        """Return what the scores of the primary outcome are."""
-        return next(iter(self.bases.values()), "raw_post")
+        """Return what the scores of the first outcome that has any are."""
+        scores = (basis for basis in self.bases.values() if basis != "measured")
+        return next(scores, "measured")
 
     @property
     def planned(self) -> dict[str, int]:
         """Return the planned exposures of the primary outcome."""
         return next(iter(self.planned_of.values()), {})
+
+
+def column_of(scored: Exposures, table: pd.DataFrame, column: str) -> pd.Series:
+    """Return a column of the exposures, or what participants.csv says of each row's person."""
+    if column in COLUMNS:
+        return table[column].replace("", pd.NA)
+    said = table["participant"].map(lambda who: scored.people.get(who, {}).get(column))
+    return said.replace("", pd.NA)
 
 
 def score_exposures(study: StudyData, plan: Plan) -> Exposures:
@@ -125,7 +137,9 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
     check_timepoints(kept, plan)
     there = set(study.instruments_at(plan.exposure_timepoint))
     wanted = outcomes_of_plan(study, plan)
-    outcomes = tuple(each for each in wanted if each.instrument in there)
+    outcomes = tuple(
+        each for each in wanted if isinstance(each, Measure) or each.instrument in there
+    )
     if not outcomes and study.sheets:
         have = ", ".join(sorted({sheet.keys["instrument"] for sheet in study.sheets}))
         named = ", ".join(plan.outcomes)
@@ -135,33 +149,43 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
             "outcomes",
         )
     work = _Work(study, plan, Facts.of(study, plan), outcomes)
-    for instrument in dict.fromkeys(each.instrument for each in outcomes):
+    scores = [each for each in outcomes if isinstance(each, Outcome)]
+    for instrument in dict.fromkeys(each.instrument for each in scores):
         work.add(
             [s for s in kept if s.keys["instrument"] == instrument], study.instruments[instrument]
         )
+    for measure in (each for each in outcomes if isinstance(each, Measure)):
+        work.measure(measure)
     return work.done(tuple(each.name for each in wanted if each not in outcomes))
 
 
-def outcomes_of_plan(study: StudyData, plan: Plan) -> tuple[Outcome, ...]:
+def outcomes_of_plan(study: StudyData, plan: Plan) -> tuple[Outcome | Measure, ...]:
     """Return the outcomes that a plan names.
 
     Raises
     ------
     InputError
-        If no instrument of the study, and no shipped one, has one of them.
+        If one is no score of any instrument, and no measure.
     """
     known = known_outcomes(study.instruments.values())
+    found = []
     for index, name in enumerate(plan.outcomes):
-        if name not in known:
-            raise plan.fault(unknown_outcome(name, known), "outcomes", index)
-    return tuple(known[name] for name in plan.outcomes)
+        try:
+            found.append(outcome_of_plan(name, known, plan.measures))
+        except InputError as error:
+            raise plan.fault(error.message, "outcomes", index) from None
+    return tuple(found)
 
 
 class _Work:
     """Collects the rows of all instruments."""
 
     def __init__(
-        self, study: StudyData, plan: Plan, facts: Facts, outcomes: tuple[Outcome, ...]
+        self,
+        study: StudyData,
+        plan: Plan,
+        facts: Facts,
+        outcomes: tuple[Outcome | Measure, ...],
     ) -> None:
         self._study, self._plan, self._facts = study, plan, facts
         self._outcomes = outcomes
@@ -177,7 +201,8 @@ class _Work:
         plan = self._plan
         named = timepoints_of(plan)
         sheets = last_runs([s for s in kept if s.timepoint in named], plan, self._excluded)
-        scorer = Scorer.of(instrument, self._outcomes, plan)
+        scores = tuple(each for each in self._outcomes if isinstance(each, Outcome))
+        scorer = Scorer.of(instrument, scores, plan)
         scored = list(zip(sheets, scorer.values_of(sheets), strict=True))
         for sheet, values in scored:
             if values is None:
@@ -224,6 +249,23 @@ class _Work:
             self._excluded.append(left_out(sheet, "no complete baseline to subtract"))
         elif exposed or sheet.timepoint == self._plan.recovery_timepoint:
             _put(self._after, row, _minus(values, before if subtract else None))
+
+    def measure(self, measure: Measure) -> None:
+        """Add a measure to the rows of its exposures, or as rows of its own."""
+        timepoint = self._plan.exposure_timepoint
+        met = []
+        beside = [Beside(rows, timepoint) for rows in (self._after, self._moments)]
+        for value in measured(self._study, self._plan, measure):
+            if value.number is None:
+                self._excluded.append(unmeasured(value, measure))
+                continue
+            exposure = exposure_of(value, timepoint)
+            row = self._facts.row(exposure) | {"condition": value.condition}
+            for rows in beside:
+                rows.put(row, measure.name, value.number)
+            met += [exposure] if value.condition else []
+        self._bases[measure.name] = "measured"
+        self._planned[measure.name] = planned_exposures(self._study, self._plan, met, "")
 
     def done(self, absent: tuple[str, ...]) -> Exposures:
         """Return the tables."""

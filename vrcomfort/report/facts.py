@@ -40,6 +40,11 @@ class Facts:
         for sheet in posts:
             conditions[sheet.participant, sheet.session].add(sheet.condition)
         exposures = {*trials, *(moment_of(s)[:3] for s in posts)}
+        exposures |= {
+            (row["participant"], row.get("session", ""), row["trial"])
+            for row in study.tasks
+            if row.get("trial")
+        }
         return cls(_positions(exposures), trials, conditions, _people(study))
 
     def row(self, sheet: Sheet) -> dict[str, str | int]:

@@ -22,8 +22,12 @@ from vrcomfort.report.canvas import (
     spread,
     threads,
 )
+from vrcomfort.report.courses.course_figure import course_figure
+from vrcomfort.report.courses.events import of_leaving, of_threshold
+from vrcomfort.report.courses.survival_figure import survival_figure
 from vrcomfort.report.estimation import estimation_figure
 from vrcomfort.report.flow_figure import flow_figure
+from vrcomfort.report.group_figure import group_figure
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residual_figure import residual_figure
@@ -31,6 +35,7 @@ from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
 
 if TYPE_CHECKING:
+    from vrcomfort.report.courses import Courses
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
@@ -45,6 +50,7 @@ def draw_figures(
     results: dict[str, Any],
     scored: Exposures,
     residuals: list[Residuals],
+    courses: Courses,
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -53,6 +59,9 @@ def draw_figures(
         if _wanted(results, "subscales" if place else "paired"):
             tests = [test for test in results["tests"] if test["outcome"] == outcome]
             drawn[f"estimation_{outcome}"] = estimation_figure(scored, tests, words)
+    for place, row in enumerate(results["comparisons"]):
+        if _wanted(results, "paired"):
+            drawn[f"comparison_{place}"] = group_figure(scored, row, words)
     drawn["flow"] = flow_figure(results["flow"])
     for instrument in dict.fromkeys(row["instrument"] for row in results["symptoms"]):
         rows = [row for row in results["symptoms"] if row["instrument"] == instrument]
@@ -60,6 +69,7 @@ def draw_figures(
     drawn["recovery"] = recovery_figure(scored, results, words)
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
     drawn["residuals"] = residual_figure(residuals, words)
+    drawn |= _course_figures(results, courses, words)
     return {
         name: drawing
         for name, drawing in drawn.items()
@@ -67,7 +77,27 @@ def draw_figures(
     }
 
 
-_OTHERWISE = ("estimation_", "flow")
+def _course_figures(
+    results: dict[str, Any], courses: Courses, words: Vocabulary
+) -> dict[str, Drawing | None]:
+    """Return the figures of ratings over time, and of the time to a rating and to leaving."""
+    drawn: dict[str, Drawing | None] = {"ratings": course_figure(courses, words)}
+    confidence, found = results["plan"]["confidence"], results["ratings"]
+    if found is not None and found["reached"]:
+        events = of_threshold(courses.exposures, found["threshold"])
+        title = f"share below a rating of {found['threshold']:g}"
+        drawn["survival_rating"] = survival_figure(
+            "survival-rating", events, title, words, confidence
+        )
+    if results["leaving"] is not None:
+        events = of_leaving(courses.exposures)
+        drawn["survival_leaving"] = survival_figure(
+            "survival-leaving", events, "share that went on", words, confidence
+        )
+    return drawn
+
+
+_OTHERWISE = ("estimation_", "comparison_", "flow")
 """What no plan leaves out, or what was chosen before it was drawn."""
 
 

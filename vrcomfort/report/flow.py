@@ -37,6 +37,7 @@ def participant_flow(
     enrolled = everybody(study)
     met = {t["participant"] for t in study.trials}
     met |= {s.participant for s in study.sheets if s.timepoint == plan.exposure_timepoint}
+    met |= {*scored.table["participant"], *analysed}
     status = {p["participant"]: p["status"] for p in study.participants}
     left = {w.participant: _how(w) for w in found}
     for name, state in status.items():

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
+from vrcomfort.report.courses.methods import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
+from vrcomfort.report.further_methods import Method, further_methods
 from vrcomfort.report.references import is_known
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
@@ -26,14 +28,6 @@ _SIDES = {
 }
 
 
-class Method(NamedTuple):
-    """One paragraph, and the keys of what it cites (see `references`)."""
-
-    title: str
-    text: str
-    cited: tuple[str, ...] = ()
-
-
 def methods(results: Results, words: Vocabulary) -> list[Method]:
     """Return the paragraphs on everything that this report holds."""
     plan = results["plan"]
@@ -44,6 +38,7 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             _scoring(results, words),
             _people(results),
             *((_testing(results, words), _shift(plan), _rank_biserial(plan)) if made else ()),
+            *further_methods(results),
             _describing(),
             _t_tests(results),
             _anova(results),
@@ -51,6 +46,7 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             _crossover(results),
             _mixed(results),
             _withdrawals(results),
+            *(Method(*paragraph) for paragraph in course_paragraphs(results)),
             _figures(results),
             _answering(results),
             Method("Choices", plan["note"]) if plan["note"] else None,
@@ -60,7 +56,9 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
 
 
 def basis_sentence(results: Results) -> str:
-    """Say what the scores are."""
+    """Say what the scores are; nothing where there are only measures."""
+    if results["score_basis"] == "measured":
+        return ""
     if results["score_basis"] == "difference_from_baseline":
         sides = [side["timepoint"] for test in results["tests"] for side in test["sides"]]
         moments = "Comparisons of timepoints are of raw scores. " if any(sides) else ""
@@ -88,7 +86,7 @@ def has_baseline(results: Results) -> bool:
     )
 
 
-def _scoring(results: Results, words: Vocabulary) -> Method:
+def _scoring(results: Results, words: Vocabulary) -> Method | None:
     several = any(n > 1 for n in results["participants"]["exposures_per_condition"].values())
     repeated = (
         " Where a condition has several exposures their integer sums are added before testing "
@@ -96,6 +94,10 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
         if several
         else ""
     )
+    if not results["outcomes"]:
+        return None
+    if not words.instruments:
+        return Method("Measures", f"{_measures(results)}{repeated}".strip())
     incomplete = (
         "Missing answers count as the mean of the others of their score where enough are given."
         if results["plan"]["missing_items"] == "prorate"
@@ -103,10 +105,20 @@ def _scoring(results: Results, words: Vocabulary) -> Method:
     )
     text = (
         f"{' '.join(map(_instrument, words.instruments))} {incomplete} "
-        f"{basis_sentence(results)}{repeated}"
+        f"{basis_sentence(results)}{repeated} {_measures(results)}".rstrip()
     )
     cited = [f"instrument_{each['name']}" for each in words.instruments]
     return Method("Scores", text, tuple(key for key in cited if is_known(key)))
+
+
+def _measures(results: Results) -> str:
+    """Say what each measure is, and which direction is the good one."""
+    named = [each for each in results["outcomes"] if each["basis"] == "measured"]
+    return " ".join(
+        f"{each['title']}{' in ' + each['unit_label'] if each['unit_label'] else ''} is "
+        f"{each['definition']}{'; ' + each['better'] + ' is better' if each['better'] else ''}."
+        for each in named
+    )
 
 
 def _instrument(asked: Mapping[str, Any]) -> str:
@@ -333,7 +345,7 @@ def _withdrawals(results: Results) -> Method | None:
 
 
 def _figures(results: Results) -> Method | None:
-    if all(test["not_tested"] for test in results["tests"]):
+    if all(test["not_tested"] for test in (*results["tests"], *results["comparisons"])):
         return None
     return Method(
         "Figures",

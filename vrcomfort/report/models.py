@@ -11,7 +11,7 @@ import pandas as pd
 from scipy.stats import shapiro
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.exposures import COLUMNS
+from vrcomfort.report.exposures import COLUMNS, column_of
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums
 from vrcomfort.settings import did_you_mean
@@ -93,14 +93,6 @@ def level_of(scored: Exposures, table: pd.DataFrame, factor: Factor) -> pd.Serie
     return column_of(scored, table, factor.column).map(
         lambda value: factor.levels.get(str(value), str(value)), na_action="ignore"
     )
-
-
-def column_of(scored: Exposures, table: pd.DataFrame, column: str) -> pd.Series:
-    """Return a column of the exposures, or what participants.csv says of each row's person."""
-    if column in COLUMNS:
-        return table[column].replace("", pd.NA)
-    said = table["participant"].map(lambda who: scored.people.get(who, {}).get(column))
-    return said.replace("", pd.NA)
 
 
 def is_between(factor: Factor) -> bool:

@@ -1,4 +1,4 @@
-"""What can be analysed: the scores of every instrument, by the names that plans give them."""
+"""What can be analysed: the scores of every instrument, and measures, as plans name them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from fractions import Fraction
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answer, Instrument, Scale, shipped_instruments
 from vrcomfort.questionnaire.answers import exact
+from vrcomfort.report.measures import SOURCES, Measure, Measured, fault_of, measure_of
 
 
 @dataclass(frozen=True)
@@ -41,6 +42,8 @@ class Outcome:
     scale: Scale
     unit: float
     parts: tuple[str, ...] = ()
+    unit_label = "points"
+    better = ""
     sums: Mapping[str, tuple[Fraction, Fraction]] | None = None
 
     def prorated(
@@ -130,18 +133,45 @@ def known_outcomes(instruments: Iterable[Instrument] | None = None) -> dict[str,
     return {outcome.name: outcome for each in known for outcome in outcomes_of(each)}
 
 
-def find_outcome(name: str, instruments: Iterable[Instrument]) -> Outcome:
-    """Return the score of that name.
+def outcome_of_plan(
+    name: str, known: Mapping[str, Outcome], measures: Iterable[Measured]
+) -> Outcome | Measure:
+    """Return the score or the measure of that name.
+
+    Parameters
+    ----------
+    known
+        The scores; see `known_outcomes`.
+    measures
+        Those that the plan gives names to.
 
     Raises
     ------
     InputError
-        If no instrument has it, with the nearest one.
+        If there is neither, with the nearest name.
     """
-    known = known_outcomes(instruments)
-    if name not in known:
-        raise InputError(unknown_outcome(name, known))
-    return known[name]
+    named = {each.name: each for each in measures}
+    if problem := fault_of_outcome(name, known, named):
+        raise InputError(problem)
+    if name in named:
+        return measure_of(name, named[name])
+    return known[name] if name in known else measure_of(name)
+
+
+def fault_of_outcome(name: str, known: Iterable[str], named: Iterable[str]) -> str | None:
+    """Say why a name is that of no outcome (no score, and no measure); None where it is one."""
+    there = [*known, *named]
+    if name in there:
+        return None
+    source, dot, _ = name.partition(".")
+    if not dot or source not in SOURCES:
+        return unknown_outcome(name, there)
+    if name == "ratings.time_to":
+        return (
+            "`ratings.time_to` needs a threshold: name it in [[measures]] with measure = "
+            '"ratings.time_to" and threshold'
+        )
+    return fault_of(name)
 
 
 def unknown_outcome(name: str, known: Iterable[str]) -> str:

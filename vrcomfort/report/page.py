@@ -9,7 +9,9 @@ from markupsafe import Markup
 
 from vrcomfort.report import methods, palette, words
 from vrcomfort.report.answers import answers
+from vrcomfort.report.courses.summaries import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
+from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
@@ -49,6 +51,10 @@ def render_page(
     return environment.get_template(TEMPLATE).render(
         r=results,
         words=vocabulary,
+        tests=TESTS,
+        shown_above=_shown_above(results, figures),
+        digits=DIGITS,
+        correlations=METHODS,
         answers=answers(results, vocabulary),
         figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
         several=max(per_condition, default=0) > 1,
@@ -60,10 +66,20 @@ def render_page(
         described=_described(results),
         moments=_moments(results),
         disagreements=_disagreements(results),
+        rating_titles=TITLES,
+        rating_ways=MEANINGS,
         fewest=methods.fewest_for_shift(results["plan"]),
         colours_light=palette.css_variables(dark=False),
         colours_dark=palette.css_variables(dark=True),
     )
+
+
+def _shown_above(results: dict[str, Any], figures: dict[str, Drawing]) -> str:
+    """Return the figure of the primary comparison, where no signed-rank test has one."""
+    primary = next((each["name"] for each in results["outcomes"]), "")
+    of_it = [i for i, row in enumerate(results["comparisons"]) if row["outcome"] == primary]
+    named = [f"comparison_{place}" for place in of_it if f"comparison_{place}" in figures]
+    return named[0] if named and f"estimation_{primary}" not in figures else ""
 
 
 def _inlined(svg: str, name: str) -> Markup:

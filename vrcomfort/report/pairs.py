@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.report.exposures import column_of
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
@@ -22,16 +23,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Side:
-    """What one side of a contrast is: a condition, a timepoint, or both."""
+    """What one side of a contrast is: a condition, a timepoint, or both; or a group of people."""
 
     condition: str = ""
     timepoint: str = ""
     """Blank: that of exposure, with scores as the plan has them; else raw scores at it."""
+    column: str = ""
+    level: str = ""
+    """People with this value of a column; see `column_of`."""
 
     @property
     def name(self) -> str:
         """Return how results call it."""
-        return " at ".join(part for part in (self.condition, self.timepoint) if part)
+        moment = " at ".join(part for part in (self.condition, self.timepoint) if part)
+        return " in ".join(part for part in (self.level, moment) if part)
 
     def rows(self, scored: Exposures) -> pd.DataFrame:
         """Return the exposures, or the moments, of this side."""
@@ -41,7 +46,17 @@ class Side:
         table = scored.moments if self.timepoint else scored.table
         if self.timepoint:
             table = table[table["timepoint"] == self.timepoint]
+        if self.column:
+            table = table[(column_of(scored, table, self.column) == self.level).fillna(False)]
         return table[table["condition"] == self.condition] if self.condition else table
+
+
+def sides_of(between: str, a: str, b: str, condition: str) -> tuple[Side, Side]:
+    """Return the sides of a contrast between groups."""
+    if between == "condition":
+        return Side(a), Side(b)
+    one, two = (Side(condition, column=between, level=level) for level in (a, b))
+    return one, two
 
 
 @dataclass(frozen=True)
@@ -114,6 +129,45 @@ def side_sums(
     return [people[place] for place in there], sums[there] * (common // counted), common
 
 
+@dataclass(frozen=True)
+class Groups:
+    """Scores of two groups of different people.
+
+    Parameters
+    ----------
+    a, b
+        Integer sums, shapes (n,) and (m,), brought to a common number of exposures.
+    unit
+        Points per step, per exposure.
+    """
+
+    people_a: tuple[str, ...]
+    people_b: tuple[str, ...]
+    a: Integers
+    b: Integers
+    unit: float
+    in_both: tuple[str, ...]
+    """Who has scores in both, and is in neither here."""
+
+
+def groups_of(scored: Exposures, outcome: str, a: Side, b: Side, *, complete: bool) -> Groups:
+    """Return everybody's score in one of two groups; see `pair_up` for `complete`."""
+    totals = [_totals(scored, outcome, side) for side in (a, b)]
+    needed = [needed_of(scored, outcome, side) if complete else 1 for side in (a, b)]
+    there = [counts >= max(need, 1) for (_, counts), need in zip(totals, needed, strict=True)]
+    both = (totals[0][1] > 0) & (totals[1][1] > 0)
+    places = [np.flatnonzero(each & ~both) for each in there]
+    counted = [counts[place] for (_, counts), place in zip(totals, places, strict=True)]
+    common = lcm(*map(int, np.unique(np.concatenate(counted))))
+    sums = [
+        found[place] * (common // count)
+        for (found, _), place, count in zip(totals, places, counted, strict=True)
+    ]
+    people = _people(scored)
+    names = [tuple(people[place] for place in each) for each in (*places, np.flatnonzero(both))]
+    return Groups(names[0], names[1], sums[0], sums[1], scored.units[outcome] / common, names[2])
+
+
 def _people(scored: Exposures) -> list[str]:
     """Return everybody in the tables, in order."""
     tables = (scored.table, scored.moments)
@@ -142,7 +196,7 @@ def _totals(scored: Exposures, outcome: str, side: Side) -> tuple[Integers, Inte
 
 def needed_of(scored: Exposures, outcome: str, side: Side) -> int:
     """Return how many scores of a side a participant is to have."""
-    if not side.timepoint:
+    if not side.timepoint and side.condition:
         return scored.planned_of.get(outcome, {}).get(side.condition, 1)
     usual = Counter(Counter(side.rows(scored).dropna(subset=[outcome])["participant"]).values())
     return max(usual, key=lambda count: (usual[count], count), default=1)

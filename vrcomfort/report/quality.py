@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.outcomes import find_outcome
+from vrcomfort.report.outcomes import known_outcomes
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -19,7 +19,7 @@ def quality(study: StudyData, scored: Exposures, plan: Plan, unused: list[str]) 
         "questionnaire_files": study.files,
         "questionnaires": len(study.sheets),
         "excluded_questionnaires": [*scored.excluded, *_never_asked(study, plan)],
-        "scored_after_early_end": int(scored.table["early"].sum()),
+        "scored_after_early_end": _after_early_end(scored),
         "reading": [*study.warnings, *unused],
         "frames": _frames(study),
         "ratings": _ratings(study),
@@ -28,6 +28,13 @@ def quality(study: StudyData, scored: Exposures, plan: Plan, unused: list[str]) 
         "simulated": sum(m.get("respondent") == "simulated" for m in study.manifests),
         "clamps": _clamps(study),
     }
+
+
+def _after_early_end(scored: Exposures) -> int:
+    """Count the scored questionnaires after exposures that were not finished."""
+    scores = [name for name, basis in scored.bases.items() if basis != "measured"]
+    asked = scored.table[scores].notna().any(axis=1)
+    return int(scored.table.loc[asked, "early"].sum())
 
 
 def _frames(study: StudyData) -> dict[str, Any] | None:
@@ -71,7 +78,11 @@ def _never_asked(study: StudyData, plan: Plan) -> list[dict[str, str]]:
 
 def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
     """Return (participant, session) of those whose protocol asks after each exposure."""
-    instrument = find_outcome(plan.outcomes[0], study.instruments.values()).instrument
+    known = known_outcomes(study.instruments.values())
+    asked_first = next((known[name] for name in plan.outcomes if name in known), None)
+    if asked_first is None:
+        return set()
+    instrument = asked_first.instrument
     asked = {"timepoint": plan.exposure_timepoint, "when": "after_trial", "instrument": instrument}
     return {
         (str(manifest.get("participant")), str(manifest.get("session")))

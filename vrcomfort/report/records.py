@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.report.answering import answering
 from vrcomfort.report.counterbalancing import counterbalancing
 from vrcomfort.report.flow import participant_flow
-from vrcomfort.report.stimulus_time import stimulus_time
+from vrcomfort.report.stimulus_time import frame_rows, movement, stimulus_time
 from vrcomfort.report.symptoms import recovery_rows, symptom_rows
 from vrcomfort.report.withdrawals import find_withdrawals
 
@@ -32,7 +32,9 @@ def records(
         "recovery_course": recovery_rows(scored),
         "counterbalancing": counterbalancing(scored.table, names, analysed),
         "answering": answering(study, _files(source, "questionnaires.csv")),
-        "stimulus_time": stimulus_time(study, names, _files(source, "frames.csv")),
+        "stimulus_time": stimulus_time(study, names),
+        "movement": movement(study, names),
+        "frame_measures": frame_rows(study),
     }
 
 

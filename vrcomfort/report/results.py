@@ -9,12 +9,15 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort import __version__
 from vrcomfort.report.asked import unused_timepoints
+from vrcomfort.report.comparisons import check_groups, run_comparisons
 from vrcomfort.report.contrasts import conditions_of, contrasts_of, run_tests
 from vrcomfort.report.descriptives import describe_all, describe_recovery
 from vrcomfort.report.deviations import deviations
 from vrcomfort.report.exclusions import apply_rules, rules_in_words
 from vrcomfort.report.exposures import score_exposures
 from vrcomfort.report.families import adjust
+from vrcomfort.report.further import further
+from vrcomfort.report.measures import Measure, definition_of
 from vrcomfort.report.models import (
     check_columns,
     check_levels,
@@ -25,6 +28,7 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
 from vrcomfort.report.sensitivity import sensitivity
@@ -68,18 +72,30 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
     conditions = conditions_of(scored, study.labels)
     asked = conditions_in(study, plan.exposure_timepoint)
     there = list(dict.fromkeys([*conditions, *study.labels, *asked]))
-    contrasts = contrasts_of(plan, conditions, there)
+    check_groups(plan, scored)
+    every = contrasts_of(plan, conditions, there)
+    contrasts = [each for each in every if each.test == "signed_rank"]
+    others = [each for each in every if each.test != "signed_rank"]
     check_columns(plan, scored)
     check_levels(plan, scored, study.labels)
     found = find_withdrawals(study)
     tests = run_tests(scored, plan, contrasts, lambda a, b: lost_signs(found, a, b))
     models = _models(scored, plan, conditions, contrasts)
-    families = adjust(plan, tests, models["anova"])
-    analysed = _analysed(tests, scored.table)
+    comparisons = run_comparisons(scored, plan, others)
+    more = further(scored, plan, study)
+    compared = [*tests, *comparisons]
+    families = adjust(plan, compared, models["anova"])
+    of_others = [row for key in ("correlations", "preferences") for row in more[key]]
+    made = compared or of_others
+    analysed = _analysed(made, scored.table)
     reasons = why_not(
-        study, scored, found, exclusions, in_every_test=_in_every_test(tests, analysed)
+        study,
+        scored,
+        found,
+        exclusions,
+        in_every_test=_in_every_test(made, analysed),
     )
-    named = [*conditions, *_unfinished(contrasts, conditions)]
+    named = [*conditions, *_unfinished(every, conditions)]
     results = {
         "schema": SCHEMA,
         "software": {"vrcomfort": __version__, **{name: version(name) for name in SOFTWARE}},
@@ -92,7 +108,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "score_basis": scored.basis,
         "weights": dict(scored.units),
         "conditions": [{"name": c, "label": study.labels.get(c, c)} for c in named],
-        "labels": _labels(named, contrasts, study.labels),
+        "labels": _labels(named, every, study.labels),
         "participants": {
             "n": len(everybody(study)),
             "analysed": analysed,
@@ -106,8 +122,10 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "notices": notices(study, scored, tests, exclusions),
         "families": families,
         "tests": tests,
+        "comparisons": comparisons,
+        **more,
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
-        "descriptives": describe_all(scored, plan, conditions, tests),
+        "descriptives": describe_all(scored, plan, conditions, compared),
         "recovery": describe_recovery(scored),
         **models,
         "withdrawals": count_withdrawals(study, found),
@@ -119,7 +137,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
 
 def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
     """Describe the outcomes and the instruments that they are of."""
-    instruments = dict.fromkeys(each.instrument for each in scored.outcomes)
+    instruments = dict.fromkeys(o.instrument for o in scored.outcomes if isinstance(o, Outcome))
     return {
         "outcomes": [
             {
@@ -129,6 +147,9 @@ def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
                 "unit": scored.units[each.name],
                 "basis": scored.bases[each.name],
                 "parts": each.parts,
+                "unit_label": each.unit_label,
+                "better": each.better,
+                "definition": definition_of(each) if isinstance(each, Measure) else "",
             }
             for each in scored.outcomes
         ],
@@ -159,7 +180,7 @@ def _labels(named: list[str], contrasts: list[Compared], labels: dict[str, str])
     found = {name: labels.get(name, name) for name in named}
     for side in (side for each in contrasts for side in (each.a, each.b)):
         condition = labels.get(side.condition, side.condition)
-        parts = [part for part in (condition, side.timepoint) if part]
+        parts = [part for part in (side.level, condition, side.timepoint) if part]
         found.setdefault(side.name, ", ".join(parts))
     return found
 

@@ -1,34 +1,26 @@
-"""How much of each condition was seen as it was meant: live, frozen, hidden, untracked time."""
+"""What frames and trials say of each condition: seconds seen as meant, movement, focus."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from pathlib import Path
 
+    from vrcomfort.recordings import ExposureFrames
     from vrcomfort.report.study_data import StudyData
 
 SEEN = ("live_s", "frozen_s", "hidden_s", "unfocused_s")
-_CHUNK_ROWS = 500_000
-_COLUMNS = ("trial", "period_ns", "head_tracked")
+MOVEMENT = (
+    "head_path_m", "head_turning_deg", "avatar_path_m", "focus_travel_dioptre",
+    "focus_lag_dioptre", "blur_changes",
+)  # fmt: skip
 
 
-def stimulus_time(
-    study: StudyData, conditions: Iterable[str], frames: Iterable[Path]
-) -> list[dict[str, Any]]:
-    """Add up the seconds of each condition's exposures; blank (None) where none were recorded.
-
-    Parameters
-    ----------
-    frames
-        The study's ``frames.csv`` files, which say whether the head was tracked.
-    """
-    untracked = _untracked(study, frames)
+def stimulus_time(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+    """Add up the seconds of each condition's exposures; blank (None) where none were recorded."""
+    untracked = _untracked(study)
     found = []
     for condition in conditions:
         trials = [trial for trial in study.trials if trial["condition"] == condition]
@@ -44,49 +36,51 @@ def stimulus_time(
     return found if any(row["frames"] for row in found) else []
 
 
-def _untracked(study: StudyData, frames: Iterable[Path]) -> dict[str, float]:
+def _untracked(study: StudyData) -> dict[str, float]:
     """Add up by condition the frames in which the headset did not measure the head's pose."""
-    of = {(t["participant"], t["session"], t["trial"]): t["condition"] for t in study.trials}
     seconds: dict[str, float] = defaultdict(float)
-    for file in frames:
-        whose = _whose(file)
-        if whose is None:
-            continue
-        for trial, lost in _lost_s(file).items():
-            condition = of.get((*whose, trial))
-            if condition is not None:
-                seconds[condition] += lost
+    for condition, frames in frames_by_condition(study):
+        if frames.untracked_s is not None:
+            seconds[condition] += frames.untracked_s
     return dict(seconds)
 
 
-def _whose(file: Path) -> tuple[str, str] | None:
-    """Return participant and session of the folder of a ``frames.csv``."""
-    trials = file.with_name("trials.csv")
-    if not trials.is_file():
-        return None
-    table = pd.read_csv(trials, dtype=str, keep_default_na=False, on_bad_lines="skip", nrows=1)
-    if table.empty or not {"participant", "session"} <= set(table.columns):
-        return None
-    return str(table["participant"].iloc[0]), str(table["session"].iloc[0])
+def frame_rows(study: StudyData) -> list[dict[str, Any]]:
+    """Return what the frames of each exposure say, with its condition; a row an exposure."""
+    return [
+        {"condition": condition, **frames.cells()}
+        for condition, frames in frames_by_condition(study)
+    ]
 
 
-def _lost_s(file: Path) -> dict[str, float]:
-    """Return trial → seconds of frames without tracking; 0 where all had it."""
-    lost: dict[str, float] = defaultdict(float)
-    header = pd.read_csv(file, nrows=0, on_bad_lines="skip").columns
-    if not set(_COLUMNS) <= set(header):
-        return lost
-    parts = pd.read_csv(
-        file, usecols=list(_COLUMNS), dtype=str, keep_default_na=False, on_bad_lines="skip",
-        chunksize=_CHUNK_ROWS,
-    )  # fmt: skip
-    for rows in parts:
-        part = rows[rows["head_tracked"].isin(["0", "1"])]
-        period_s = pd.to_numeric(part["period_ns"], errors="coerce").fillna(0) * 1e-9
-        untracked = period_s.where(part["head_tracked"] == "0", 0.0)
-        for trial, seconds in untracked.groupby(part["trial"]).sum().items():
-            lost[str(trial)] += float(seconds)
-    return lost
+def movement(study: StudyData, conditions: Iterable[str]) -> list[dict[str, Any]]:
+    """Return the means over each condition's exposures of what their frames say."""
+    found = []
+    rows = frames_by_condition(study)
+    for condition in conditions:
+        mine = [frames for name, frames in rows if name == condition]
+        means = {name: _mean(getattr(frames, name) for frames in mine) for name in MOVEMENT}
+        if mine:
+            found.append({"condition": condition, "exposures": len(mine), **means})
+    return found
+
+
+def _mean(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if known else None
+
+
+def frames_by_condition(study: StudyData) -> list[tuple[str, ExposureFrames]]:
+    """Return the condition of each exposure that counts, its last attempt, and its frames."""
+    of = {_key(trial): trial["condition"] for trial in study.trials}
+    keys = ((each.participant, each.session, each.trial, each.attempt) for each in study.frames)
+    pairs = zip(keys, study.frames, strict=True)
+    return [(of[key], frames) for key, frames in pairs if key in of]
+
+
+def _key(trial: dict[str, str]) -> tuple[str, str, int, int]:
+    attempt = _whole(trial.get("attempt")) or 1
+    return trial["participant"], trial["session"], _whole(trial["trial"]), attempt
 
 
 def _whole(text: str | None) -> int:

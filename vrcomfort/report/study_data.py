@@ -21,8 +21,10 @@ from vrcomfort.questionnaire import (
     read_long,
     shipped_instruments,
 )
+from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
+from vrcomfort.workers import workers
 
 _KEYS = (
     "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint",
@@ -33,7 +35,10 @@ _NEEDED_ELSEWHERE = {
     "participants.csv": ("participant",),
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
+    "tasks.csv": ("participant",),
 }
+_INSTEAD = ("tasks.csv", "ratings.csv", "participants.csv")
+"""What a study may have instead of questionnaires."""
 _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
     "live_s", "frozen_s", "hidden_s", "unfocused_s",
@@ -57,6 +62,12 @@ class StudyData:
     manifests: tuple[dict[str, Any], ...]
     files: int
     warnings: tuple[str, ...]
+    frames: tuple[ExposureFrames, ...] = ()
+    """What the frames of each attempt at an exposure say; see `with_frames`."""
+    tasks: tuple[dict[str, str], ...] = ()
+    """Rows of tasks.csv: participant, trial or condition, and numbers."""
+    source: Path = Path()
+    """What was read."""
 
     @property
     def planned_participants(self) -> int | None:
@@ -107,7 +118,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         If there is no questionnaire, or a table is wrong, with file, line and column.
     """
     files = _files(source, "questionnaires.csv")
-    if not files:
+    if not files and not any(_files(source, name) for name in _INSTEAD):
         raise InputError("there is no questionnaires.csv in this folder", file=source)
     warnings: list[str] = []
     known = _known_instruments(source)
@@ -117,7 +128,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
-    if not sheets:
+    if files and not sheets:
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
     return StudyData(
@@ -132,7 +143,16 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
+        tasks=_table(source, "tasks.csv", warnings),
+        source=Path(source),
     )
+
+
+def people_of(study: StudyData) -> set[str]:
+    """Return every participant that any file names."""
+    rows = (*study.participants, *study.trials, *study.ratings, *study.tasks)
+    named = {row.get("participant", "") for row in rows}
+    return {sheet.participant for sheet in study.sheets} | (named - {""})
 
 
 def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
@@ -147,7 +167,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
         str(each.get("participant")): each.get("respondent") == "simulated"
         for each in study.manifests
     }
-    everybody = {sheet.participant for sheet in study.sheets}
+    everybody = people_of(study)
     kept = {name for name in everybody if kinds.get(name, False) == simulated}
     what = "simulated" if simulated else "real"
     if not kept:
@@ -164,13 +184,44 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
             for row in getattr(study, name)
             if kinds.get(str(row.get("participant", "")), False) == simulated
         )
-        for name in ("participants", "trials", "ratings", "manifests")
+        for name in ("participants", "trials", "ratings", "manifests", "tasks")
     }
     return replace(
         study,
         sheets=tuple(sheet for sheet in study.sheets if sheet.participant in kept),
         warnings=(*study.warnings, f"{note} in this report; for the others {hint}"),
         **rows,
+    )
+
+
+def with_frames(
+    study: StudyData, source: Path, *, memory: Memory | None = None, cluster: str | None = None
+) -> StudyData:
+    """Return a study with the sums over the frames of its exposures, and notes on those not read.
+
+    Parameters
+    ----------
+    memory
+        The most that reading frames may take.
+    cluster
+        Address of a running Dask scheduler, whose workers read instead of this process.
+
+    Raises
+    ------
+    InputError
+        If no scheduler answers, or its workers do not see the study.
+    """
+    files = sorted(source.rglob("frames.csv")) if source.is_dir() else []
+    if not files:
+        return study
+    with workers(1, cluster) as work:
+        frames, notes = frame_measures(files, memory, work)
+    people = {trial["participant"] for trial in study.trials}
+    notes = [note.replace(f"{source}/", "") for note in notes]
+    return replace(
+        study,
+        frames=tuple(each for each in frames if each.participant in people),
+        warnings=(*study.warnings, *notes),
     )
 
 

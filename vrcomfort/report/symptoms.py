@@ -36,7 +36,7 @@ def symptom_rows(
         By instrument and item: `n` exposures, `mean`, `sd`, and `above` of them with an answer
         above the lowest that there is (with a baseline: above that of the baseline).
     """
-    raw = {each.instrument for each in scored.outcomes if scored.bases[each.name] == "raw_post"}
+    raw = {o.instrument for o in scored.outcomes if scored.bases[o.name] == "raw_post"}
     lowest = {
         (name, item.name): float(item.answers.low)
         for name in raw

@@ -8,7 +8,10 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+from vrcomfort.report.courses import Courses
+from vrcomfort.report.courses.tables import course_tables
 from vrcomfort.report.exposures import Exposures
+from vrcomfort.report.further_tables import further_tables
 
 Row = dict[str, Any]
 
@@ -18,7 +21,7 @@ _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -34,6 +37,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
     tables = {
         "scores": exposures,
         "tests": [_flat_test(test, results["plan"]) for test in results["tests"]],
+        **further_tables(results),
         "sensitivity": results["sensitivity"],
         "descriptives": results["descriptives"],
         "symptoms": results["symptoms"],
@@ -41,6 +45,8 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
         "flow": _flat_flow(results["flow"]),
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
+        "movement": results["movement"],
+        "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
         "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
@@ -58,6 +64,7 @@ def all_tables(results: Row, scored: Exposures) -> dict[str, str]:
             row | {"participants": " ".join(row["participants"])} for row in results["deviations"]
         ],
         "excluded_questionnaires": results["quality"]["excluded_questionnaires"],
+        **course_tables(results, courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
 

@@ -11,7 +11,12 @@ from vrcomfort.report.figures_of_sources import SameFigures
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-BASES = {"difference_from_baseline": "change from baseline", "raw_post": "score after exposure"}
+BASES = {
+    "difference_from_baseline": "change from baseline",
+    "raw_post": "score after exposure",
+    "measured": "",
+}
+"""What the scores of an outcome are; a measure has its unit instead."""
 
 
 @dataclass(frozen=True)
@@ -24,8 +29,8 @@ class Vocabulary:
         Condition → label, in the one order that everything has.
     labels
         The same, and those of other sides of comparisons (a moment, a condition at a moment).
-    outcomes, units, bases
-        Score → what it is called, points per step of its raw sum, and what it says.
+    outcomes, units, bases, unit_labels
+        Score → what it is called, points per step of its raw sum, what it says, and its unit.
     instruments
         Those of the scores, as results have them.
     same
@@ -37,6 +42,7 @@ class Vocabulary:
     outcomes: Mapping[str, str]
     units: Mapping[str, float]
     bases: Mapping[str, str]
+    unit_labels: Mapping[str, str]
     instruments: tuple[Mapping[str, Any], ...]
     same: SameFigures
 
@@ -50,6 +56,7 @@ class Vocabulary:
             outcomes=_titles(results),
             units={each["name"]: each["unit"] for each in outcomes},
             bases={each["name"]: BASES[each["basis"]] for each in outcomes},
+            unit_labels={each["name"]: each["unit_label"] for each in outcomes},
             instruments=tuple(results["instruments"]),
             same=SameFigures.of(results["study"]["protocol"]),
         )
@@ -66,15 +73,27 @@ class Vocabulary:
         """Return what a score is called."""
         return self.outcomes.get(name, name)
 
-    @property
-    def basis(self) -> str:
-        """Return what the primary score says: a change, or the score itself."""
-        return next(iter(self.bases.values()), "")
+    def unit(self, name: str) -> str:
+        """Return an outcome's unit, such as points or s; blank for a pure number."""
+        return self.unit_labels.get(name, "")
+
+    def axis(self, name: str, *, raw: bool = False) -> str:
+        """Return what an axis with an outcome's values is called; `raw`: scores, not changes."""
+        basis = ("score" if raw and self.bases[name] else self.bases[name]) or self.unit(name)
+        return f"{self.outcome(name)}, {basis}" if basis else self.outcome(name)
 
     @property
-    def questionnaire(self) -> str:
-        """Return how sentences call the instruments, such as SSQ, before the word scores."""
-        return " and ".join(short(each).removesuffix(" scores") for each in self.instruments)
+    def basis(self) -> str:
+        """Return what the first score says: a change, or the score itself."""
+        return next((basis for basis in self.bases.values() if basis), "")
+
+    @property
+    def scores(self) -> str:
+        """Return how captions call the outcomes, such as SSQ scores and measures."""
+        asked = " and ".join(short(each).removesuffix(" scores") for each in self.instruments)
+        measures = "measures" if "" in self.bases.values() else ""
+        named = [name for name in (f"{asked} scores" if asked else "", measures) if name]
+        return " and ".join(named) or "outcomes"
 
     def item(self, instrument: str, name: str) -> str:
         """Return a question's wording."""
@@ -115,5 +134,7 @@ def _titles(results: Mapping[str, Any]) -> dict[str, str]:
         each["name"]: each["title"]
         if count[each["title"]] == 1
         else f"{shorts[each['instrument']]} {each['title'].lower()}"
+        if each["instrument"] in shorts
+        else f"{each['title']} ({each['name']})"
         for each in outcomes
     }

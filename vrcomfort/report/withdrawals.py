@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.study_data import trial_s
+from vrcomfort.report.study_data import people_of, trial_s
 from vrcomfort.stats.withdrawal import fisher_exact
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class Withdrawal:
 
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     """Return the withdrawals that trials.csv and participants.csv record, one per participant."""
-    undone = _undone(study)
+    undone = undone_attempts(study)
     ended = [t for t in _trials(study) if t["status"] in ENDED and _attempt(t) not in undone]
     found = {t["participant"]: _from_trial(t) for t in ended}
     last = {t["participant"]: t for t in _trials(study)}
@@ -54,7 +54,7 @@ def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
     return tuple(trial.get(name, "") for name in ("participant", "session", "trial", "attempt"))
 
 
-def _undone(study: StudyData) -> set[tuple[str, ...]]:
+def undone_attempts(study: StudyData) -> set[tuple[str, ...]]:
     """Return the attempts in which somebody withdrew, and an operator took it back."""
     return {
         (str(of.get("participant")), str(of.get("session")), str(u["trial"]), str(u["attempt"]))
@@ -159,8 +159,7 @@ def lost_signs(found: list[Withdrawal], a: str, b: str) -> dict[str, int]:
 
 def everybody(study: StudyData) -> list[str]:
     """Return every participant that any file names."""
-    names = {s.participant for s in study.sheets} | {p["participant"] for p in study.participants}
-    return sorted(names, key=natural)
+    return sorted(people_of(study), key=natural)
 
 
 def why_not(
@@ -187,7 +186,8 @@ def why_not(
     for row in scored.excluded:
         what = with_labels(row["questionnaire"], study.labels)
         reasons[row["participant"]].append(f"{what}: {row['reason']}")
-    default = ["not every exposure has a questionnaire"]
+    asked = "not every exposure has a questionnaire"
+    default = [asked if study.sheets else "no value of what was compared"]
     return [
         {"participant": name, "reason": "; ".join(reasons.get(name) or default)}
         for name in everybody(study)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
-from vrcomfort.records import enrolled, note_withdrawal, only_run, open_study
+from vrcomfort.records import enrolled, entered, note_withdrawal, only_run, open_study
 from vrcomfort.session.resume import InterruptedSessions, choose_sessions
 
 
@@ -25,6 +25,8 @@ class Enrolment:
         Of the sessions to run.
     interrupted
         What is recorded of those among them that go on.
+    covariates
+        Of the participant, as the protocol declares them; checked.
     """
 
     protocol: Protocol
@@ -34,6 +36,7 @@ class Enrolment:
     exposure_s: float
     numbers: Sequence[int]
     interrupted: InterruptedSessions
+    covariates: Mapping[str, str] = field(default_factory=dict)
 
 
 @contextmanager
@@ -48,6 +51,7 @@ def open_enrolment(
     exposure_s: float | None = None,
     resume: bool = False,
     group_readable: bool = False,
+    covariates: Mapping[str, str] | None = None,
 ) -> Iterator[Enrolment]:
     """Make sure that a participant can be run, and keep every other program from it.
 
@@ -70,6 +74,8 @@ def open_enrolment(
         one, after a new baseline, with the settings and the random state of before.
     group_readable
         A new study's files are for the owner's group as well; see `open_study`.
+    covariates
+        What the protocol wants to know of everybody who is enrolled.
 
     Raises
     ------
@@ -84,6 +90,7 @@ def open_enrolment(
         design = build_design(protocol, seed=kept_seed)
         note_withdrawal(study, participant)
         row = enrolled(study, participant)
+        known = entered(design, row, covariates or {})
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
         interrupted = InterruptedSessions(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
@@ -96,4 +103,5 @@ def open_enrolment(
             exposure_s=protocol.shown_s(interrupted.exposure_s(exposure_s)),
             numbers=chosen.numbers,
             interrupted=interrupted,
+            covariates=known,
         )

@@ -90,6 +90,7 @@ class FrameLog:
             left=frame.views[0],
             right=frame.views[1],
             avatar=frame.avatar_pose,
+            hands=frame.hands,
             head_valid=frame.head_valid,
             head_tracked=frame.head_tracked,
             session_state=frame.session_state or None,

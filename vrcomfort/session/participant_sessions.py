@@ -16,6 +16,7 @@ from vrcomfort.records import (
     facts_of_run,
     set_status,
 )
+from vrcomfort.records.checksums import seal
 from vrcomfort.records.study import now
 from vrcomfort.records.wall_clock import set_back_before
 from vrcomfort.session.context import SessionContext
@@ -112,6 +113,7 @@ class ParticipantSessions:
                     status, note = _kept(flow, writer, recorder)
             finally:
                 self._look_at(number, manifest, before)
+        self._seal(number, recorder)
         context.progress(Progress("end", context.participant, number, text=status))
         return status, note
 
@@ -126,8 +128,16 @@ class ParticipantSessions:
                 recorder.close()
             finally:
                 writer.close("aborted")
+                self._seal(number, recorder)
                 note = f"session {number} aborted: the headset's runtime hung"
                 set_status(self.context.study, self.context.participant, "enrolled", note)
+
+    def _seal(self, number: int, recorder: Recorder) -> None:
+        """Write the checksums; a session without them is whole, so nothing fails with them."""
+        try:
+            seal(recorder.folder, recorder.access)
+        except (InputError, OSError) as error:
+            self.notices.append(f"session {number} has no checksums: {error}")
 
     def _manifest(self, number: int, before: Interrupted | None) -> Manifest:
         context = self.context

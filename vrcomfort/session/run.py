@@ -62,7 +62,9 @@ def run(
     InputError
         If the disk refuses, or the headset's runtime goes away; what is there stays.
     """
-    row = enrol(enrolment.study, enrolment.design, enrolment.participant)
+    row = enrol(
+        enrolment.study, enrolment.design, enrolment.participant, dict(enrolment.covariates)
+    )
     context = SessionContext(
         protocol=enrolment.protocol,
         study=enrolment.study,

@@ -31,6 +31,8 @@ class MixedModel:
 
     n_participants: int
     n_values: int
+    intercept: Estimate
+    """The mean at the reference levels and the means of the covariates."""
     terms: dict[str, Estimate]
     """Fixed effects by name: ``factor: level − reference level``; no intercept."""
     omnibus: dict[str, FTest]
@@ -53,7 +55,8 @@ def mixed_model(
     """Fit ``value ~ factors + (1 | participant)`` to every row, complete participants or not.
 
     Standard errors are those of generalised least squares at the fitted variances; degrees of
-    freedom are Satterthwaite's, as in R's ``lmerTest`` (Kuznetsova, Brockhoff & Christensen 2017).
+    freedom are Satterthwaite's, as in R's ``lmerTest`` (Kuznetsova, Brockhoff & Christensen 2017),
+    whose ``anova`` has the same omnibus tests.
 
     Parameters
     ----------
@@ -84,26 +87,41 @@ def mixed_model(
     fit = fit_random_intercept(rows[value].to_numpy(dtype=np.float64), design, groups)
     unit = np.eye(design.shape[1])
     places = {name: unit[i] for i, name in enumerate(terms, start=1)}
+
+    def estimate(row: Floats) -> Estimate:
+        error = float(np.sqrt(row @ fit.covariance @ row))
+        df = fit.degrees_of_freedom(row)
+        return t_estimate(float(row @ fit.coefficients), error, df, confidence)
+
     return MixedModel(
         n_participants=people.size,
         n_values=len(rows),
-        terms={
-            name: t_estimate(
-                float(row @ fit.coefficients),
-                float(np.sqrt(row @ fit.covariance @ row)),
-                fit.degrees_of_freedom(row),
-                confidence,
-            )
-            for name, row in places.items()
-        },
-        omnibus={
-            factor: fit.omnibus(np.stack([places[name] for name in found]))
-            for factor, found in columns.items()
-            if found
-        },
+        intercept=estimate(unit[0]),
+        terms={name: estimate(row) for name, row in places.items()},
+        omnibus=(
+            {next(iter(columns)): fit.omnibus(_sequential_contrasts(design))}
+            if len(columns) == 1
+            else {
+                factor: fit.omnibus(np.stack([places[name] for name in found]))
+                for factor, found in columns.items()
+                if found
+            }
+        ),
         participant_sd=float(np.sqrt(fit.group_variance)),
         residual_sd=float(np.sqrt(fit.residual_variance)),
     )
+
+
+def _sequential_contrasts(design: Floats) -> Floats:
+    """Return the contrasts of all coefficients but the intercept, shape (p − 1, p).
+
+    They are those that the ``anova`` of lmerTest takes for a model of one term: rows of the upper
+    triangle of X'X = LU, each divided by its pivot (Goodnight 1979). Every basis gives one F; its
+    denominator's df depend on the basis where the data are unbalanced.
+    """
+    pivots = np.linalg.cholesky(design.T @ design).T
+    rows: Floats = pivots / np.diag(pivots)[:, None]
+    return rows[1:]
 
 
 def _centred(rows: pd.DataFrame, covariate: str) -> dict[str, Floats]:

@@ -88,22 +88,23 @@ def cuts_of(
 
 
 def hands_of(table: Table) -> tuple[PoseTrack | None, PoseTrack | None]:
-    """Return stage-from-aim of both hands, NaN in blank rows; None where the file has none."""
+    """Return stage-from-aim of both hands, NaN in blank rows; None where all are blank."""
     left, right = (
         _track_with_gaps(table, columns) if has_group(table, columns) else None for columns in HANDS
     )
     return left, right
 
 
-def _track_with_gaps(table: Table, columns: tuple[str, ...]) -> PoseTrack:
+def _track_with_gaps(table: Table, columns: tuple[str, ...]) -> PoseTrack | None:
     cells = [table.text(name) for name in columns]
     known = [any(cell.strip() for cell in row) for row in zip(*cells, strict=True)]
     kept = np.flatnonzero(known)
+    if not len(kept):
+        return None
     poses = np.full((len(known), len(columns)), np.nan)
-    if len(kept):
-        rows = tuple(table.rows[i] for i in kept.tolist())
-        lines = tuple(table.lines[i] for i in kept.tolist())
-        poses[kept] = track_of(replace(table, rows=rows, lines=lines), columns).cells()
+    rows = tuple(table.rows[i] for i in kept.tolist())
+    lines = tuple(table.lines[i] for i in kept.tolist())
+    poses[kept] = track_of(replace(table, rows=rows, lines=lines), columns).cells()
     return PoseTrack(poses[:, :3], poses[:, 3:])
 
 

@@ -198,15 +198,28 @@ def _part_of(table: Table, before: Trace | None) -> Trace:
 def joined(parts: list[Trace]) -> Trace:
     """Return one trace of parts that follow each other; empties the list, to save memory."""
     fields = {name: [getattr(part, name) for part in parts] for name in _JOINED}
+    for hand in _HANDS:
+        fields[hand] = _with_gaps(fields[hand], [len(part) for part in parts])
     rest = replace(parts[0], warnings=tuple(w for part in parts for w in part.warnings))
     parts.clear()
     return replace(rest, **{name: _join(fields.pop(name)) for name in _JOINED})
 
 
+_HANDS = ("left_hand", "right_hand")
 _JOINED = (
-    "time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "snap_turns", "left_hand",
-    "right_hand", "trial",
+    "time_ns", "head", "cuts", "period_ns", "eyes", "fovs", "avatar", "snap_turns", *_HANDS,
+    "trial",
 )  # fmt: skip
+
+
+def _with_gaps(tracks: list[PoseTrack | None], lengths: list[int]) -> list[PoseTrack | None]:
+    """Return NaN in place of parts in which a hand is never known, if it is known in another."""
+    if not any(tracks):
+        return tracks
+    return [
+        track or PoseTrack(np.full((length, 3), np.nan), np.full((length, 4), np.nan))
+        for track, length in zip(tracks, lengths, strict=True)
+    ]
 
 
 def _join(values: list[Any]) -> Any:

@@ -23,7 +23,7 @@ from vrcomfort.tradeoff.tables import doubts
 from vrcomfort.tradeoff.timing import CaseTime, rounds_of, time_case
 from vrcomfort.tradeoff.traffic import traffic_of_method
 from vrcomfort.tradeoff.truth import Drawn, draw_reference
-from vrcomfort.tradeoff.workers import Work, workers
+from vrcomfort.workers import Work, workers
 
 
 class Progress(Protocol):

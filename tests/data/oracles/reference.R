@@ -373,11 +373,9 @@ for (set in by_dataset("exposures.csv")) {
       values <- t_row(table[term, "Estimate"], table[term, "Std. Error"], table[term, "df"])
       add("mixed_model", name, prefixed(label, values))
     }
+    table <- anova(model)
     for (factor in factors) {
-      # The denominator's df depend on the basis: here each level minus the first, as `anova` has
-      # it too, but for models with one term.
-      all_levels <- diag(nrow(table))[startsWith(rownames(table), factor), , drop = FALSE]
-      test <- unlist(contestMD(model, all_levels)[c("F value", "NumDF", "DenDF", "Pr(>F)")])
+      test <- unlist(table[factor, c("F value", "NumDF", "DenDF", "Pr(>F)")])
       names(test) <- c("f", "df_effect", "df_error", "p")
       add("mixed_model", name, prefixed(sprintf("%s%s: ", prefix, factor), test))
     }

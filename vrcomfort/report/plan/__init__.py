@@ -1,6 +1,14 @@
 """Analysis plans: read, checked, derived from data, and written again."""
 
 from vrcomfort.report.plan.derived import plan_of, with_outcomes
+from vrcomfort.report.plan.designs import (
+    INDEPENDENT,
+    PAIRED,
+    Agreed,
+    Correlated,
+    Equivalent,
+    Preferred,
+)
 from vrcomfort.report.plan.model import Contrast, Exclusion, Factor, Family, Plan
 from vrcomfort.report.plan.reading import (
     ShippedPlan,
@@ -11,11 +19,17 @@ from vrcomfort.report.plan.reading import (
 )
 
 __all__ = [
+    "INDEPENDENT",
+    "PAIRED",
+    "Agreed",
     "Contrast",
+    "Correlated",
+    "Equivalent",
     "Exclusion",
     "Factor",
     "Family",
     "Plan",
+    "Preferred",
     "ShippedPlan",
     "find_plan",
     "load_plan",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_all
 from vrcomfort.report.outcomes import Outcome, outcomes_of
 from vrcomfort.report.plan.reading import read_plan
@@ -35,7 +36,18 @@ def plan_of(study: StudyData) -> Plan:
     """Return the plan that the data suggest: every score, every pair of conditions.
 
     Its text, read again, is the same plan.
+
+    Raises
+    ------
+    InputError
+        If nobody answered a questionnaire: then a plan has to say what is analysed.
     """
+    if not study.sheets:
+        raise InputError(
+            "there is no questionnaires.csv in this folder; to analyse its tasks, ratings or "
+            "preferences alone, give a plan that names them (--plan)",
+            file=study.source,
+        )
     text = _HEAD + "".join(f"{line}\n" for line in _lines(study))
     return read_plan(text, None, study.instruments.values())
 

@@ -13,23 +13,26 @@ from typing import Annotated, Literal
 from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.measures import Limit, Measured
+from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
+from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
 
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
-    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals"
+    "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
+    "survival",
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
     "hidden_s", "unfocused_s",
 ]  # fmt: skip
-Limit = Annotated[float, Field(allow_inf_nan=False)]
 Participants = Annotated[int, Field(ge=1, le=1_000_000)]
 
 
 class Contrast(Settings):
-    """Two sides that the same people met; differences are `a` minus `b`.
+    """Two sides that the same people met, or two groups; differences are `a` minus `b`.
 
     A side is a condition, at the plan's exposure timepoint unless another is given. A side without
     a condition is that timepoint whatever the condition: `a_timepoint = "post"`, `b_timepoint =
@@ -40,6 +43,13 @@ class Contrast(Settings):
     b: str = ""
     a_timepoint: str = ""
     b_timepoint: str = ""
+    between: str = ""
+    """Blank: the same people met both. Else the column whose values `a` and `b` are: one of
+    participants.csv, `group`, `sequence`, or `condition` where each met one of the two."""
+    condition: str = ""
+    """Of a contrast between groups: of which exposures; blank: of all."""
+    test: TestName | None = None
+    """None: signed_rank of pairs, mann_whitney of groups."""
     alternative: Side | None = None
     """None: that of the plan."""
 
@@ -99,8 +109,10 @@ class Plan(Settings):
     """Planned number; fewer in the data is a deviation."""
 
     outcomes: tuple[str, ...] = ()
-    """Scores of any instrument by name; the first is the primary one. Empty: every score of what
-    was asked after exposures."""
+    """Scores of any instrument, and measures, by name; the first is the primary one. Empty: every
+    score of what was asked after exposures."""
+    measures: tuple[Measured, ...] = ()
+    """Names, labels, units and directions of measures."""
     scores: Literal["difference_from_baseline", "raw"] = "difference_from_baseline"
     """What conditions are compared on. Without any baseline in the data they are raw."""
     missing_items: Literal["leave_out", "prorate"] = "leave_out"
@@ -129,6 +141,12 @@ class Plan(Settings):
     narrow where there is an effect; they differ in the n of the standard error. R's ``effectsize``
     counts the non-zero scores of condition a; the formula is for the non-zero differences."""
     confidence: Annotated[float, Field(gt=0.5, lt=1)] = 0.95
+    correlations: tuple[Correlated, ...] = ()
+    equivalence: tuple[Equivalent, ...] = ()
+    """Two one-sided t tests at 1 − `confidence` each."""
+    preferences: tuple[Preferred, ...] = ()
+    agreement: tuple[Agreed, ...] = ()
+    """Intraclass correlations."""
     families: tuple[Family, ...] = ()
     """Outcomes in no family are not adjusted."""
 
@@ -147,6 +165,8 @@ class Plan(Settings):
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
+    ratings: RatingAnalysis = RatingAnalysis()
+    """How ratings during exposure are analysed, where there are any."""
     figures: tuple[FigureName, ...] = ()
     """Figures wanted; empty: every one that the data allow."""
 

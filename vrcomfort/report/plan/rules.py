@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from vrcomfort.questionnaire import Instrument
-from vrcomfort.report.outcomes import Outcome, known_outcomes, unknown_outcome
+from vrcomfort.report.measures import fault_of
+from vrcomfort.report.outcomes import Outcome, fault_of_outcome, known_outcomes
+from vrcomfort.report.plan.designs import INDEPENDENT, PAIRED
 from vrcomfort.report.plan.model import Contrast, Exclusion, Plan
 from vrcomfort.settings import Problem, did_you_mean, repeated
 
@@ -21,9 +23,11 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from repeated(("figures",), plan.figures)
     yield from _named_twice(plan)
     yield from _outcomes(plan, known)
+    yield from _measures(plan, known)
     yield from _families(plan, known)
     for index, contrast in enumerate(plan.contrasts):
         yield from (Problem(("contrasts", index), said) for said in _of_contrast(contrast, plan))
+    yield from _of_designs(plan)
     for index, factor in enumerate(plan.anova):
         if factor.name in _TAKEN:
             message = f"`{factor.name}` cannot name a factor; choose another word"
@@ -42,8 +46,31 @@ def _named_twice(plan: Plan) -> Iterator[Problem]:
 
 def _outcomes(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
     for index, name in enumerate(plan.outcomes):
-        if name not in known:
-            yield Problem(("outcomes", index), unknown_outcome(name, known))
+        if problem := fault_of_outcome(name, known, _named(plan)):
+            yield Problem(("outcomes", index), problem)
+
+
+def _named(plan: Plan) -> list[str]:
+    return [each.name for each in plan.measures]
+
+
+def _measures(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
+    yield from repeated(("measures",), _named(plan))
+    for index, each in enumerate(plan.measures):
+        if each.name in known:
+            message = f"`{each.name}` is a score of an instrument; give the measure another name"
+            yield Problem(("measures", index, "name"), message)
+        if problem := fault_of(each.measure):
+            yield Problem(("measures", index, "measure"), problem)
+        timed = each.measure == "ratings.time_to"
+        if timed and each.threshold is None:
+            yield Problem(("measures", index), "`ratings.time_to` needs a threshold; give one")
+        if not timed and each.threshold is not None:
+            message = "only `ratings.time_to` has a threshold; leave it away"
+            yield Problem(("measures", index, "threshold"), message)
+        if each.instrument and not each.measure.startswith("ratings."):
+            message = "only measures of ratings have an instrument; leave it away"
+            yield Problem(("measures", index, "instrument"), message)
 
 
 def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
@@ -51,8 +78,8 @@ def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
     for index, family in enumerate(plan.families):
         for number, name in enumerate(family.outcomes):
             path = ("families", index, "outcomes", number)
-            if not plan.outcomes and name not in known:
-                yield Problem(path, unknown_outcome(name, known))
+            if not plan.outcomes and (problem := fault_of_outcome(name, known, _named(plan))):
+                yield Problem(path, problem)
             elif plan.outcomes and name not in plan.outcomes:
                 hint = did_you_mean(name, plan.outcomes)
                 yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
@@ -63,7 +90,49 @@ def _families(plan: Plan, known: Mapping[str, Outcome]) -> Iterator[Problem]:
                     yield Problem(path, f"{message}; adjust them once")
 
 
+def _of_designs(plan: Plan) -> Iterator[Problem]:
+    """Yield what is wrong with correlations, equivalence, preferences and agreement."""
+    yield from repeated(("preferences",), [each.name for each in plan.preferences])
+    named = [
+        *((("correlations", i, key), getattr(each, key))
+          for i, each in enumerate(plan.correlations) for key in ("x", "y")),
+        *((("equivalence", i, "outcome"), each.outcome) for i, each in enumerate(plan.equivalence)),
+        *((("agreement", i, "outcome"), each.outcome) for i, each in enumerate(plan.agreement)),
+    ]  # fmt: skip
+    for path, name in named:
+        if plan.outcomes and name not in plan.outcomes:
+            hint = did_you_mean(name, plan.outcomes)
+            yield Problem(path, f"`{name}` is not among the outcomes; {hint}")
+    for index, pair in enumerate(plan.correlations):
+        if pair.x == pair.y:
+            yield Problem(("correlations", index), f"`{pair.x}` is correlated with itself")
+    for index, bounds in enumerate(plan.equivalence):
+        if bounds.low >= bounds.high:
+            message = f"low ({bounds.low:g}) is not below high ({bounds.high:g})"
+            yield Problem(("equivalence", index, "low"), message)
+    for index, asked in enumerate(plan.preferences):
+        if asked.a == asked.b or {asked.a, asked.b} & set(asked.none):
+            yield Problem(("preferences", index), "a, b and none name one value twice")
+
+
+def _of_groups(contrast: Contrast) -> Iterator[str]:
+    """Yield what is wrong with a contrast between groups."""
+    if contrast.a_timepoint or contrast.b_timepoint:
+        yield "groups are compared after exposure; leave the timepoints away"
+    if not contrast.a or not contrast.b or contrast.a == contrast.b:
+        yield f"name two different values of `{contrast.between}` as a and b"
+    if contrast.test in PAIRED:
+        yield f"`{contrast.test}` needs pairs; between groups there are {', '.join(INDEPENDENT)}"
+
+
 def _of_contrast(contrast: Contrast, plan: Plan) -> Iterator[str]:
+    if contrast.between:
+        yield from _of_groups(contrast)
+        return
+    if contrast.condition:
+        yield "`condition` is of contrasts between groups; name it as a or b"
+    if contrast.test in INDEPENDENT:
+        yield f"`{contrast.test}` needs groups; give `between`, or one of {', '.join(PAIRED)}"
     sides = [
         (condition, timepoint or plan.exposure_timepoint)
         for condition, timepoint in (
@@ -101,8 +170,8 @@ def _of_exclusion(rule: Exclusion, plan: Plan, known: Mapping[str, Outcome]) -> 
         return
     if not limits and not rule.equals:
         yield f"rule `{rule.name}` has no limit; give above, below or equals"
-    if rule.score and rule.score not in known:
-        yield unknown_outcome(rule.score, known)
+    if rule.score and (problem := fault_of_outcome(rule.score, known, _named(plan))):
+        yield problem
     if rule.removes == "exposure" and (
         rule.column or (rule.score and rule.timepoint not in {"", plan.exposure_timepoint})
     ):

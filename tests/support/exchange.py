@@ -1,0 +1,48 @@
+"""Studies that are handed to other labs: recorded with gaze, damaged a line at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+from tests.support.resume import go
+from tests.support.study import AheadHeadset
+from vrcomfort.frame import Frame
+from vrcomfort.geometry import Gaze
+
+Change = Callable[[str], str]
+
+
+class SeesEyes(AheadHeadset):
+    """A headset with an eye tracker, which loses the eyes in every seventh frame."""
+
+    def frames(self) -> Iterator[Frame]:
+        for each in super().frames():
+            gaze = Gaze(each.head_pose, valid=each.index % 7 != 3)
+            yield replace(each, gaze=gaze)
+
+
+def with_gaze(tmp_path: Path) -> Path:
+    """Return a study whose participant's eyes were tracked in both sessions."""
+    go(tmp_path, sessions=[1, 2], headset_for=lambda *_: SeesEyes())
+    return tmp_path / "S"
+
+
+def edit(file: Path, line: int, change: Change) -> None:
+    """Change one line (1-based) of a file."""
+    lines = file.read_text(encoding="utf-8").splitlines(keepends=True)
+    lines[line - 1] = change(lines[line - 1])
+    file.write_text("".join(lines), encoding="utf-8")
+
+
+def cell(file: Path, line: int, column: str, value: str) -> None:
+    """Write one cell of a CSV file that has no quoted cells in that line."""
+    names = file.read_text(encoding="utf-8").splitlines()[0].split(",")
+
+    def changed(text: str) -> str:
+        cells = text.rstrip("\n").split(",")
+        cells[names.index(column)] = value
+        return ",".join(cells) + "\n"
+
+    edit(file, line, changed)

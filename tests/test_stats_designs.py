@@ -1,0 +1,245 @@
+"""Tests of further designs against R: tests/data/designs, by reference.R there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from vrcomfort.errors import InputError
+from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
+from vrcomfort.stats.intraclass import intraclass
+from vrcomfort.stats.kruskal_wallis import kruskal_wallis
+from vrcomfort.stats.mann_whitney import EXACT_UP_TO, mann_whitney
+from vrcomfort.stats.proportions import preference, sign_test
+from vrcomfort.stats.t_tests import (
+    equivalence_of_groups,
+    equivalence_of_pairs,
+    paired_t_test,
+    two_sample_t,
+)
+
+DATA = Path(__file__).parent / "data" / "designs"
+NUMBERS = pd.read_csv(DATA / "data.csv")
+SIDES = ("two-sided", "greater", "less")
+FLEISS = [[9, 2, 5, 8], [6, 1, 3, 2], [8, 4, 6, 8], [7, 1, 2, 6], [10, 5, 6, 9], [6, 2, 4, 7]]
+"""Four judges of six targets: Shrout & Fleiss (1979), table 2."""
+
+
+def of(dataset: str, group: str) -> np.ndarray:
+    chosen = (NUMBERS["dataset"] == dataset) & (NUMBERS["group"] == group)
+    return NUMBERS.loc[chosen, "value"].to_numpy()
+
+
+def both(dataset: str) -> tuple[np.ndarray, np.ndarray]:
+    return of(dataset, "a"), of(dataset, "b")
+
+
+def ours_mann_whitney(name: str) -> dict[str, float | None]:
+    a, b = both(name)
+    found: dict[str, float | None] = {}
+    for side in SIDES:
+        test = mann_whitney(a, b, alternative=side, intervals=False)
+        found |= {f"p_exact {side}": test.p_exact, f"p_asymptotic {side}": test.p_asymptotic}
+    test = mann_whitney(a, b)
+    shift, effect = test.shift, test.effect
+    return found | {
+        "u": test.u, "z": test.z, "shift": shift.estimate, "shift_low": shift.low,
+        "shift_high": shift.high, "rank_biserial": effect.estimate, "effect_low": effect.low,
+        "effect_high": effect.high,
+    }  # fmt: skip
+
+
+def of_t(test) -> dict[str, float | None]:
+    g = test.hedges_g
+    return {"t": test.t, "df": test.df, "p": test.p, "low": test.low, "high": test.high,
+            "mean": test.mean, "standard_error": test.standard_error, "g": g.estimate,
+            "g_low": g.low, "g_high": g.high, "bf": test.bayes_factor_10}  # fmt: skip
+
+
+def ours_welch(name: str) -> dict[str, float | None]:
+    one_sided = two_sample_t(*both(name), alternative="greater")
+    return of_t(two_sample_t(*both(name))) | {
+        "p_greater": one_sided.p, "low_greater": one_sided.low,
+    }  # fmt: skip
+
+
+def ours_sign(name: str) -> dict[str, float]:
+    a, b = both(name)
+    found = {}
+    for side in SIDES:
+        test = sign_test(a - b, alternative=side)
+        found |= {f"p {side}": test.p, f"share_low {side}": test.share.low,
+                  f"share_high {side}": test.share.high}  # fmt: skip
+    return found
+
+
+def ours_correlation(name: str, method: str) -> dict[str, float | None]:
+    a, b = both(name)
+    return vars(correlation(a[: b.size], b[: a.size], method=method))
+
+
+def ours_repeated_measures(name: str) -> dict[str, float | None]:
+    x, y = (np.concatenate([of(name, g) for g in pair]) for pair in (("x1", "x2"), ("x3", "x4")))
+    people = np.tile(np.arange(9), 2)
+    return vars(repeated_measures_correlation(x, y, people))
+
+
+def ours_preference(name: str) -> dict[str, float]:
+    found = preference(*map(int, name.split("-")))
+    shares = {f"{end}_{i}": getattr(share, end) for i, share in enumerate(found.shares, start=1)
+              for end in ("low", "high")}  # fmt: skip
+    return shares | {"p": found.p, "low": found.share_of_a.low, "high": found.share_of_a.high}
+
+
+def ours_intraclass(name: str) -> dict[str, float]:
+    groups = ("x1", "x2", "x3", "x4")
+    scores = FLEISS if name == "shrout_fleiss" else np.column_stack([of(name, g) for g in groups])
+    words = {"1": "one", "2": "two", "3": "three"}
+    named = {f"{words[each.form[0]]}_{each.form[2]}": each for each in intraclass(scores)}
+    return {key: each.estimate for key, each in named.items()} | {
+        f"{key} {end}": getattr(each, end) for key, each in named.items() for end in ("low", "high")
+    }
+
+
+OURS = {
+    "mann_whitney": ours_mann_whitney,
+    "welch": ours_welch,
+    "pooled": lambda name: of_t(two_sample_t(*both(name), variances="pooled")),
+    "paired": lambda name: of_t(paired_t_test(np.subtract(*both(name)))),
+    "tost_groups": lambda name: vars(equivalence_of_groups(*both(name), (-3, 3))),
+    "tost_pairs": lambda name: vars(equivalence_of_pairs(np.subtract(*both(name)), (-2, 2))),
+    "sign": ours_sign,
+    "kruskal_wallis": lambda name: vars(kruskal_wallis([of(name, g) for g in "abc"])),
+    "pearson": lambda name: ours_correlation(name, "pearson"),
+    "spearman": lambda name: ours_correlation(name, "spearman"),
+    "kendall": lambda name: ours_correlation(name, "kendall"),
+    "repeated_measures": ours_repeated_measures,
+    "preference": ours_preference,
+    "intraclass": ours_intraclass,
+}
+
+
+def cases() -> Iterator[tuple[str, str]]:
+    table = pd.read_csv(DATA / "r_output.csv", dtype=str)
+    yield from table.groupby(["analysis", "dataset"], sort=False).groups
+
+
+@pytest.mark.parametrize(("analysis", "dataset"), list(cases()))
+def test_numbers_are_those_of_r(analysis: str, dataset: str) -> None:
+    table = pd.read_csv(DATA / "r_output.csv")
+    rows = table[(table["analysis"] == analysis) & (table["dataset"] == dataset)]
+    ours = OURS[analysis](dataset)
+    expected = dict(zip(rows["quantity"], rows["value"], strict=True))
+    known = {key: value for key, value in expected.items() if not np.isnan(value)}
+    assert {key: ours[key] for key in known} == pytest.approx(known, rel=1e-6, abs=1e-12)
+
+
+def test_shrout_and_fleiss_print_these() -> None:
+    printed = [0.17, 0.29, 0.71, 0.44, 0.62, 0.91]
+    assert [each.estimate for each in intraclass(FLEISS)] == pytest.approx(printed, abs=0.005)
+
+
+@pytest.mark.parametrize("dataset", ["distinct", "tied", "uneven", "separate"])
+@pytest.mark.parametrize("side", SIDES)
+def test_shift_holds_what_the_test_does_not_reject(dataset: str, side: str) -> None:
+    a, b = both(dataset)
+    shift = mann_whitney(a, b, alternative=side).shift
+    for theta in np.arange(-30, 60):
+        p = mann_whitney(a - theta, b, alternative=side, intervals=False).p
+        above = shift.low is None or theta > shift.low or (theta == shift.low and shift.low_closed)
+        below = shift.high is None or theta < shift.high
+        below = below or (theta == shift.high and shift.high_closed)
+        assert p <= 0.05 or (above and below)
+
+
+def test_groups_too_large_for_the_exact_distribution_are_asymptotic() -> None:
+    half = EXACT_UP_TO // 2
+    assert mann_whitney(range(half), range(half)).method == "exact"
+    assert mann_whitney(range(half + 1), range(half)).method == "asymptotic"
+
+
+def test_who_is_alone_or_all_alike_gets_a_result_that_says_so() -> None:
+    assert mann_whitney([], [1, 2]) is None
+    one = mann_whitney([3], [1])
+    assert (one.p, one.shift.estimate, one.shift.low, one.effect.estimate) == (1.0, 2.0, None, 1.0)
+    alike = mann_whitney([2, 2, 2], [2, 2])
+    assert (alike.p, alike.z, alike.shift.estimate, alike.effect.estimate) == (1.0, None, 0.0, 0.0)
+    apart = mann_whitney([9] * 6, [1] * 6)
+    assert (apart.shift.low, apart.shift.high, apart.effect.estimate) == (8.0, 8.0, 1.0)
+    lonely = mann_whitney([9], [1] * 15)
+    assert (lonely.p, lonely.shift.low, lonely.shift.high) == (1 / 16, None, None)
+    assert -1 < apart.effect.low < apart.effect.high == 1
+
+
+@pytest.mark.parametrize(("a", "b"), [([], []), ([1], [2]), ([1, 2], [3]), ([2, 2], [3, 3])])
+def test_no_t_without_two_values_or_without_variance(a: list[int], b: list[int]) -> None:
+    assert two_sample_t(a, b) is None
+    assert equivalence_of_groups(a, b, (-1, 1)) is None
+
+
+def test_one_constant_group_has_a_welch_test() -> None:
+    test = two_sample_t([1, 2, 3], [5, 5, 5])
+    assert (test.df, test.mean) == (2, -3)
+
+
+def test_two_pairs_have_no_unbiased_g() -> None:
+    test = paired_t_test([1, 2])
+    assert (test.hedges_g.estimate, test.hedges_g.low) == (0, None)
+
+
+def test_a_sign_test_of_nothing_is_no_evidence() -> None:
+    assert (sign_test([]).p, sign_test([]).median) == (1.0, None)
+    none = sign_test([0, 0, 0])
+    assert (none.p, none.zeros, none.share) == (1.0, 3, None)
+    assert sign_test([1, 2, 3]).p == 0.25
+
+
+def test_the_median_of_a_sign_test_has_the_interval_that_the_test_does_not_reject() -> None:
+    values = np.array([-3, -1, 2, 4, 5, 7, 9, 12])
+    median = sign_test(values).median
+    assert (median.low, median.high, median.low_closed, median.high_closed) == (-3, 12, 0, 0)
+    assert median.coverage == pytest.approx(1 - 2 / 2**8)
+    tenths = np.arange(-50, 140)
+    inside = [theta for theta in tenths if sign_test(10 * values - theta).p > 0.05]
+    assert (min(inside), max(inside)) == (-29, 119)
+
+
+@pytest.mark.parametrize("method", ["pearson", "spearman", "kendall"])
+def test_a_correlation_needs_three_pairs_and_variance(method: str) -> None:
+    for x, y in (([], []), ([1, 2], [2, 1]), ([1, 1, 1, 1], [1, 2, 3, 4])):
+        assert correlation(x, y, method=method).estimate is None
+    line = correlation([1, 2, 3, 4], [2, 4, 6, 8], method=method)
+    assert (line.estimate, line.low) == (pytest.approx(1), None)
+
+
+def test_repeated_measures_of_single_values_say_nothing() -> None:
+    assert repeated_measures_correlation([1, 2, 3], [1, 2, 3], ["a", "b", "c"]).estimate is None
+    assert repeated_measures_correlation([1, 1, 2, 2], [1, 2, 3, 4], list("aabb")).estimate is None
+
+
+@pytest.mark.parametrize("groups", [[], [[1, 2, 3]], [[1], [2]], [[1, 2, 3], []]])
+def test_kruskal_wallis_needs_groups(groups: list[list[int]]) -> None:
+    with pytest.raises(InputError, match="two groups and three people"):
+        kruskal_wallis(groups)
+
+
+def test_kruskal_wallis_of_ties_alone_and_of_separate_groups() -> None:
+    assert kruskal_wallis([[1, 1], [1, 1]]).p is None
+    assert kruskal_wallis([[1, 1], [2, 2], [3, 3]]).epsilon_squared == pytest.approx(1)
+
+
+def test_an_intraclass_correlation_needs_people_and_variance() -> None:
+    with pytest.raises(InputError, match="two people"):
+        intraclass([[1, 2]])
+    with pytest.raises(InputError, match="no variance"):
+        intraclass([[1, 1], [2, 2]])
+
+
+def test_nobody_with_a_preference() -> None:
+    found = preference(0, 0, 4)
+    assert (found.p, found.share_of_a, found.shares[2].estimate) == (1.0, None, 1.0)
+    assert preference(0, 0, 0).shares == (None, None, None)

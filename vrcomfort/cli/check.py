@@ -1,0 +1,216 @@
+"""`check`: everything that can be known of a protocol before anybody is recruited."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+from rich.table import Table
+
+from vrcomfort.cli.options import Json, parse_size
+from vrcomfort.cli.terminal import (
+    EXIT_BAD_INPUT,
+    answer,
+    complain,
+    console,
+    progress_bar,
+    warn,
+)
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Protocol, load_protocol
+
+if TYPE_CHECKING:
+    from vrcomfort.cli.check_stimuli import Stimuli
+    from vrcomfort.render.visibility import Amount
+    from vrcomfort.session.dry_run import SessionLength
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command."""
+    app.command()(check)
+
+
+@dataclass
+class _Checked:
+    """What was found out about one protocol."""
+
+    faults: list[InputError] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    lengths: list[SessionLength] = field(default_factory=list)
+    stimuli: Stimuli | None = None
+
+
+def check(
+    protocols: Annotated[
+        list[str], typer.Argument(metavar="PROTOCOL...", help="TOML files, or shipped ones.")
+    ],
+    size: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Pixels of one eye's image; else the protocol's headset."),
+    ] = None,
+    refresh_hz: Annotated[
+        float | None, typer.Option(help="Else that of the protocol's headset.", min=1, max=1000)
+    ] = None,
+    moments: Annotated[
+        int, typer.Option(help="Of each scene's walk, at which is looked.", min=2, max=1000)
+    ] = 24,
+    draw: Annotated[
+        bool, typer.Option("--draw/--no-draw", help="Measure blur and streaks, which takes frames.")
+    ] = True,
+    as_json: Json = False,
+) -> None:
+    """Check protocols before anybody is recruited: the exit code is 2 if one has a fault.
+
+    Reads and checks the file, whether the number of participants balances the orders, takes a
+    simulated participant through all sessions without drawing, and measures how large blur and
+    streaks are. What cannot be seen, or told apart, is a fault unless [visibility] means it.
+
+    - `vrcomfort check my_study.toml`
+    - `vrcomfort check carnegie_2015 mantiuk_2011 --size 2064x2208 --refresh-hz 72`
+    """
+    found: dict[str, _Checked] = {}
+    for name in protocols:
+        with progress_bar(f"checking {name}", None, quiet=as_json) as advance:
+            found[name] = _check(name, size, refresh_hz, moments, draw, advance)
+        if not as_json:
+            _show(name, found[name])
+    if as_json:
+        answer({name: _as_data(each) for name, each in found.items()})
+    if any(each.faults for each in found.values()):
+        raise typer.Exit(EXIT_BAD_INPUT)
+
+
+def _check(
+    name: str, size: str | None, refresh_hz: float | None, moments: int, draw: bool, advance: Any
+) -> _Checked:
+    try:
+        protocol = load_protocol(name)
+    except InputError as error:
+        return _Checked(faults=[error])
+    found = _Checked(notes=list(_notes(protocol)))
+    try:
+        found.faults += _of_design(protocol)
+        advance(0, f"rehearsing {name} without pictures")
+        found.lengths = _rehearsed(protocol)
+        if draw:
+            size_px = parse_size(size) if size else protocol.headset.image_size_px
+            rate_hz = refresh_hz or protocol.headset.refresh_hz
+            _look(protocol, found, size_px, rate_hz, moments, advance)
+    except InputError as error:
+        found.faults.append(error)
+    return found
+
+
+def _of_design(protocol: Protocol) -> Iterator[InputError]:
+    from vrcomfort.design import build_design
+    from vrcomfort.design.balance import cannot_balance
+
+    if protocol.participants is not None:
+        message = cannot_balance(build_design(protocol), protocol.participants)
+        if message:
+            yield protocol.fault(("participants",), message)
+
+
+def _notes(protocol: Protocol) -> Iterator[str]:
+    asked = {ask.instrument for ask in protocol.questionnaires}
+    for each in (protocol.instrument(name) for name in sorted(asked)):
+        if len(each.asked) > 1 and not tomllib.loads(each.text).get("scales"):
+            yield f"the {each.short} has no [[scales]]: its items are reported one by one"
+    if protocol.participants is None:
+        yield "`participants` is not said, so nobody knows whether the orders will balance"
+
+
+def _rehearsed(protocol: Protocol) -> list[SessionLength]:
+    from vrcomfort.session.dry_run import dry_run
+
+    with TemporaryDirectory(prefix="vrcomfort_check_") as folder:
+        return dry_run(protocol, Path(folder))
+
+
+def _look(
+    protocol: Protocol,
+    found: _Checked,
+    size_px: tuple[int, int],
+    refresh_hz: float,
+    moments: int,
+    advance: Any,
+) -> None:
+    from vrcomfort.cli.check_stimuli import measure_stimuli
+    from vrcomfort.gpu.gl import create_context
+
+    try:
+        ctx = create_context()
+    except InputError as error:
+        found.notes.append(f"blur and streaks were not measured: {error.message}")
+        return
+    found.stimuli = measure_stimuli(ctx, protocol, size_px, refresh_hz, moments, advance)
+    found.notes += found.stimuli.excused
+    names = [condition.name for condition in protocol.conditions]
+    written = "factors" if protocol.factors else "conditions"
+    for each in found.stimuli.faults:
+        found.faults.append(
+            protocol.fault((written, names.index(each.conditions[-1])), each.message)
+        )
+
+
+def _as_data(found: _Checked) -> dict[str, Any]:
+    lengths = [{**asdict(each), "total_s": each.total_s} for each in found.lengths]
+    rows = [asdict(each) for each in found.stimuli.rows] if found.stimuli else None
+    return {
+        "faults": [str(each) for each in found.faults],
+        "notes": found.notes,
+        "sessions": lengths,
+        "stimuli": rows,
+    }
+
+
+def _show(name: str, found: _Checked) -> None:
+    printed = console(wrap=True)
+    if found.lengths:
+        printed.print(_length_table(name, found.lengths))
+    if found.stimuli is not None:
+        printed.print(_stimulus_table(name, found.stimuli))
+    for note in found.notes:
+        warn(f"{name}: {note}")
+    for fault in found.faults:
+        complain(str(fault))
+    if not found.faults:
+        printed.print(f"{name}: nothing is wrong")
+
+
+def _length_table(name: str, lengths: list[SessionLength]) -> Table:
+    table = Table(title=f"{name}: length of sessions in minutes", title_justify="left")
+    for column in ("group", "session", "exposure", "training", "rest", "questions", "total"):
+        table.add_column(column, justify="left" if column == "group" else "right")
+    for each in lengths:
+        parts = (each.exposure_s, each.training_s, each.rest_s, each.questions_s, each.total_s)
+        table.add_row(each.group, str(each.session), *(f"{part / 60:.1f}" for part in parts))
+    return table
+
+
+def _stimulus_table(name: str, stimuli: Stimuli) -> Table:
+    title = f"{name}: circles of confusion (diameter) and streaks, px (arcmin); share ≥ 1 px"
+    table = Table(title=title, title_justify="left")
+    table.add_column("condition", overflow="fold")
+    table.add_column("scene", overflow="fold")
+    for column in ("circle median", "p90", "share", "streak median", "p90", "share"):
+        table.add_column(column, justify="right")
+    for row in stimuli.rows:
+        cells = [*_cells(row.circles), *_cells(row.streaks)]
+        table.add_row(row.condition, row.scene, *cells)
+    return table
+
+
+def _cells(amount: Amount | None) -> list[str]:
+    if amount is None:
+        return ["-", "-", "-"]
+    return [
+        f"{amount.median_px:.1f} ({amount.median_arcmin:.1f}′)",
+        f"{amount.p90_px:.1f} ({amount.p90_arcmin:.1f}′)",
+        f"{amount.shown_percent:.0f} %",
+    ]

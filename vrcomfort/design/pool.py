@@ -1,0 +1,299 @@
+"""The sequences of a study and the rules that hand them out.
+
+A sequence is the whole order of one participant. Participants are assigned to the sequence of
+their group that the fewest enrolled or completed participants have, so the place of somebody who
+withdrew or was excluded goes to the next who is enrolled, unless the protocol keeps it.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from math import ceil, floor
+
+import numpy as np
+
+from vrcomfort.design.block_random import Limits, block_random
+from vrcomfort.design.groups import Groups, Person
+from vrcomfort.design.random_numbers import generator
+from vrcomfort.design.squares import all_orders, latin_square, williams
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import Allocation, Covariate, Protocol, Sequence, Trial
+from vrcomfort.protocol.levels import factor_names, level_of, trials_of
+from vrcomfort.settings import did_you_mean
+
+COUNTING_STATUSES = frozenset({"enrolled", "completed"})
+_LATIN, _BLOCK_RANDOM, _IMAGINED = 5, 6, 7
+
+
+@dataclass(frozen=True)
+class Enrolment:
+    """What the assignment needs to know of a participant who is already there."""
+
+    sequence: str
+    status: str = "enrolled"
+    covariates: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class OwnOrders:
+    """What every participant gets an order of their own of: `random` and `block_random`."""
+
+    trials: tuple[Trial, ...]
+    blocks: int
+    limits: Limits | None
+
+
+@dataclass(frozen=True)
+class Design:
+    """The sequences of a study and the rules that hand them out.
+
+    Parameters
+    ----------
+    sequences
+        The pool; empty where every participant has an order of their own.
+    own_orders
+        Group ("" without groups) → what is ordered for each of its participants.
+    groups, covariates
+        How people come into groups; None without groups.
+    return_places
+        Whether those who withdrew or were excluded leave their places to others.
+    """
+
+    rule: str
+    assignment: str
+    sessions: int
+    seed: int
+    sequences: tuple[Sequence, ...]
+    own_orders: Mapping[str, OwnOrders] = field(default_factory=dict)
+    groups: Groups | None = None
+    covariates: tuple[Covariate, ...] = ()
+    return_places: bool = True
+
+    def sequence(self, name: str) -> Sequence:
+        """Return a sequence by name.
+
+        Raises
+        ------
+        InputError
+            If the design has no such sequence.
+        """
+        group, _, last = name.rpartition("-")
+        if group in self.own_orders and last[:1] == "r" and last[1:].isdigit():
+            return self._own_order(group, int(last[1:]))
+        for sequence in self.sequences:
+            if sequence.name == name:
+                return sequence
+        raise InputError(f"this protocol has no sequence `{name}`; was the study made with it?")
+
+    def assign(
+        self, enrolments: Iterable[Enrolment], covariates: Mapping[str, str] | None = None
+    ) -> Sequence:
+        """Return the sequence of the next participant, given all who were enrolled before.
+
+        Parameters
+        ----------
+        covariates
+            The next one's; those that groups are divided by must be there.
+        """
+        before = list(enrolments)
+        group = self._group(before, covariates or {})
+        if group in self.own_orders:
+            return self._own_order(group, len(before) + 1)
+        pool = [each for each in self.sequences if (each.group or "") == group]
+        filled = Counter(each.sequence for each in before if self.counts(each))
+        fewest = min(filled[sequence.name] for sequence in pool)
+        order = self._round(pool, fewest)
+        return next(each for each in order if filled[each.name] == fewest)
+
+    def plan(
+        self, participants: int, *, covariates: Iterable[Mapping[str, str]] | None = None
+    ) -> list[Sequence]:
+        """Return the sequences of the first `participants` people if nobody withdraws.
+
+        Parameters
+        ----------
+        covariates
+            Of each; without it, they are drawn with the study's seed (`imagined`).
+        """
+        return self.continued([], participants, covariates=covariates)
+
+    def continued(
+        self,
+        enrolments: Iterable[Enrolment],
+        participants: int,
+        *,
+        covariates: Iterable[Mapping[str, str]] | None = None,
+    ) -> list[Sequence]:
+        """Return the sequences of the next `participants` people after those who are there."""
+        before = list(enrolments)
+        people = iter(covariates) if covariates is not None else None
+        plan: list[Sequence] = []
+        for _ in range(participants):
+            known = next(people) if people else self.imagined(len(before) + 1)
+            plan.append(self.assign(before, known))
+            before.append(Enrolment(plan[-1].name, covariates=known))
+        return plan
+
+    def checked(self, covariates: Mapping[str, str]) -> dict[str, str]:
+        """Return covariates, in the protocol's order.
+
+        Raises
+        ------
+        InputError
+            If one is missing, unknown or impossible.
+        """
+        declared = {each.name: each for each in self.covariates}
+        for name in covariates:
+            if name not in declared:
+                hint = did_you_mean(name, declared)
+                raise InputError(f"this protocol has no covariate `{name}`; {hint}")
+        for name, each in declared.items():
+            if name not in covariates:
+                choice = "|".join(each.levels) or "NUMBER"
+                message = f"`{name}` has to be known of everybody who is enrolled"
+                raise InputError(f"{message}; add --covariate {name}={choice}")
+            if (fault := each.fault(covariates[name])) is not None:
+                raise InputError(f"covariate `{name}` {fault}, got `{covariates[name]}`")
+        return {name: covariates[name] for name in declared}
+
+    def imagined(self, number: int) -> dict[str, str]:
+        """Return covariates of somebody who is not there: all levels, whole numbers alike."""
+        return {
+            each.name: _imagined(each, generator(self.seed, _IMAGINED, number, index))
+            for index, each in enumerate(self.covariates)
+        }
+
+    def people(self, enrolments: Iterable[Enrolment]) -> list[Person]:
+        """Return those of whom all covariates that count are known, for allocation."""
+        return [self._person(each) for each in enrolments]
+
+    def counts(self, each: Enrolment) -> bool:
+        """Return whether somebody takes a place."""
+        return not self.return_places or each.status in COUNTING_STATUSES
+
+    def group_of(self, sequence: str) -> str:
+        """Return the group of a sequence; blank without groups."""
+        group = sequence.rpartition("-")[0]
+        return group if group in self.own_orders else self.sequence(sequence).group or ""
+
+    def _group(self, before: list[Enrolment], covariates: Mapping[str, str]) -> str:
+        if self.groups is None:
+            return ""
+        return self.groups.assign(self.people(before), self._bands(covariates))
+
+    def _person(self, each: Enrolment) -> Person:
+        bands = self._bands(each.covariates) if self.groups else {}
+        return Person(self.group_of(each.sequence), bands, self.counts(each))
+
+    def _bands(self, covariates: Mapping[str, str]) -> dict[str, str]:
+        wanted = self.groups.bands if self.groups else {}
+        known = {each.name: each for each in self.covariates}
+        missing = [name for name in wanted if name not in covariates]
+        if missing:
+            raise InputError(f"groups are divided by {missing[0]}, which is not known of somebody")
+        return {name: known[name].band(covariates[name]) for name in wanted}
+
+    def _round(self, pool: list[Sequence], number: int) -> list[Sequence]:
+        """Return the order in which equally filled sequences are taken."""
+        if self.assignment == "in_turn":
+            return pool
+        order = generator(self.seed, number).permutation(len(pool))
+        return [pool[index] for index in order]
+
+    def _own_order(self, group: str, number: int) -> Sequence:
+        own = self.own_orders[group]
+        if own.limits is None:
+            order = [int(i) for i in generator(self.seed, number).permutation(len(own.trials))]
+        else:
+            rng = generator(self.seed, _BLOCK_RANDOM, number)
+            blocks = block_random(len(own.trials), own.blocks, own.limits, rng)
+            order = [index for block in blocks for index in block]
+        name = f"{group}-r{number}" if group else f"r{number}"
+        return _deal(name, group, [own.trials[index] for index in order], self.sessions)
+
+
+def _imagined(covariate: Covariate, rng: np.random.Generator) -> str:
+    if covariate.levels:
+        return covariate.levels[rng.integers(len(covariate.levels))]
+    least, most = ceil(covariate.low), floor(covariate.high)
+    if least <= most:
+        return str(rng.integers(least, most, endpoint=True))
+    return f"{rng.uniform(covariate.low, covariate.high):.6g}"
+
+
+def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
+    """Return the design that a protocol's [order], [[groups]] and [allocation] tables describe.
+
+    Raises
+    ------
+    InputError
+        If no random order keeps the limits of `max_run`.
+    """
+    order = protocol.order
+    sequences: tuple[Sequence, ...] = ()
+    own: dict[str, OwnOrders] = {}
+    for number, group in enumerate(protocol.groups or (None,)):
+        name, trials = group.name if group else "", trials_of(protocol, group)
+        if order.rule == "random":
+            own[name] = OwnOrders(trials, 1, None)
+        elif order.rule == "block_random":
+            own[name] = OwnOrders(trials, order.blocks, _limits(protocol, trials))
+        elif order.rule != "explicit":
+            rows = _RULES[order.rule](len(trials), seed, number)
+            sequences += tuple(_rows(name, trials, rows, order.sessions))
+    sequences = order.sequences or sequences
+    return Design(
+        rule=order.rule,
+        assignment=order.assignment,
+        sessions=len(sequences[0].sessions) if sequences else order.sessions,
+        seed=seed,
+        sequences=sequences,
+        own_orders=own,
+        groups=_groups(protocol, seed) if protocol.groups else None,
+        covariates=protocol.covariates,
+        return_places=order.return_places,
+    )
+
+
+_RULES: dict[str, Callable[[int, int, int], list[list[int]]]] = {
+    "latin_square": lambda n, seed, group: latin_square(n, generator(seed, _LATIN, group)),
+    "williams": lambda n, _seed, _group: williams(n),
+    "all_orders": lambda n, _seed, _group: all_orders(n),
+}
+
+
+def _rows(
+    group: str, trials: tuple[Trial, ...], rows: list[list[int]], sessions: int
+) -> Iterable[Sequence]:
+    for index, row in enumerate(rows, start=1):
+        name = f"{group}-s{index}" if group else f"s{index}"
+        yield _deal(name, group, [trials[entry] for entry in row], sessions)
+
+
+def _deal(name: str, group: str, trials: list[Trial], sessions: int) -> Sequence:
+    size = len(trials) // sessions
+    dealt = tuple(tuple(trials[start : start + size]) for start in range(0, len(trials), size))
+    return Sequence(name=name, group=group or None, sessions=dealt)
+
+
+def _limits(protocol: Protocol, trials: tuple[Trial, ...]) -> Limits:
+    order = protocol.order
+    words = ["trial", "condition", "scene", *factor_names(protocol)]
+    levels = {word: [level_of(protocol, trial, word) for trial in trials] for word in words}
+    alone = {} if len(trials) == 1 else {"trial": 1}
+    return Limits(levels, {**alone, **order.max_run}, order.strata)
+
+
+def _groups(protocol: Protocol, seed: int) -> Groups:
+    allocation = protocol.allocation or Allocation()
+    covariates = {each.name: each for each in protocol.covariates}
+    return Groups(
+        method=allocation.method,
+        shares={group.name: group.share for group in protocol.groups},
+        bands={name: covariates[name].bands for name in allocation.by},
+        rounds=allocation.rounds,
+        p_best=allocation.p_best,
+        seed=seed,
+    )

@@ -1,0 +1,1 @@
+"""Study folders between labs: verified, overseen, made anonymous, exported."""

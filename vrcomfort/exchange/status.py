@@ -1,0 +1,270 @@
+"""Where a study stands: who has done what, what is next, what it takes on the disk."""
+
+from __future__ import annotations
+
+import shlex
+import shutil
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vrcomfort import __version__
+from vrcomfort.csv_table import CsvTable
+from vrcomfort.design import Design
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.designs import design_of, protocol_of
+from vrcomfort.records.json_file import read_json
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.manifest_shape import DescriptionShape
+from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.rows import ParticipantRow, TrialRow
+from vrcomfort.records.study import (
+    DESCRIPTION,
+    enrolment_of,
+    read_participants,
+    recorded_sessions,
+)
+
+IMPORT = "import.json"
+OPEN = ("interrupted", "running or killed")
+
+
+@dataclass(frozen=True)
+class SessionState:
+    """One session that was begun.
+
+    Parameters
+    ----------
+    status
+        completed, withdrawn, interrupted, "running or killed", or damaged.
+    exposures
+        Shown whole; `planned` of them are in the order (None where it is not known).
+    flagged
+        Trials whose timing was worse than the protocol allows.
+    fault
+        Of a damaged manifest, in a sentence.
+    """
+
+    number: int
+    status: str
+    exposures: int
+    planned: int | None
+    started_at: str = ""
+    flagged: int = 0
+    fault: str = ""
+
+
+@dataclass(frozen=True)
+class PersonState:
+    """One participant: their row, their sessions, and the command that is next."""
+
+    participant: str
+    status: str
+    sequence: str
+    group: str
+    sessions: tuple[SessionState, ...]
+    next: str
+    command: str
+    note: str
+
+
+@dataclass
+class StudyState:
+    """A whole study.
+
+    Parameters
+    ----------
+    next_sequence, next_group
+        What the next new participant gets; None where `not_known` says why not.
+    places
+        Participants who take a place, of `participants_planned` (None where the protocol says
+        none).
+    schema_versions, versions
+        Of the sessions' manifests, and the vrcomfort that recorded them → sessions.
+    bytes_used, bytes_free
+        Of the study's folder, and left on its disk.
+    """
+
+    study: str
+    name: str
+    protocol: str
+    seed: int
+    people: list[PersonState]
+    statuses: dict[str, int]
+    places: int | None = None
+    participants_planned: int | None = None
+    next_sequence: str | None = None
+    next_group: str | None = None
+    not_known: str = ""
+    schema_versions: dict[str, int] = field(default_factory=dict)
+    versions: dict[str, int] = field(default_factory=dict)
+    vrcomfort: str = __version__
+    bytes_used: int = 0
+    bytes_free: int = 0
+
+
+def status_of(study: Path) -> StudyState:
+    """Read where a study stands; nothing is changed.
+
+    Raises
+    ------
+    InputError
+        If this is no study folder, an import, or its description or participants are damaged.
+    """
+    if (study / IMPORT).is_file():
+        message = "this is an import, in which nobody is run; vrcomfort report says who is in it"
+        raise InputError(message, file=study)
+    if not (study / DESCRIPTION).is_file():
+        raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
+    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    rows = read_participants(study)
+    manifests = {row.participant: _manifests(study, row.participant) for row in rows}
+    read = [each for sessions in manifests.values() for each in sessions.values()]
+    known = [each for each in read if not isinstance(each, InputError)]
+    last = max(known, key=lambda each: str(each["started_at"]), default=None)
+    design, not_known = _design(last)
+    state = StudyState(
+        study=str(study),
+        name=str(description.get("name", "")),
+        protocol=description["protocol"],
+        seed=description["seed"],
+        people=[_person(study, row, manifests[row.participant], design, last) for row in rows],
+        statuses=dict(Counter(row.status for row in rows)),
+        not_known=not_known,
+        schema_versions=dict(Counter(str(each.get("schema_version", 1)) for each in known)),
+        versions=dict(Counter(str(each["versions"].get("vrcomfort", "?")) for each in known)),
+        bytes_used=sum(f.lstat().st_size for f in study.rglob("*") if f.is_file()),
+        bytes_free=shutil.disk_usage(study).free,
+    )
+    if design is not None and last is not None:
+        _next_participant(state, rows, design)
+        state.participants_planned = protocol_of(last).participants
+    return state
+
+
+def _manifests(study: Path, participant: str) -> dict[int, dict[str, Any] | InputError]:
+    found: dict[int, dict[str, Any] | InputError] = {}
+    for number in recorded_sessions(study, participant):
+        try:
+            found[number] = read_manifest(session_folder(study, participant, number))
+        except InputError as error:
+            found[number] = error
+    return found
+
+
+def _design(last: Mapping[str, Any] | None) -> tuple[Design | None, str]:
+    """Return the design of the study, or why it is not known."""
+    if last is None:
+        return None, "no session says yet which protocol this is; vrcomfort design shows its orders"
+    try:
+        return design_of(last), ""
+    except InputError as error:
+        return None, error.message
+
+
+def _next_participant(state: StudyState, rows: Sequence[ParticipantRow], design: Design) -> None:
+    """Enter what the next new participant gets."""
+    enrolments = [enrolment_of(row) for row in rows]
+    state.places = sum(design.counts(each) for each in enrolments)
+    if design.groups is not None and design.groups.bands:
+        bands = ", ".join(design.groups.bands)
+        state.not_known = f"the next participant's group depends on their {bands}"
+        return
+    try:
+        sequence = design.assign(enrolments)
+    except InputError as error:
+        state.not_known = error.message
+        return
+    state.next_sequence, state.next_group = sequence.name, sequence.group or ""
+
+
+def _person(
+    study: Path,
+    row: ParticipantRow,
+    manifests: Mapping[int, dict[str, Any] | InputError],
+    design: Design | None,
+    last: Mapping[str, Any] | None,
+) -> PersonState:
+    planned = _planned(design, row.sequence)
+    sessions = tuple(
+        _session(study, row.participant, number, manifest, planned)
+        for number, manifest in manifests.items()
+    )
+    step, options = _next_step(row, sessions, len(planned) if planned else None)
+    read = [each for each in manifests.values() if not isinstance(each, InputError)]
+    own = read[-1] if read else last
+    command = "" if options is None else _command(study, row.participant, own, options)
+    group, note = row.group or "", row.note
+    return PersonState(
+        row.participant, row.status, row.sequence, group, sessions, step, command, note
+    )
+
+
+def _planned(design: Design | None, sequence: str) -> list[int] | None:
+    """Return how many exposures each session of an order has."""
+    if design is None:
+        return None
+    try:
+        return [len(session) for session in design.sequence(sequence).sessions]
+    except InputError:
+        return None
+
+
+def _session(
+    study: Path,
+    participant: str,
+    number: int,
+    manifest: dict[str, Any] | InputError,
+    planned: Sequence[int] | None,
+) -> SessionState:
+    exposures = planned[number - 1] if planned and number <= len(planned) else None
+    done = _exposures(session_folder(study, participant, number) / TrialRow.FILE)
+    if isinstance(manifest, InputError):
+        return SessionState(number, "damaged", done, exposures, fault=str(manifest))
+    names = {"aborted": "interrupted", "running": "running or killed"}
+    status = names.get(manifest["status"], manifest["status"])
+    flagged = len(manifest["timing_flags"])
+    return SessionState(number, status, done, exposures, manifest["started_at"], flagged)
+
+
+def _exposures(trials: Path) -> int:
+    """Count the exposures that were shown whole."""
+    try:
+        rows = CsvTable.read(trials, appended=True).dicts()
+        return len({row["trial"] for row in rows if row["status"] == "completed"})
+    except (InputError, KeyError):
+        return 0
+
+
+def _next_step(
+    row: ParticipantRow, sessions: Sequence[SessionState], total: int | None
+) -> tuple[str, list[str] | None]:
+    """Return what is next for somebody, and the options of `run`; None: nothing to run."""
+    damaged = [each.number for each in sessions if each.status == "damaged"]
+    if damaged:
+        return f"session {damaged[0]} is damaged: vrcomfort verify says what to do", None
+    if row.status in {"withdrawn", "excluded", "completed"}:
+        return "", None
+    for each in sessions:
+        if each.status in OPEN:
+            return f"continue session {each.number}", ["--resume"]
+    done = {each.number for each in sessions}
+    number = next(n for n in range(1, len(done) + 2) if n not in done)
+    if total is not None and number > total:
+        return "nothing: all sessions are recorded", None
+    return f"session {number}", []
+
+
+def _command(
+    study: Path, participant: str, manifest: Mapping[str, Any] | None, options: list[str]
+) -> str:
+    """Return the words to type; the protocol's file is wherever it was."""
+    if manifest is None:
+        return ""
+    protocol = manifest["protocol"].get("file") or manifest["protocol"]["name"]
+    words = ["vrcomfort", "run", protocol, "--participant", participant, "--out", str(study)]
+    if manifest["respondent"] != "terminal":
+        words += ["--respondent", manifest["respondent"]]
+    return shlex.join([*words, *options])

@@ -1,0 +1,120 @@
+"""Whether every answer in the event log has its row, and every row its answer."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
+
+from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.records.recorded_rows import RecordedRow
+
+_REFUSED = "rather not say"
+_EPSILON_S = 1e-6
+"""Times are written with nine decimals."""
+
+
+def check_answers(
+    answers: Sequence[RecordedRow],
+    events: Sequence[RecordedRow],
+    trials: Sequence[RecordedRow],
+    found: Verified,
+    *,
+    whole: bool,
+) -> None:
+    """Match ``questionnaires.csv`` with the events `answer`.
+
+    An event is written right after its row; a correction replaces the row and adds an event. So
+    the first event of an item that is not before its row has the row's answer, and earlier ones
+    since the exposure before were corrected.
+
+    Parameters
+    ----------
+    whole
+        The session has run without an interruption: no event can be missing.
+    """
+    said: dict[str, list[RecordedRow]] = {}
+    for event in events:
+        if event["name"] == "answer":
+            said.setdefault(event["detail"].rpartition(": ")[0], []).append(event)
+    exposed_s = sorted(trial["end_s"] for trial in trials)
+    asked: dict[str, list[RecordedRow]] = {}
+    for row in answers:
+        asked.setdefault(f"{row['timepoint']} {row['instrument']} {row['item']}", []).append(row)
+    for key in asked.keys() | said.keys():
+        _match(asked.get(key, []), said.get(key, []), exposed_s, found, whole=whole)
+
+
+def _match(
+    rows: Sequence[RecordedRow],
+    events: Sequence[RecordedRow],
+    exposed_s: Sequence[float],
+    found: Verified,
+    *,
+    whole: bool,
+) -> None:
+    """Match the rows and the events of one item at one timepoint, over all exposures."""
+    times = [event["onset_s"] for event in events]
+    taken: set[int] = set()
+    for row in rows:
+        at = bisect_left(times, row["answered_s"] - _EPSILON_S)
+        if at < len(events) and _place(times[at], exposed_s) == _place(
+            row["answered_s"], exposed_s
+        ):
+            taken.add(at)
+            _compare(row, events[at], found)
+        elif whole:
+            message = "events.csv has no such answer; restore both files from a copy"
+            found.fault(row.file, message, row.line)
+    for index, event in enumerate(events):
+        place = _place(times[index], exposed_s)
+        corrected = any(
+            _place(times[later], exposed_s) == place for later in taken if later > index
+        )
+        if index not in taken and not corrected:
+            message = f"questionnaires.csv has no row of this answer ({event['detail']})"
+            found.fault(event.file, f"{message}; restore that file from a copy", event.line)
+
+
+def _place(time_s: float, exposed_s: Sequence[float]) -> int:
+    """Return after how many exposures something was."""
+    return bisect_right(exposed_s, time_s + _EPSILON_S)
+
+
+def _compare(row: RecordedRow, event: RecordedRow, found: Verified) -> None:
+    said = event["detail"].rpartition(": ")[2]
+    response = _REFUSED if row["response"] is None else str(row["response"])
+    if said != response:
+        message = f"the response is {response}, and events.csv, line {event.line}, says {said}"
+        found.fault(row.file, f"{message}; restore the file that was changed", row.line)
+
+
+def check_places(
+    answers: Sequence[RecordedRow],
+    trials: Mapping[int, Sequence[RecordedRow]],
+    settings: Mapping[str, object],
+    found: Verified,
+) -> None:
+    """Check that answers to an exposure tell of one that was, and came when they could."""
+    asks = settings.get("questionnaires")
+    after = {
+        ask.get("timepoint")
+        for ask in (asks if isinstance(asks, list) else [])
+        if ask.get("when") == "after_trial"
+    }
+    for row in answers:
+        if row["answered_s"] + _EPSILON_S < row["asked_s"]:
+            found.fault(row.file, "was answered before it was asked; restore the file", row.line)
+        if row["trial"] is None:
+            continue
+        attempts = trials.get(row["trial"], ())
+        for column in ("condition", "period", "block"):
+            if attempts and row[column] != attempts[0][column]:
+                message = f"{column} is {row[column]!r}, and trials.csv says of trial"
+                message = f"{message} {row['trial']} {attempts[0][column]!r}"
+                found.fault(row.file, f"{message}; restore the file that was changed", row.line)
+        if row["timepoint"] in after and not attempts:
+            message = f"is the answer to exposure {row['trial']}, which trials.csv does not have"
+            found.fault(row.file, f"{message}; restore that file from a copy", row.line)
+        elif row["timepoint"] in after and row["answered_s"] + _EPSILON_S < attempts[0]["end_s"]:
+            message = f"was answered before exposure {row['trial']} ended"
+            found.fault(row.file, f"{message}; restore the file that was changed", row.line)

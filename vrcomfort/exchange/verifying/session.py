@@ -1,0 +1,247 @@
+"""One session: its manifest, its rows, and that all of them tell the same."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying.answers import check_answers, check_places
+from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.exchange.verifying.frames import check_counts, check_gaze, read_frames
+from vrcomfort.exchange.verifying.rows import read
+from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
+from vrcomfort.protocol import Trial
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.records.rows import (
+    EventRow,
+    QuestionnaireRow,
+    RatingRow,
+    Row,
+    TimingRow,
+    TrialRow,
+)
+
+_EPSILON_S = 1e-6
+_RESTORE = "restore the file that was changed"
+
+
+@dataclass(frozen=True)
+class Recorded:
+    """The rows of one session but for frames and gaze."""
+
+    trials: Sequence[RecordedRow]
+    timing: Sequence[RecordedRow]
+    answers: Sequence[RecordedRow]
+    ratings: Sequence[RecordedRow]
+    events: Sequence[RecordedRow]
+    attempts: Mapping[int, Sequence[RecordedRow]] = field(default_factory=dict)
+
+    def all(self) -> Iterable[Sequence[RecordedRow]]:
+        """Return the rows of each file."""
+        return self.trials, self.timing, self.answers, self.ratings, self.events
+
+
+def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
+    """Verify a session's folder; return its manifest, None where it cannot be read."""
+    check_files(folder, found)
+    try:
+        manifest = read_manifest(folder)
+    except InputError as error:
+        found.refusal(error, folder / "manifest.json")
+        return None
+    found.counts[f"sessions {manifest['status']}"] += 1
+    version = manifest.get("schema_version", 1)
+    recorded = _read(folder, version, found)
+    _check_manifest(folder / "manifest.json", manifest, recorded.events, found)
+    _check_whose(manifest, recorded, found)
+    _check_trials(recorded, manifest, found)
+    _check_ratings(recorded, manifest, found)
+    whole = manifest["status"] in {"completed", "withdrawn"} and not manifest.get("earlier_runs")
+    check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
+    check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
+    rows = read(folder, FrameRow, version, found)
+    frames = read_frames(rows, recorded.attempts, manifest.get("under_way"), found)
+    check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
+    if (folder / GazeRow.FILE).exists():
+        alone = not manifest.get("earlier_runs")
+        check_gaze(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
+    check_checksums(folder, found, ended=manifest["status"] != "running")
+    return manifest
+
+
+def _read(folder: Path, version: int, found: Verified) -> Recorded:
+    def rows(row_type: type[Row]) -> list[RecordedRow]:
+        return list(read(folder, row_type, version, found))
+
+    trials = rows(TrialRow)
+    attempts: dict[int, list[RecordedRow]] = {}
+    for row in trials:
+        attempts.setdefault(row["trial"], []).append(row)
+    return Recorded(
+        trials, rows(TimingRow), rows(QuestionnaireRow), rows(RatingRow), rows(EventRow), attempts
+    )
+
+
+def _check_manifest(
+    file: Path, manifest: Mapping[str, Any], events: Sequence[RecordedRow], found: Verified
+) -> None:
+    status, names = manifest["status"], {event["name"] for event in events}
+    protocol = manifest["protocol"]
+    if protocol.get("text") and protocol["sha256"] != _sha256(protocol["text"]):
+        message = "`protocol.sha256` is not that of `protocol.text`"
+        found.fault(file, f"{message}; restore the manifest from a copy")
+    finished = manifest.get("finished_at")
+    if status == "running":
+        message = "the session is being run, or its program was killed"
+        found.note(file, f"{message}; if it was: vrcomfort run … --resume goes on with it")
+        return
+    if status == "aborted":
+        found.note(file, "the session was interrupted; vrcomfort run … --resume goes on with it")
+    if finished is None:
+        message = f"says {status} and not when (`finished_at`)"
+        found.fault(file, f"{message}; restore the manifest from a copy")
+    end = {"completed": "session_end", "withdrawn": "withdrawn"}.get(status)
+    if end is not None and events and end not in names:
+        message = f"says {status}, and events.csv has no event `{end}`"
+        found.fault(file, f"{message}; restore the file that was changed")
+    if status == "completed" and manifest.get("under_way"):
+        found.fault(file, "says completed, and that an exposure is under way; restore it")
+    flagged = [event for event in events if event["name"] == "timing_flag"]
+    for event in flagged:
+        if event["detail"] not in manifest["timing_flags"]:
+            message = f"the manifest's `timing_flags` lack this ({event['detail']})"
+            found.fault(event.file, f"{message}; restore the manifest from a copy", event.line)
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _check_whose(manifest: Mapping[str, Any], recorded: Recorded, found: Verified) -> None:
+    """Check that each row is of this participant and session, and of a run in its order."""
+    for rows in recorded.all():
+        resumed = 0
+        for row in rows:
+            for column in ("participant", "session"):
+                if column in row.values and row[column] != manifest[column]:
+                    message = f"{column} is {row[column]}, and this folder is of"
+                    message = f"{message} {column} {manifest[column]}"
+                    found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+            if row["resumed"] < resumed:
+                message = "is of the run before an interruption, and stands after rows of the next"
+                found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+            resumed = row["resumed"]
+
+
+def _check_trials(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
+    """Compare trials with their timing and with the exposures in the event log."""
+    timing = {(row["trial"], row["attempt"]): row for row in recorded.timing}
+    exposures = [event for event in recorded.events if event["name"] == "exposure"]
+    before_s = 0.0
+    for number, attempts in recorded.attempts.items():
+        for count, row in enumerate(attempts, start=1):
+            if row["attempt"] != count:
+                message = f"attempt {row['attempt']} at trial {number} stands in place {count}"
+                found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+    for row in recorded.trials:
+        if row["end_s"] < row["start_s"] or row["start_s"] < before_s - _EPSILON_S:
+            message = f"goes from {row['start_s']} s to {row['end_s']} s after {before_s} s"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+        before_s = row["end_s"]
+        _check_timing(row, timing.pop((row["trial"], row["attempt"]), None), found)
+        if row["status"] == "completed" and not any(_shows(e, row) for e in exposures):
+            message = f"events.csv has no exposure `{row['condition']} in {row['scene']}` then"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+    open_end = manifest["status"] in {"running", "aborted"}
+    if not open_end:
+        for key, row in timing.items():
+            message = f"trials.csv has no attempt {key[1]} at trial {key[0]}"
+            found.fault(row.file, f"{message}; restore that file from a copy", row.line)
+    for event in exposures:
+        if not open_end and not any(_shows(event, row) for row in recorded.trials):
+            message = f"trials.csv has no row of this exposure ({event['detail']})"
+            found.fault(event.file, f"{message}; restore that file from a copy", event.line)
+
+
+def _shows(event: RecordedRow, trial: RecordedRow) -> bool:
+    return bool(
+        event["detail"] == f"{trial['condition']} in {trial['scene']}"
+        and trial["start_s"] - _EPSILON_S <= event["onset_s"] <= trial["end_s"] + _EPSILON_S
+    )
+
+
+def _check_timing(trial: RecordedRow, timing: RecordedRow | None, found: Verified) -> None:
+    if timing is None:
+        if trial["abort_code"] != "killed":
+            message = f"timing.csv has no row of trial {trial['trial']}, attempt {trial['attempt']}"
+            found.fault(trial.file, f"{message}; restore that file from a copy", trial.line)
+        return
+    for column in ("condition", "frames", "dropped"):
+        if trial["abort_code"] != "killed" and timing[column] != trial[column]:
+            message = f"{column} is {timing[column]}, and trials.csv, line {trial.line}, says"
+            found.fault(timing.file, f"{message} {trial[column]}; {_RESTORE}", timing.line)
+
+
+def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
+    open_trial = (manifest.get("under_way") or {}).get("trial")
+    for row in recorded.ratings:
+        attempts = recorded.attempts.get(row["trial"], ())
+        inside = any(
+            each["start_s"] - _EPSILON_S <= row["onset_s"] <= each["end_s"] + _EPSILON_S
+            for each in attempts
+        )
+        if attempts and attempts[0]["condition"] != row["condition"]:
+            message = f"condition is {row['condition']}, and trials.csv, line {attempts[0].line}"
+            message = f"{message}, says {attempts[0]['condition']}"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+        elif not inside and row["trial"] != open_trial:
+            message = f"was asked at {row['onset_s']} s, when trial {row['trial']} was not shown"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+        if (row["response"] is None) != (row["missed"] == 1):
+            message = f"missed is {row['missed']}, and the response {row['response']}"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+
+
+def _not_recorded(events: Iterable[RecordedRow]) -> int:
+    """Return how many frames have no row, as the events say."""
+    words = (e["detail"].partition(" ")[0] for e in events if e["name"] == "frames_not_recorded")
+    return sum(int(word) for word in words if word.isdecimal())
+
+
+def check_order(
+    file: Path, rows: Iterable[Mapping[str, str]], planned: Sequence[Trial], found: Verified,
+    *, completed: bool,
+) -> None:  # fmt: skip
+    """Check that a session's trials are those of its participant's order.
+
+    Parameters
+    ----------
+    rows
+        Of ``trials.csv``.
+    completed
+        The manifest says so: every trial must have been shown whole.
+    """
+    done: set[int] = set()
+    for line, row in enumerate(rows, start=2):
+        number = int(row["trial"]) if row["trial"].isdecimal() else 0
+        if not 1 <= number <= len(planned):
+            message = f"this participant's order has {len(planned)} trials, and no {number}"
+            found.fault(file, f"{message}; {_RESTORE}", line)
+            continue
+        trial = planned[number - 1]
+        for column, wanted in (("condition", trial.condition), ("scene", trial.scene)):
+            if row[column] != wanted:
+                message = f"trial {number} is planned with {column} {wanted}, not {row[column]}"
+                found.fault(file, f"{message}; {_RESTORE}", line)
+        if row["status"] == "completed":
+            done.add(number)
+    lacking = sorted(set(range(1, len(planned) + 1)) - done)
+    if completed and lacking:
+        message = f"manifest.json says completed, and trial {lacking[0]} was not shown whole"
+        found.fault(file, f"{message}; {_RESTORE}")

@@ -1,0 +1,222 @@
+"""A whole study: who is enrolled, which sessions there are, and that they belong together."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from vrcomfort.csv_table import CsvTable
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.designs import design_of
+from vrcomfort.exchange.verifying.findings import Verified
+from vrcomfort.exchange.verifying.session import check_order, verify_session
+from vrcomfort.records.checksums import sha256_of
+from vrcomfort.records.json_file import read_json
+from vrcomfort.records.manifest_shape import DescriptionShape, ImportShape
+from vrcomfort.records.recorder import is_begun
+from vrcomfort.records.rows import ParticipantRow, QuestionnaireRow, RatingRow, TrialRow
+from vrcomfort.records.study import DESCRIPTION, read_participants
+
+IMPORT = "import.json"
+_OWN = {DESCRIPTION, ParticipantRow.FILE, "instruments", ".participants.lock"}
+
+
+def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Verified:
+    """Look at everything in a study folder; nothing is changed.
+
+    Parameters
+    ----------
+    told
+        Called after each session.
+
+    Raises
+    ------
+    InputError
+        If this is no study folder.
+    """
+    imported = (study / IMPORT).is_file()
+    if not imported and not any((study / name).exists() for name in (DESCRIPTION, "sub-P01")):
+        raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
+    found = Verified(study)
+    seed = _description(study, found, imported=imported)
+    if imported:
+        _imported(study, found)
+        return found
+    people = _participants(study, found)
+    _strangers(study, people, found)
+    manifests = {
+        name: _sessions(study / f"sub-{name}", found, told)
+        for name in _folders(study) | set(people)
+    }
+    for name, sessions in sorted(manifests.items()):
+        if name in people:
+            _agree(study, people[name], sessions, seed, found)
+    return found
+
+
+def session_folders(study: Path) -> list[Path]:
+    """Return the folders of all sessions that were begun."""
+    return sorted(folder for folder in study.glob("sub-*/ses-*") if is_begun(folder))
+
+
+def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
+    """Check the study's description; return its seed."""
+    file, shape = study / DESCRIPTION, ImportShape if imported else DescriptionShape
+    if not file.exists():
+        found.fault(file, "is missing; restore it from a copy")
+        return None
+    try:
+        seed = read_json(file, shape, "study description").get("seed")
+    except InputError as error:
+        found.refusal(error, file)
+        return None
+    return int(seed) if seed is not None else None
+
+
+def _participants(study: Path, found: Verified) -> dict[str, ParticipantRow]:
+    file = study / ParticipantRow.FILE
+    if not file.exists():
+        found.fault(file, "is missing; restore it from a copy")
+        return {}
+    try:
+        rows = read_participants(study)
+    except InputError as error:
+        found.refusal(error, file)
+        return {}
+    found.counts["participants"] = len(rows)
+    return {row.participant: row for row in rows}
+
+
+def _folders(study: Path) -> set[str]:
+    return {each.name.removeprefix("sub-") for each in study.glob("sub-*") if each.is_dir()}
+
+
+def _strangers(study: Path, people: Mapping[str, ParticipantRow], found: Verified) -> None:
+    """Find what no recording has put into the study's folder."""
+    for each in sorted(study.iterdir()):
+        if each.name.startswith("sub-") and each.is_dir():
+            if each.name.removeprefix("sub-") not in people and any(each.glob("ses-*")):
+                message = f"{ParticipantRow.FILE} has nobody of this name"
+                found.fault(each, f"{message}; restore that file, or move the folder away")
+        elif each.is_symlink():
+            found.fault(each, "is a symbolic link; put the file or folder itself here")
+        elif each.name not in _OWN:
+            found.note(each, "is not of vrcomfort's making; nothing in it was checked")
+
+
+def _sessions(
+    folder: Path, found: Verified, told: Callable[[], object]
+) -> dict[int, dict[str, Any] | None]:
+    """Verify a participant's sessions; return session → manifest."""
+    manifests: dict[int, dict[str, Any] | None] = {}
+    for each in sorted(folder.iterdir()) if folder.is_dir() else []:
+        number = re.fullmatch("ses-([1-9][0-9]{0,8})", each.name)
+        if number and each.is_dir() and not each.is_symlink():
+            found.counts["sessions"] += 1
+            manifests[int(number[1])] = verify_session(each, found)
+            told()
+        elif each.name != "lock":
+            found.fault(each, "is neither a session nor the lock; move it out of the study")
+    return manifests
+
+
+def _agree(
+    study: Path,
+    row: ParticipantRow,
+    manifests: Mapping[int, Mapping[str, Any] | None],
+    seed: int | None,
+    found: Verified,
+) -> None:
+    """Compare a participant's row with the manifests of their sessions."""
+    file = study / ParticipantRow.FILE
+    planned: int | None = None
+    statuses: dict[int, str | None] = {}
+    for number, manifest in manifests.items():
+        folder = study / f"sub-{row.participant}" / f"ses-{number}"
+        if manifest is None:
+            statuses[number] = None
+            continue
+        statuses[number] = manifest["status"]
+        for key, there in (("sequence", row.sequence), ("seed", seed)):
+            if there is not None and manifest[key] != there:
+                where = ParticipantRow.FILE if key == "sequence" else DESCRIPTION
+                message = f"`{key}` is {manifest[key]}, and {where} says {there}"
+                found.fault(folder / "manifest.json", f"{message}; restore the changed file")
+        planned = _check_session_order(folder, row, manifest, found) or planned
+    _check_status(file, row, statuses, planned, found)
+
+
+def _check_status(
+    file: Path,
+    row: ParticipantRow,
+    statuses: Mapping[int, str | None],
+    planned: int | None,
+    found: Verified,
+) -> None:
+    who, completed = row.participant, [n for n, each in statuses.items() if each == "completed"]
+    withdrew = [number for number, each in statuses.items() if each == "withdrawn"]
+    if row.status == "completed" and planned is not None and len(completed) < planned:
+        message = f"{who} is completed, with {len(completed)} of {planned} sessions completed"
+        found.fault(file, f"{message}; restore what is missing, or write enrolled")
+    elif row.status == "completed" and not statuses:
+        found.fault(file, f"{who} is completed, and has no session; restore the folder")
+    elif row.status == "enrolled" and withdrew:
+        message = f"{who} is enrolled, and has withdrawn in session {withdrew[0]}"
+        found.fault(file, f"{message}; write withdrawn, or take it back: vrcomfort undo-withdrawal")
+    elif row.status == "enrolled" and planned is not None and len(completed) == planned:
+        found.fault(file, f"{who} is enrolled, and all sessions are completed; write completed")
+
+
+def _check_session_order(
+    folder: Path, row: ParticipantRow, manifest: Mapping[str, Any], found: Verified
+) -> int | None:
+    """Check the trials against the participant's order; return how many sessions that has."""
+    file = folder / TrialRow.FILE
+    try:
+        sessions = design_of(manifest).sequence(row.sequence).sessions
+        table = CsvTable.read(file, appended=True)
+        table.require(("trial", "condition", "scene", "status"))
+    except InputError:
+        return None  # which has been told, or another version's protocol
+    number = manifest["session"]
+    if number > len(sessions):
+        message = f"this participant's order has {len(sessions)} sessions, and no {number}"
+        found.fault(folder / "manifest.json", f"{message}; restore the changed file")
+        return len(sessions)
+    completed = manifest["status"] == "completed"
+    check_order(file, table.dicts(), sessions[number - 1], found, completed=completed)
+    return len(sessions)
+
+
+def _imported(study: Path, found: Verified) -> None:
+    """Check an import: its mapping is the one it names, and its tables are of its participants."""
+    file = study / IMPORT
+    try:
+        said = read_json(file, ImportShape, "note of where an import came from").get("mapping")
+    except InputError as error:
+        found.refusal(error, file)
+        return
+    copy = study / "mapping.toml"
+    if isinstance(said, dict) and copy.exists() and sha256_of(copy) != said.get("sha256"):
+        found.fault(copy, f"is not the mapping that {IMPORT} names; restore it, or import again")
+    people = {row["participant"] for _, row in _table(study / ParticipantRow.FILE, found)}
+    found.counts["participants"] = len(people)
+    for name in (QuestionnaireRow.FILE, RatingRow.FILE):
+        for line, row in _table(study / name, found) if (study / name).exists() else ():
+            found.counts[f"rows of {name}"] += 1
+            if people and row["participant"] not in people:
+                message = f"{ParticipantRow.FILE} has nobody called {row['participant']}"
+                found.fault(study / name, f"{message}; import again", line)
+
+
+def _table(file: Path, found: Verified) -> list[tuple[int, dict[str, str]]]:
+    """Return line and cells of each row; none, and a finding, where it is no table."""
+    try:
+        table = CsvTable.read(file)
+        table.require(("participant",))
+    except InputError as error:
+        found.refusal(error, file)
+        return []
+    return list(zip(table.lines, table.dicts(), strict=True))

@@ -1,0 +1,102 @@
+"""Crossed factors: conditions made of one level of each factor."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from vrcomfort.protocol.conditions import (
+    Condition,
+    DepthOfField,
+    EffectName,
+    Focus,
+    MotionBlur,
+    RelocationBlur,
+    SpeedBlur,
+    Vignette,
+)
+from vrcomfort.protocol.quality_levels import Quality
+from vrcomfort.settings import KeyPath, Name, Problem, Settings, Word
+
+MOST_CONDITIONS = 64
+_OF_THE_LEVEL = ("name", "label")
+
+
+class Level(Settings):
+    """A level of a factor: what it sets of a condition, and nothing else."""
+
+    name: Name
+    label: str = ""
+    quality: Quality | None = None
+    focus: Focus | None = None
+    depth_of_field: DepthOfField | None = None
+    motion_blur: MotionBlur | None = None
+    speed_blur: SpeedBlur | None = None
+    relocation_blur: RelocationBlur | None = None
+    vignette: Vignette | None = None
+    effect_order: tuple[EffectName, ...] | None = None
+
+
+class Factor(Settings):
+    """A within-subject factor, whose levels are crossed with those of the others."""
+
+    name: Word
+    levels: Annotated[tuple[Level, ...], Field(min_length=2, max_length=16)]
+
+
+def crossed(factors: tuple[Factor, ...]) -> tuple[Condition, ...]:
+    """Return a condition for every combination of levels, called by their names joined by `_`."""
+    return tuple(_condition(factors, levels) for levels in product(*(f.levels for f in factors)))
+
+
+def _condition(factors: tuple[Factor, ...], levels: tuple[Level, ...]) -> Condition:
+    settings: dict[str, Any] = {}
+    for level in levels:
+        _merge(settings, level.model_dump(exclude_unset=True, exclude=set(_OF_THE_LEVEL)))
+    return Condition(
+        name="_".join(level.name for level in levels),
+        label=", ".join(level.label or level.name for level in levels),
+        levels={factor.name: level.name for factor, level in zip(factors, levels, strict=True)},
+        **settings,
+    )
+
+
+def _merge(into: dict[str, Any], more: dict[str, Any]) -> None:
+    for key, value in more.items():
+        if isinstance(value, dict) and isinstance(into.get(key), dict):
+            _merge(into[key], value)
+        else:
+            into[key] = value
+
+
+def factor_problems(factors: tuple[Factor, ...]) -> Iterator[Problem]:
+    """Yield why factors cannot be crossed: too many levels, or two that set the same thing."""
+    count = 1
+    for factor in factors:
+        count *= len(factor.levels)
+    if factors and count > MOST_CONDITIONS:
+        message = f"these factors cross to {count} conditions; at most {MOST_CONDITIONS} are made"
+        yield Problem(("factors",), message)
+    owners: dict[KeyPath, str] = {}
+    for index, factor in enumerate(factors):
+        for number, level in enumerate(factor.levels):
+            for key in _set_by(level):
+                owner = owners.setdefault(key, factor.name)
+                if owner != factor.name:
+                    message = f"factor `{owner}` sets `{'.'.join(map(str, key))}`, too"
+                    path = ("factors", index, "levels", number, *key)
+                    yield Problem(path, f"{message}; let one factor alone say it")
+
+
+def _set_by(level: Level) -> Iterator[KeyPath]:
+    """Yield the key paths that a level sets; an effect's table is the effect itself, too."""
+    for name, value in level.model_dump(exclude_unset=True).items():
+        if name in _OF_THE_LEVEL:
+            continue
+        if isinstance(value, dict):
+            yield from ((name, key) for key in value)
+        else:
+            yield (name,)

@@ -1,0 +1,33 @@
+"""What a study has to show, and which level of each factor a trial has."""
+
+from __future__ import annotations
+
+from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.order import Group, Trial
+
+
+def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ...]:
+    """Return every condition-scene pair, or those that a group meets."""
+    wanted = group.conditions if group else ()
+    return tuple(
+        Trial(scene=scene, condition=condition.name)
+        for condition in protocol.conditions
+        if not wanted or condition.name in wanted
+        for scene in protocol.scenes
+    )
+
+
+def factor_names(protocol: Protocol) -> list[str]:
+    """Return the names of the crossed factors."""
+    return [factor.name for factor in protocol.factors]
+
+
+def level_of(protocol: Protocol, trial: Trial, factor: str) -> str:
+    """Return the level that a trial has of `condition`, `scene`, `trial` or a crossed factor."""
+    if factor == "scene":
+        return trial.scene
+    if factor == "condition":
+        return trial.condition
+    if factor == "trial":
+        return f"{trial.condition} in {trial.scene}"
+    return protocol.condition(trial.condition).levels[factor]

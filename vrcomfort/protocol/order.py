@@ -1,0 +1,149 @@
+"""Who meets what in which order, and in which group: the tables of a protocol that say it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+
+from vrcomfort.settings import Name, Settings, Word
+
+Rule = Literal["explicit", "latin_square", "williams", "all_orders", "block_random", "random"]
+
+_FORMER_RULES = {"full": "all_orders"}
+"""Words of the first version, which protocols of recorded studies have."""
+
+Limit = Annotated[int, Field(ge=1, le=100)]
+Share = Annotated[int, Field(ge=1, le=100)]
+
+
+class Trial(Settings):
+    """One exposure: a scene seen under a condition."""
+
+    scene: str
+    condition: str
+
+
+class Sequence(Settings):
+    """The order in which one participant meets the trials, session by session."""
+
+    name: Name
+    group: Name | None = None
+    """Whose order it is, where the protocol has [[groups]]."""
+    sessions: Annotated[tuple[tuple[Trial, ...], ...], Field(min_length=1)]
+
+    @property
+    def trials(self) -> tuple[Trial, ...]:
+        """Return all trials in order, sessions joined."""
+        return tuple(trial for session in self.sessions for trial in session)
+
+
+class Order(Settings):
+    """How trials are ordered over participants.
+
+    `explicit` takes the listed sequences; the other rules order every condition in every scene:
+    `latin_square` (each at each position), `williams` (and each after each other equally often),
+    `all_orders` (every order once), `block_random` (a seeded order of each participant's own, in
+    blocks) and `random` (the same, one block without limits).
+    """
+
+    rule: Rule
+    sessions: Annotated[int, Field(ge=1, le=1000)] = 1
+    """Sessions over which the generated rules deal the trials; explicit sequences say it."""
+    assignment: Literal["in_turn", "shuffled"] = "in_turn"
+    """Among equally filled sequences take the first, or one drawn with the study's seed."""
+    return_places: bool = True
+    """Whether the place of somebody who withdrew or was excluded, in a sequence and in a group,
+    goes to the next who is enrolled."""
+    blocks: Annotated[int, Field(ge=1, le=100)] = 1
+    """`block_random`: each block has every condition in every scene once."""
+    strata: Word | None = None
+    """`block_random`: `condition`, `scene` or a factor; a block comes in rounds of one trial of
+    each of its levels, so that these are spread evenly."""
+    max_run: dict[str, Limit] = Field(default_factory=dict)
+    """`block_random`: how many trials in a row may have the same `condition`, `scene`, level of a
+    factor, or `trial` (condition and scene; 1 without it). `{ scene = 1 }`: none twice in a row."""
+    sequences: tuple[Sequence, ...] = ()
+
+    @field_validator("rule", mode="before")
+    @classmethod
+    def _name_former_rules(cls, value: Any) -> Any:
+        return _FORMER_RULES.get(value, value) if isinstance(value, str) else value
+
+
+class Covariate(Settings):
+    """What is known of a participant before the first session, entered when they are enrolled."""
+
+    name: Word
+    levels: tuple[Name, ...] = ()
+    """What it can be; without it, it is a number."""
+    low: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    high: Annotated[float, Field(ge=-1e6, le=1e6)] = 120.0
+    """The numbers that are taken for possible."""
+    cuts: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = ()
+    """Where a number's bands begin: `[30, 50]` makes below 30, 30 to below 50, and 50 and more."""
+
+    @field_validator("cuts")
+    @classmethod
+    def _rising(cls, value: tuple[float, ...]) -> tuple[float, ...]:
+        if any(after <= before for before, after in pairwise(value)):
+            raise PydanticCustomError("cuts", "must rise: the lowest first")
+        return value
+
+    @property
+    def bands(self) -> tuple[str, ...]:
+        """Return what allocation tells apart: the levels, or the bands of a number."""
+        if self.levels:
+            return self.levels
+        edges = [f"{cut:g}" for cut in self.cuts]
+        if not edges:
+            return ("any",)
+        between = [f"{a} to <{b}" for a, b in pairwise(edges)]
+        return (f"<{edges[0]}", *between, f"{edges[-1]}+")
+
+    def band(self, value: str) -> str:
+        """Return the level or band of a value that `fault` finds nothing wrong with."""
+        if self.levels:
+            return value
+        return self.bands[sum(float(value) >= cut for cut in self.cuts)]
+
+    def fault(self, value: str) -> str | None:
+        """Say what a value must be, where it is not."""
+        if self.levels:
+            return None if value in self.levels else f"must be one of {', '.join(self.levels)}"
+        try:
+            possible = value.isascii() and self.low <= float(value) <= self.high
+        except ValueError:
+            possible = False
+        return None if possible else f"must be a number from {self.low:g} to {self.high:g}"
+
+
+class Group(Settings):
+    """A level of the between-subject factor: people who meet these conditions and no others."""
+
+    name: Name
+    label: str = ""
+    conditions: tuple[str, ...] = ()
+    """Names of conditions; without it, all. Explicit sequences name their group instead."""
+    share: Share = 1
+    """How many of a block are in this group: 2 and 1 give two thirds and one third."""
+
+
+class Allocation(Settings):
+    """How participants are divided among the groups.
+
+    `permuted_blocks`: random order in blocks of fixed shares, a list of its own for each stratum.
+    `minimisation` (Pocock & Simon 1975): the group that makes the margins of the covariates most
+    alike, with probability `p_best`. `simple`: drawn anew for each, for comparison.
+    """
+
+    method: Literal["permuted_blocks", "minimisation", "simple"] = "permuted_blocks"
+    rounds: Annotated[tuple[Limit, ...], Field(min_length=1, max_length=9)] = (2,)
+    """`permuted_blocks`: a block has so many times the groups' shares. Of several numbers one is
+    drawn for each block, so that nobody can guess its end."""
+    by: tuple[str, ...] = ()
+    """Covariates: strata of `permuted_blocks`, margins of `minimisation`."""
+    p_best: Annotated[float, Field(ge=0.5, le=1)] = 0.9
+    """`minimisation`: chance of the best group; at 1 who comes next can be foretold."""

@@ -1,0 +1,227 @@
+"""Whether the orders, groups and covariates of a protocol can be followed."""
+
+from __future__ import annotations
+
+import tomllib
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from math import prod
+
+from vrcomfort.protocol.levels import factor_names, level_of, trials_of
+from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.order import Group
+from vrcomfort.settings import KeyPath, Problem, did_you_mean, repeated, reserved
+
+_MOST_TREATMENTS = {
+    "latin_square": 64,
+    "williams": 26,
+    "all_orders": 6,
+    "block_random": 1000,
+    "random": 1000,
+}
+_OF_RULES = {
+    "blocks": ("block_random",),
+    "strata": ("block_random",),
+    "max_run": ("block_random",),
+    "assignment": ("explicit", "latin_square", "williams", "all_orders"),
+    "sessions": tuple(_MOST_TREATMENTS),
+}
+MOST_STRATA = 1000
+TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "group"])
+"""Columns of participants.csv, which no covariate may be called."""
+
+
+def order_problems(protocol: Protocol) -> Iterator[Problem]:
+    """Yield what is wrong with the [order] table."""
+    written = tomllib.loads(protocol.text).get("order", {}) if protocol.text else {}
+    for key in written.keys() & _OF_RULES.keys():
+        if protocol.order.rule not in _OF_RULES[key]:
+            message = f'`{key}` does nothing with rule = "{protocol.order.rule}"'
+            yield Problem(("order", key), f"{message}; remove it or change that")
+    if protocol.order.rule == "explicit":
+        yield from _explicit(protocol)
+    else:
+        yield from _generated(protocol)
+
+
+def _explicit(protocol: Protocol) -> Iterator[Problem]:
+    order = protocol.order
+    if not order.sequences:
+        yield Problem(("order", "rule"), "`explicit` needs at least one [[order.sequences]] table")
+    yield from repeated(("order", "sequences"), [each.name for each in order.sequences])
+    conditions = [condition.name for condition in protocol.conditions]
+    for index, sequence in enumerate(order.sequences):
+        path: KeyPath = ("order", "sequences", index)
+        if len(sequence.sessions) != len(order.sequences[0].sessions):
+            message = f"sequence `{sequence.name}` has another number of sessions than the first"
+            yield Problem((*path, "sessions"), f"{message}; all need the same")
+        yield from _group_of_sequence(protocol, path, sequence.group)
+        for session_index, session in enumerate(sequence.sessions):
+            for trial_index, trial in enumerate(session):
+                place = (*path, "sessions", session_index, trial_index)
+                yield from unknown_name(place, "condition", trial.condition, conditions)
+                yield from unknown_name(place, "scene", trial.scene, protocol.scenes)
+
+
+def _group_of_sequence(protocol: Protocol, path: KeyPath, group: str | None) -> Iterator[Problem]:
+    names = [each.name for each in protocol.groups]
+    if group is None and names:
+        message = "this sequence is nobody's: with [[groups]], each names its `group`"
+        yield Problem(path, message)
+    elif group is not None:
+        yield from unknown_name(path, "group", group, names)
+
+
+def _generated(protocol: Protocol) -> Iterator[Problem]:
+    order = protocol.order
+    if order.sequences:
+        message = f"rule `{order.rule}` makes its own sequences; remove these or say `explicit`"
+        yield Problem(("order", "sequences"), message)
+    for group in protocol.groups or (None,):
+        yield from _dealt(protocol, len(trials_of(protocol, group)))
+    if order.rule == "block_random":
+        yield from _limits(protocol)
+
+
+def _dealt(protocol: Protocol, treatments: int) -> Iterator[Problem]:
+    order = protocol.order
+    most = _MOST_TREATMENTS[order.rule]
+    if treatments > most:
+        message = f"`{order.rule}` takes at most {most} condition-scene pairs; there are"
+        yield Problem(("order", "rule"), f"{message} {treatments}: choose another rule")
+    if treatments * order.blocks % order.sessions:
+        message = f"{treatments * order.blocks} condition-scene pairs cannot be dealt evenly over"
+        yield Problem(("order", "sessions"), f"{message} {order.sessions} sessions")
+
+
+def _limits(protocol: Protocol) -> Iterator[Problem]:
+    """Yield words that limit nothing, and limits that no order can keep."""
+    order = protocol.order
+    known = ["condition", "scene", "trial", *factor_names(protocol)]
+    for word in order.max_run:
+        if word not in known:
+            hint = did_you_mean(word, known)
+            yield Problem(("order", "max_run", word), f"trials have no `{word}`; {hint}")
+    strata = [word for word in known if word != "trial"]
+    if order.strata is not None and order.strata not in strata:
+        hint = did_you_mean(order.strata, strata)
+        yield Problem(("order", "strata"), f"trials have no `{order.strata}`; {hint}")
+    for group in protocol.groups or (None,):
+        trials = trials_of(protocol, group) * order.blocks
+        for word, most in {"trial": 1, **order.max_run}.items():
+            if word in known:
+                counts = Counter(level_of(protocol, trial, word) for trial in trials)
+                yield from _impossible_run(word, most, counts, len(trials))
+        if order.strata in strata:
+            yield from _uneven(protocol, order.strata or "", group)
+
+
+def _impossible_run(word: str, most: int, counts: Counter[str], trials: int) -> Iterator[Problem]:
+    level, count = max(counts.items(), key=lambda each: each[1], default=("", 0))
+    if count > most * (trials - count + 1):
+        message = f"{count} of {trials} trials have {word} `{level}`: some order has more than"
+        hint = f"{most} in a row; allow more in `max_run`, or add others"
+        yield Problem(("order", "max_run", word), f"{message} {hint}")
+
+
+def _uneven(protocol: Protocol, word: str, group: Group | None) -> Iterator[Problem]:
+    counts = Counter(level_of(protocol, trial, word) for trial in trials_of(protocol, group))
+    if len(set(counts.values())) > 1:
+        message = f"a block has {dict(counts)} trials by {word}: no rounds with one of each"
+        yield Problem(("order", "strata"), f"{message}; leave `strata` out")
+
+
+def group_problems(protocol: Protocol) -> Iterator[Problem]:
+    """Yield what is wrong with groups, covariates and allocation."""
+    groups, covariates = protocol.groups, protocol.covariates
+    yield from repeated(("groups",), [group.name for group in groups])
+    yield from repeated(("covariates",), [each.name for each in covariates])
+    conditions = [condition.name for condition in protocol.conditions]
+    for index, group in enumerate(groups):
+        yield from reserved(("groups", index, "name"), group.name)
+        for number, name in enumerate(group.conditions):
+            path: KeyPath = ("groups", index, "conditions", number)
+            for problem in unknown_name(path, "condition", name, conditions):
+                yield Problem(path, problem.message)
+        if group.conditions and protocol.order.rule == "explicit":
+            message = "explicit sequences say what a group meets"
+            yield Problem(("groups", index, "conditions"), f"{message}; remove this")
+    if len(groups) == 1:
+        yield Problem(("groups",), "one group is no factor; add another, or remove it")
+    yield from _nobody_in(protocol)
+    yield from _covariates(protocol)
+    yield from _allocation(protocol)
+
+
+def _nobody_in(protocol: Protocol) -> Iterator[Problem]:
+    used = {sequence.group for sequence in protocol.order.sequences}
+    for index, group in enumerate(protocol.groups):
+        if protocol.order.rule == "explicit" and group.name not in used:
+            message = f"no sequence is group `{group.name}`'s"
+            yield Problem(("groups", index, "name"), f"{message}; add one, or remove the group")
+
+
+def _covariates(protocol: Protocol) -> Iterator[Problem]:
+    for index, each in enumerate(protocol.covariates):
+        path: KeyPath = ("covariates", index)
+        if each.name in TAKEN:
+            message = f"`{each.name}` is a column of participants.csv already"
+            yield Problem((*path, "name"), f"{message}; choose another name")
+        if each.levels and each.cuts:
+            yield Problem((*path, "cuts"), "`cuts` divide numbers; this has `levels`: remove one")
+        if len(each.levels) == 1:
+            yield Problem((*path, "levels"), "one level tells nobody apart; add others")
+        yield from repeated((*path, "levels"), each.levels)
+        if each.low >= each.high:
+            yield Problem((*path, "low"), "`low` must be less than `high`; swap them")
+        outside = [cut for cut in each.cuts if not each.low < cut < each.high]
+        if outside:
+            message = f"nobody is on one side of {outside[0]:g}"
+            hint = f"choose cuts between {each.low:g} and {each.high:g}"
+            yield Problem((*path, "cuts"), f"{message}; {hint}")
+
+
+def _allocation(protocol: Protocol) -> Iterator[Problem]:
+    allocation = protocol.allocation
+    if allocation is None:
+        return
+    if not protocol.groups:
+        message = "there are no groups to divide people among; add [[groups]] or remove this"
+        yield Problem(("allocation",), message)
+    covariates = {each.name: each for each in protocol.covariates}
+    for index, name in enumerate(allocation.by):
+        path: KeyPath = ("allocation", "by", index)
+        for problem in unknown_name(path, "covariate", name, covariates):
+            yield Problem(path, problem.message)
+        found = covariates.get(name)
+        if found and len(found.bands) < 2:
+            message = f"`{name}` is a number without `cuts`: everybody would be in one band"
+            yield Problem(path, f"{message}; give it cuts")
+    strata = prod(len(covariates[name].bands) for name in allocation.by if name in covariates)
+    if allocation.method == "permuted_blocks" and strata > MOST_STRATA:
+        message = f"{strata} strata, of which most stay empty; choose minimisation, or fewer"
+        yield Problem(("allocation", "by"), message)
+    yield from repeated(("allocation", "by"), allocation.by)
+    if allocation.method == "minimisation" and not allocation.by:
+        message = "minimisation needs covariates whose margins it makes alike"
+        yield Problem(("allocation", "method"), f"{message}; name them in `by`")
+    if allocation.method == "simple" and allocation.by:
+        yield Problem(("allocation", "by"), "`by` does nothing with `simple`; remove it")
+    yield from _idle(protocol)
+
+
+def _idle(protocol: Protocol) -> Iterator[Problem]:
+    allocation = protocol.allocation
+    written = tomllib.loads(protocol.text).get("allocation", {}) if protocol.text else {}
+    for key, method in {"rounds": "permuted_blocks", "p_best": "minimisation"}.items():
+        if allocation and key in written and allocation.method != method:
+            message = f'`{key}` does nothing with method = "{allocation.method}"'
+            yield Problem(("allocation", key), f"{message}; remove it")
+
+
+def unknown_name(path: KeyPath, kind: str, name: str, known: Iterable[str]) -> Iterator[Problem]:
+    """Yield a problem if a study has no condition, scene, … of a name."""
+    choices = list(known)
+    if name not in choices:
+        hint = did_you_mean(name, choices)
+        yield Problem((*path, kind), f"this study has no {kind} `{name}`; {hint}")

@@ -1,0 +1,165 @@
+"""Packs the recordings of a study: Parquet beside each CSV, whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import duckdb
+
+from vrcomfort.errors import InputError
+from vrcomfort.recordings.columns import kinds
+from vrcomfort.recordings.memory import Memory, column, quoted
+from vrcomfort.recordings.source import (
+    Fingerprint,
+    Source,
+    csv_header,
+    damage_of,
+    half_written,
+    packed_facts,
+    parquet_of,
+    rows_of,
+    told_with_its_place,
+)
+from vrcomfort.records.disk import OWNER, refuse_links, refused, sync_folder
+from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.lock import only_program
+
+ROWS_IN_A_GROUP = 30_720
+"""Of the Parquet file: a group of all 70 columns takes 17 MB while it is written."""
+
+
+@dataclass(frozen=True)
+class Packed:
+    """What became of one recording.
+
+    Parameters
+    ----------
+    new
+        False where a Parquet file of this CSV was there already.
+    half_written
+        Whether the last row was cut off; it is in no Parquet file.
+    """
+
+    csv: Path
+    parquet: Path
+    new: bool
+    half_written: bool
+
+
+def pack_study(
+    study: Path,
+    memory: Memory,
+    work: Callable[[Callable[[Any], Any], Iterable[Any]], Iterator[Any]] = map,
+) -> Iterator[Packed]:
+    """Pack every ``frames.csv`` and ``gaze.csv`` of a folder; yield each when it is on the disk.
+
+    Parameters
+    ----------
+    work
+        Calls a function for every recording: `map`, or that of `vrcomfort.workers`.
+
+    Raises
+    ------
+    InputError
+        If there is none; or at the first that is damaged, with its place, or is being written.
+        What was packed before stays; the damaged recording has no Parquet file, or its old one.
+    """
+    if not study.is_dir():
+        raise InputError("there is no such folder", file=study)
+    names = (FrameRow.FILE, GazeRow.FILE)
+    found = sorted(file for name in names for file in study.rglob(name))
+    if not found:
+        raise InputError("there is no frames.csv or gaze.csv in this folder", file=study)
+    yield from work(partial(pack, study, memory), found)
+
+
+def pack(study: Path, memory: Memory, csv: Path) -> Packed:
+    """Write the Parquet file of one recording; the old one is there until the new one is whole.
+
+    Raises
+    ------
+    InputError
+        If the recording is damaged or is being written, or the disk refuses.
+    """
+    packed = parquet_of(csv)
+    refuse_links(study, packed)
+    with _nobody_writes(csv):
+        fingerprint = Fingerprint.of(csv)
+        cut = half_written(csv)
+        if packed.is_file() and packed_facts(packed) == fingerprint.facts:
+            return Packed(csv, packed, new=False, half_written=cut)
+        draft = packed.with_name(f".{packed.name}.new")
+        try:
+            draft.unlink(missing_ok=True)  # that of a program that was killed
+            _write(csv, draft, fingerprint, memory)
+            if Fingerprint.of(csv) != fingerprint:
+                raise InputError("has changed while it was packed; try again", file=csv)
+            _put(draft, packed, csv)
+        except OSError as error:
+            raise refused(packed, error) from error
+        finally:
+            draft.unlink(missing_ok=True)
+    return Packed(csv, packed, new=True, half_written=cut)
+
+
+@contextmanager
+def _nobody_writes(csv: Path) -> Iterator[None]:
+    """Hold the lock of the participant whose recording it is, where there is one."""
+    lock = csv.parent.parent / "lock"
+    who = csv.parent.parent.name.removeprefix("sub-")
+    held = only_program(lock, OWNER, doing=f"{who} is being run")
+    with held if lock.is_file() else nullcontext():
+        yield
+
+
+def _write(csv: Path, draft: Path, fingerprint: Fingerprint, memory: Memory) -> None:
+    """Write all rows and check that they are what a recorder writes.
+
+    Raises
+    ------
+    InputError
+        With the place of the first cell that cannot be.
+    """
+    facts = ", ".join(f"{name}: {quoted(value)}" for name, value in fingerprint.facts.items())
+    options = f"FORMAT parquet, COMPRESSION zstd, ROW_GROUP_SIZE {ROWS_IN_A_GROUP}"
+    source = Source(csv)
+    with memory.database() as database, told_with_its_place(source):
+        with rows_of(source) as (table, _):
+            try:
+                database.execute(
+                    f"COPY (SELECT * FROM {table}) TO {quoted(draft)} "  # noqa: S608
+                    f"({options}, USE_TMP_FILE false, KV_METADATA {{{facts}}})"
+                )
+            except duckdb.IOException as error:
+                first = str(error).splitlines()[0]
+                raise InputError(f"cannot be written: {first}", file=parquet_of(csv)) from error
+        if not _is_sound(database, draft, csv_header(csv)):
+            raise damage_of(csv, "a number is not finite, or time goes back")
+
+
+def _is_sound(database: duckdb.DuckDBPyConnection, packed: Path, header: tuple[str, ...]) -> bool:
+    """Return whether all numbers are finite and time goes on."""
+    numbers = [column(name) for name, kind in kinds(header).items() if kind == "DOUBLE"]
+    finite = " AND ".join(f"coalesce(isfinite({name}), true)" for name in numbers)
+    later = "xr_time_ns > lag(xr_time_ns, 1, xr_time_ns - 1) OVER ()"
+    row = database.execute(
+        f"SELECT count(*) FILTER (NOT coalesce(sound, false)) FROM "  # noqa: S608
+        f"(SELECT {later} AND {finite} AS sound FROM read_parquet({quoted(packed)}))"
+    ).fetchone()
+    return row is not None and row[0] == 0
+
+
+def _put(draft: Path, packed: Path, csv: Path) -> None:
+    """Make the draft the packed file, for the same readers as the CSV."""
+    draft.chmod(stat.S_IMODE(csv.stat().st_mode))
+    with draft.open("rb") as stream:
+        os.fsync(stream.fileno())
+    draft.replace(packed)
+    sync_folder(packed.parent)

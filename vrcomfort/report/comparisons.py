@@ -1,0 +1,168 @@
+"""Comparisons by other tests than the signed-rank test: of pairs, and of groups of people.
+
+Each test is one function and one line in `TESTS`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.report.descriptives import describe
+from vrcomfort.report.exposures import column_of
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.pairs import Groups, Pairs, groups_of, pair_up
+from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.mann_whitney import mann_whitney
+from vrcomfort.stats.proportions import sign_test
+from vrcomfort.stats.t_tests import TTest, paired_t_test, two_sample_t
+
+if TYPE_CHECKING:
+    from vrcomfort.report.contrasts import Compared
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.plan import Contrast, Equivalent, Plan
+
+Row = dict[str, Any]
+NO_VARIANCE = "nothing varies, so that there is no t"
+
+
+def run_comparisons(scored: Exposures, plan: Plan, contrasts: list[Compared]) -> list[Row]:
+    """Compare every outcome in every contrast between groups, or with a test of its own."""
+    return [
+        _compare(scored, plan, contrast, outcome.name)
+        for contrast in contrasts
+        for outcome in scored.outcomes
+    ]
+
+
+def check_groups(plan: Plan, scored: Exposures) -> None:
+    """Raise InputError where a plan compares groups of a column that the data do not have."""
+    said = {column for person in scored.people.values() for column in person}
+    columns = {*said, "group", "sequence", "condition"} - {"status", "note", "enrolled_at"}
+    named: list[tuple[str, int, Contrast | Equivalent]] = [
+        *(("contrasts", i, each) for i, each in enumerate(plan.contrasts) if each.between),
+        *(("equivalence", i, each) for i, each in enumerate(plan.equivalence) if each.between),
+    ]
+    for table, index, contrast in named:
+        if contrast.between not in columns:
+            hint = did_you_mean(contrast.between, columns)
+            message = f"`{contrast.between}` is no column that groups participants; {hint}"
+            raise plan.fault(message, table, index, "between")
+        there = set(column_of(scored, scored.table, contrast.between).dropna().astype(str))
+        for key, level in (("a", contrast.a), ("b", contrast.b)):
+            if level not in there:
+                known = ", ".join(sorted(there, key=natural)) or "nobody with a score"
+                message = f"`{contrast.between}` is never `{level}`; the data have {known}"
+                raise plan.fault(message, table, index, key)
+
+
+def _compare(scored: Exposures, plan: Plan, contrast: Compared, outcome: str) -> Row:
+    a, b = contrast.a, contrast.b
+    result: Row = {
+        "a": a.name, "b": b.name, "outcome": outcome, "test": contrast.test,
+        "design": "independent" if contrast.between else "paired",
+        "sides": [asdict(a), asdict(b)], "alternative": contrast.alternative,
+        "n_a": 0, "n_b": 0, "participants": [], "p": None, "p_holm": None, "not_tested": None,
+    }  # fmt: skip
+    complete = plan.withdrawals == "complete_pairs"
+    samples: Pairs | Groups
+    if contrast.between:
+        samples = groups_of(scored, outcome, a, b, complete=complete)
+        people = [*samples.people_a, *samples.people_b]
+    else:
+        samples = pair_up(scored, outcome, a, b, complete=complete)
+        people = list(samples.participants)
+    result |= {"n_a": samples.a.size, "n_b": samples.b.size, "participants": people}
+    if problem := too_few(samples):
+        return result | {"not_tested": problem}
+    found = TESTS[contrast.test](samples, plan, contrast)
+    if found is None:
+        return result | {"not_tested": NO_VARIANCE}
+    sides = {"a": describe(samples.a * samples.unit), "b": describe(samples.b * samples.unit)}
+    return result | {"descriptives": sides} | found
+
+
+def too_few(samples: Pairs | Groups) -> str | None:
+    """Say why samples cannot be compared; None where they can."""
+    if isinstance(samples, Pairs):
+        n = len(samples.participants)
+        return f"{n} complete pairs: too few for a test" if n < 2 else None
+    if samples.in_both and min(samples.a.size, samples.b.size) < 2:
+        return "the same people are on both sides: leave `between` away to compare pairs"
+    if min(samples.a.size, samples.b.size) < 2:
+        return f"{samples.a.size} and {samples.b.size} people: too few for a test"
+    return None
+
+
+def _mann_whitney(samples: Any, plan: Plan, contrast: Compared) -> Row | None:
+    test = mann_whitney(
+        samples.a, samples.b, samples.unit, alternative=contrast.alternative,
+        p_value=plan.p_value, confidence=plan.confidence,
+    )  # fmt: skip
+    if test is None or test.shift is None or test.effect is None:
+        return None
+    return {
+        "statistic": "U", "value": test.u, "df": None, "z": test.z, "ties": test.ties,
+        "p": test.p, "method": test.method, "p_asymptotic": test.p_asymptotic,
+        "difference": {"what": "Hodges–Lehmann shift", **asdict(test.shift)},
+        "effect": {"what": "rank-biserial r", **asdict(test.effect)},
+        "bayes_factor_10": None,
+    }  # fmt: skip
+
+
+def _sign(samples: Any, plan: Plan, contrast: Compared) -> Row:
+    test = sign_test(
+        samples.differences, samples.unit, alternative=contrast.alternative,
+        confidence=plan.confidence,
+    )  # fmt: skip
+    return {
+        "statistic": "positive", "value": test.positive, "df": None, "z": None,
+        "ties": test.zeros, "p": test.p, "method": "exact", "p_asymptotic": None,
+        "difference": {"what": "median difference", **asdict(test.median)} if test.median else None,
+        "effect": {"what": "share above", **asdict(test.share)} if test.share else None,
+        "bayes_factor_10": None,
+    }  # fmt: skip
+
+
+def _t(test: TTest | None) -> Row | None:
+    if test is None:
+        return None
+    return {
+        "statistic": "t", "value": test.t, "df": test.df, "z": None, "ties": None, "p": test.p,
+        "method": "t", "p_asymptotic": None,
+        "difference": {
+            "what": "mean difference", "estimate": test.mean, "low": test.low, "high": test.high,
+            "confidence": test.confidence,
+        },
+        "effect": {"what": "Hedges’ g", **asdict(test.hedges_g)},
+        "bayes_factor_10": test.bayes_factor_10,
+    }  # fmt: skip
+
+
+def _paired_t(samples: Any, plan: Plan, contrast: Compared) -> Row | None:
+    return _t(
+        paired_t_test(
+            samples.differences, samples.unit, alternative=contrast.alternative,
+            confidence=plan.confidence,
+        )
+    )  # fmt: skip
+
+
+def _groups_t(samples: Any, plan: Plan, contrast: Compared) -> Row | None:
+    return _t(
+        two_sample_t(
+            samples.a, samples.b, samples.unit,
+            variances="welch" if contrast.test == "welch_t" else "pooled",
+            alternative=contrast.alternative, confidence=plan.confidence,
+        )
+    )  # fmt: skip
+
+
+TESTS: dict[str, Callable[[Any, Plan, Compared], Row | None]] = {
+    "mann_whitney": _mann_whitney,
+    "welch_t": _groups_t,
+    "student_t": _groups_t,
+    "paired_t": _paired_t,
+    "sign": _sign,
+}

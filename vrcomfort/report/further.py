@@ -1,0 +1,189 @@
+"""Correlations, equivalence, preferences, agreement, and tests of several groups of a plan."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.report.comparisons import NO_VARIANCE, too_few
+from vrcomfort.report.models import guarded, is_between, level_of, points
+from vrcomfort.report.ordering import natural
+from vrcomfort.report.pairs import Side, groups_of, pair_up, side_sums, sides_of
+from vrcomfort.settings import did_you_mean
+from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
+from vrcomfort.stats.intraclass import intraclass
+from vrcomfort.stats.kruskal_wallis import kruskal_wallis
+from vrcomfort.stats.proportions import preference
+from vrcomfort.stats.t_tests import equivalence_of_groups, equivalence_of_pairs
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from numpy.typing import NDArray
+
+    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.plan import Agreed, Correlated, Equivalent, Plan, Preferred
+    from vrcomfort.report.study_data import StudyData
+
+Row = dict[str, Any]
+
+
+def further(scored: Exposures, plan: Plan, study: StudyData) -> dict[str, list[Row]]:
+    """Return what a plan asks for beside comparisons and models, by its key in results.json."""
+    names = {each.name for each in scored.outcomes}
+    return {
+        "correlations": [
+            _correlation(scored, plan, asked)
+            for asked in plan.correlations
+            if {asked.x, asked.y} <= names
+        ],
+        "equivalence": [
+            _equivalence(scored, plan, asked)
+            for asked in plan.equivalence
+            if asked.outcome in names
+        ],
+        "preferences": [_preference(study, plan, i) for i in range(len(plan.preferences))],
+        "agreement": [
+            _agreement(scored, plan, asked) for asked in plan.agreement if asked.outcome in names
+        ],
+        "kruskal_wallis": [
+            _kruskal_wallis(scored, plan, place, each.name)
+            for place, factor in enumerate(plan.anova)
+            if is_between(factor) and _several(scored, plan, place)
+            for each in scored.outcomes
+        ],
+    }
+
+
+def _correlation(scored: Exposures, plan: Plan, asked: Correlated) -> Row:
+    table = scored.table
+    rows = table[table["condition"] == asked.condition] if asked.condition else table
+    if asked.method == "repeated_measures":
+        whole = rows.dropna(subset=[asked.x, asked.y])
+        x, y = (
+            whole[name].to_numpy(dtype=float) * scored.units[name] for name in (asked.x, asked.y)
+        )
+        found = repeated_measures_correlation(
+            x, y, whole["participant"].to_numpy(), confidence=plan.confidence
+        )
+        people = sorted(whole["participant"].unique(), key=natural)
+    else:
+        means = rows.groupby("participant")[[asked.x, asked.y]].mean().dropna()
+        x, y = (
+            means[name].to_numpy(dtype=float) * scored.units[name] for name in (asked.x, asked.y)
+        )
+        found = correlation(x, y, method=asked.method, confidence=plan.confidence)
+        people = sorted(means.index, key=natural)
+    problem = None
+    if found.estimate is None:
+        problem = (
+            f"{found.n} pairs of values, or one of both does not vary: too little to correlate"
+        )
+    return {
+        "x": asked.x, "y": asked.y, "condition": asked.condition, "not_tested": problem,
+        "participants": people, "values": [x.tolist(), y.tolist()], **asdict(found),
+    }  # fmt: skip
+
+
+def _in_points(table: pd.DataFrame, scored: Exposures, name: str) -> NDArray[np.float64]:
+    found: NDArray[np.float64] = table[name].to_numpy(dtype=np.float64) * scored.units[name]
+    return found
+
+
+def _equivalence(scored: Exposures, plan: Plan, asked: Equivalent) -> Row:
+    complete = plan.withdrawals == "complete_pairs"
+    result: Row = {**asked.model_dump(), "bounds": [asked.low, asked.high], "not_tested": None}
+    bounds, level = (asked.low, asked.high), 1 - plan.confidence
+    if asked.between:
+        sides = sides_of(asked.between, asked.a, asked.b, asked.condition)
+        groups = groups_of(scored, asked.outcome, *sides, complete=complete)
+        problem = too_few(groups)
+        n = int(groups.a.size + groups.b.size)
+        found = None if problem else equivalence_of_groups(
+            groups.a * groups.unit, groups.b * groups.unit, bounds, level=level
+        )  # fmt: skip
+    else:
+        pairs = pair_up(scored, asked.outcome, Side(asked.a), Side(asked.b), complete=complete)
+        problem, n = too_few(pairs), len(pairs.participants)
+        found = None if problem else equivalence_of_pairs(
+            pairs.differences * pairs.unit, bounds, level=level
+        )  # fmt: skip
+    result["n"] = n
+    if found is None:
+        return result | {"not_tested": problem or NO_VARIANCE}
+    return result | asdict(found) | {"equivalent": found.p <= level}
+
+
+def _preference(study: StudyData, plan: Plan, index: int) -> Row:
+    asked: Preferred = plan.preferences[index]
+    columns = {name for person in study.participants for name in person}
+    if asked.column not in columns:
+        hint = did_you_mean(asked.column, columns)
+        message = f"`{asked.column}` is no column of participants.csv; {hint}"
+        raise plan.fault(message, "preferences", index, "column")
+    said = [
+        (person["participant"], person.get(asked.column, "").strip())
+        for person in study.participants
+        if person["status"] != "excluded"
+    ]
+    counts = Counter(value for _, value in said if value)
+    known = {asked.a, asked.b, *asked.none}
+    if unknown := sorted(counts.keys() - known):
+        message = (
+            f"`{unknown[0]}` in column `{asked.column}` of participants.csv is neither a, b nor "
+            "none; name it, or correct it"
+        )
+        raise plan.fault(message, "preferences", index)
+    none = sum(counts[value] for value in asked.none)
+    found = preference(counts[asked.a], counts[asked.b], none, confidence=plan.confidence)
+    return {
+        "name": asked.name, "label": asked.label or asked.name, "of_a": asked.a, "of_b": asked.b,
+        "n": sum(counts.values()), "missing": sum(not value for _, value in said),
+        "participants": sorted((who for who, value in said if value), key=natural),
+        "confidence": plan.confidence,
+        "not_tested": None if counts[asked.a] + counts[asked.b] else "nobody has a preference",
+        **asdict(found),
+    }  # fmt: skip
+
+
+def _agreement(scored: Exposures, plan: Plan, asked: Agreed) -> Row:
+    result: Row = {"over": asked.over, "condition": asked.condition}
+    return result | guarded(asked.outcome, lambda: _intraclass(scored, plan, asked))
+
+
+def _intraclass(scored: Exposures, plan: Plan, asked: Agreed) -> Row:
+    rows = points(scored.table, scored, asked.outcome)
+    rows = rows[rows["condition"] == asked.condition] if asked.condition else rows
+    wide = rows.pivot_table(index="participant", columns=asked.over, values="score").dropna()
+    if wide.shape[0] < 2 or wide.shape[1] < 2:
+        raise InputError(
+            f"{wide.shape[0]} people with a score in each of {wide.shape[1]} occasions: too few"
+        )
+    forms = intraclass(wide.to_numpy(dtype=float), confidence=plan.confidence)
+    return {"n": wide.shape[0], "occasions": wide.shape[1], "forms": [asdict(f) for f in forms]}
+
+
+def _several(scored: Exposures, plan: Plan, place: int) -> bool:
+    return len(level_of(scored, scored.table, plan.anova[place]).dropna().unique()) > 2
+
+
+def _kruskal_wallis(scored: Exposures, plan: Plan, place: int, outcome: str) -> Row:
+    factor = plan.anova[place]
+    return {"factor": factor.name} | guarded(
+        outcome, lambda: _of_levels(scored, plan, place, outcome)
+    )
+
+
+def _of_levels(scored: Exposures, plan: Plan, place: int, outcome: str) -> Row:
+    """Test the groups of a factor on each person's integer sums, brought to one number."""
+    factor = plan.anova[place]
+    people, sums, _ = side_sums(scored, outcome, [Side()], complete=False)
+    of = dict(zip(people, sums[:, 0], strict=True))
+    levels = level_of(scored, scored.table, factor)
+    group = dict(zip(scored.table["participant"], levels, strict=True))
+    names = sorted({str(level) for level in levels.dropna().unique()}, key=natural)
+    groups = [np.array([v for who, v in of.items() if group[who] == name]) for name in names]
+    return {"levels": names, **asdict(kruskal_wallis(groups))}

@@ -1,0 +1,166 @@
+"""What comparisons of groups, correlations, equivalence and preferences say, in one sentence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
+
+if TYPE_CHECKING:
+    from vrcomfort.report.vocabulary import Vocabulary
+
+Row = dict[str, Any]
+Line = dict[str, str]
+TESTS = {
+    "mann_whitney": "Mann–Whitney test",
+    "welch_t": "Welch’s t test",
+    "student_t": "Student’s t test",
+    "paired_t": "Paired t test",
+    "sign": "Sign test",
+    "signed_rank": "Signed-rank test",
+}
+DIGITS = {"U": 1, "positive": 0, "t": 2}
+METHODS = {
+    "pearson": ("Pearson’s r", "r"),
+    "spearman": ("Spearman’s ρ", "ρ"),
+    "kendall": ("Kendall’s τ", "τ"),
+    "repeated_measures": ("Repeated-measures correlation", "r"),
+}
+
+
+def line_of(claim: str, evidence: str) -> Line:
+    """Return an answer in two parts, and as one text."""
+    text = f"{claim} {evidence}" if evidence else claim
+    return {"claim": claim, "evidence": evidence, "text": text}
+
+
+def further_answers(results: Row, words: Vocabulary) -> list[Line]:
+    """Return a sentence for each equivalence, correlation and preference."""
+    return [
+        *(equivalence_answer(row, words) for row in results["equivalence"]),
+        *(preference_answer(row) for row in results["preferences"]),
+        *(correlation_answer(row, words) for row in results["correlations"]),
+    ]
+
+
+def decisive_p(test: Row) -> float:
+    """Return the p that decides: adjusted, where the score is in a family."""
+    return float(test["p"] if test["p_holm"] is None else test["p_holm"])
+
+
+def mean_and_sd(found: dict[str, float | None]) -> str:
+    """Return mean and standard deviation as a sentence has them."""
+    return f"M\u00a0=\u00a0{number(found['mean'])}, SD\u00a0=\u00a0{number(found['sd'])}"
+
+
+def comparison_answer(row: Row, words: Vocabulary) -> Line:
+    """Say what a comparison by another test than the signed-rank test says."""
+    a, b = words.condition(row["a"]), words.condition(row["b"])
+    name = words.outcome(row["outcome"])
+    if row["not_tested"]:
+        return line_of(f"{name}: {a} and {b} could not be compared ({row['not_tested']}).", "")
+    of_a, of_b = (
+        f"{label} ({mean_and_sd(row['descriptives'][side])})"
+        for side, label in (("a", a), ("b", b))
+    )
+    within = "under" if row["design"] == "paired" else "in"
+    difference = row["difference"]
+    if decisive_p(row) > 1 - difference["confidence"]:
+        said = f"no difference was shown between {of_a} and {of_b}"
+    else:
+        more = "higher" if _higher(row) else "lower"
+        said = f"{more} {within} {of_a} than {within} {of_b}"
+    n = row["n_a"] if row["design"] == "paired" else f"{row['n_a']} and {row['n_b']}"
+    of = f"{number(difference['estimate'])} {words.unit(row['outcome'])}".rstrip()
+    claim = f"{name}: {said}; {difference['what']} {of}{_interval(difference)}, n\u00a0=\u00a0{n}."
+    return line_of(claim, _evidence(row))
+
+
+def _higher(row: Row) -> bool:
+    """Return whether a is higher; the estimate may be 0 where the ranks are not."""
+    middle = {"U": row["n_a"] * row["n_b"] / 2, "t": 0.0}
+    if row["statistic"] in middle:
+        return bool(row["value"] > middle[row["statistic"]])
+    return bool(row["effect"]["estimate"] > 0.5)
+
+
+def _interval(found: Row) -> str:
+    percent, ends = f"{100 * found['confidence']:g}\u00a0% CI", interval(found)
+    return f" (no {percent}: too few)" if ends == NONE else f", {percent} {ends}"
+
+
+def _evidence(row: Row) -> str:
+    holm = "" if row["p_holm"] is None else f", Holm-adjusted {p_equals(row['p_holm'])}"
+    exact = f" ({row['method']})" if row["method"] != "t" else ""
+    df = f"({number(row['df'], 0 if float(row['df']).is_integer() else 2)})" if row["df"] else ""
+    statistic = (
+        f"{row['statistic']}{df}\u00a0=\u00a0{number(row['value'], DIGITS[row['statistic']])}"
+    )
+    text = f"{TESTS[row['test']]}{exact}: {statistic}, {p_equals(row['p'])}{holm}"
+    effect = row["effect"]
+    if effect:
+        bounded = "g" not in effect["what"].split()[-1]
+        write = fraction if bounded else number
+        text += f"; {effect['what']}\u00a0=\u00a0{write(effect['estimate'])}"
+        text += f" {interval(effect, bounded=bounded)}" if interval(effect) != NONE else ""
+    return f"{text}."
+
+
+def equivalence_answer(row: Row, words: Vocabulary) -> Line:
+    """Say whether a difference was shown to lie within the bounds of the plan."""
+    a, b, name = words.condition(row["a"]), words.condition(row["b"]), words.outcome(row["outcome"])
+    low, high = (number(bound) for bound in row["bounds"])
+    if row["not_tested"]:
+        return line_of(f"{name}: equivalence could not be tested ({row['not_tested']}).", "")
+    shown = "lies" if row["equivalent"] else "was not shown to lie"
+    unit = words.unit(row["outcome"])
+    claim = (
+        f"{name}: the difference of {a} and {b}, {number(row['mean'])} {unit}".rstrip()
+        + f", {shown} within {low} and {high}, n\u00a0=\u00a0{row['n']}."
+    )
+    percent = f"{100 * row['confidence']:g}\u00a0% CI"
+    return line_of(
+        claim, f"Two one-sided t tests: {p_equals(row['p'])}; {percent} {interval(row)}."
+    )
+
+
+def preference_answer(row: Row) -> Line:
+    """Say how many preferred what."""
+    a, b = row["of_a"], row["of_b"]
+    counts = f"{a} {row['a']}, {b} {row['b']}, no preference {row['none']} of {row['n']}"
+    if row["not_tested"]:
+        return line_of(f"{row['label']}: nobody preferred either ({counts}).", "")
+    if row["p"] > 1 - row["confidence"]:
+        said = f"no preference for {a} or {b} was shown"
+    else:
+        said = f"more preferred {a if row['a'] > row['b'] else b}"
+    share = row["share_of_a"]
+    percent = f"{100 * row['confidence']:g}\u00a0% CI"
+    return line_of(
+        f"{row['label']}: {said} ({counts}).",
+        f"Sign test without those who had none: {p_equals(row['p'])}; share of {a}\u00a0=\u00a0"
+        f"{fraction(share['estimate'])}, {percent} {interval(share, bounded=True)}.",
+    )
+
+
+def correlation_answer(row: Row, words: Vocabulary) -> Line:
+    """Say whether two outcomes go together."""
+    x, y = words.outcome(row["x"]), words.outcome(row["y"])
+    if row["not_tested"]:
+        return line_of(f"{x} and {y} could not be correlated ({row['not_tested']}).", "")
+    title, symbol = METHODS[row["method"]]
+    if row["p"] > 1 - row["confidence"]:
+        said = "no correlation was shown"
+    else:
+        said = (
+            "more of one went with " + ("more" if row["estimate"] > 0 else "less") + " of the other"
+        )
+    percent = f"{100 * row['confidence']:g}\u00a0% CI"
+    ends = "" if row["low"] is None else f", {percent} {interval(row, bounded=True)}"
+    n = f"n\u00a0=\u00a0{row['n']}"
+    if row["method"] == "repeated_measures":
+        n = f"{row['n']} exposures of {row['people']} people"
+    return line_of(
+        f"{x} and {y}: {said}; {symbol}\u00a0=\u00a0{fraction(row['estimate'])}{ends}, {n}.",
+        f"{title}: {p_equals(row['p'])}.",
+    )

@@ -1,0 +1,53 @@
+"""Comparisons of groups, correlations, equivalence, preferences and agreement as flat rows."""
+
+from __future__ import annotations
+
+from typing import Any
+
+Row = dict[str, Any]
+_LISTS = ("participants", "sides", "values", "bounds", "shares")
+
+
+def further_tables(results: Row) -> dict[str, list[Row]]:
+    """Return the name of a table and its rows."""
+    return {
+        "comparisons": [_comparison(row) for row in results["comparisons"]],
+        "correlations": [_plain(row) for row in results["correlations"]],
+        "equivalence": [_plain(row) for row in results["equivalence"]],
+        "preferences": [_preference(row) for row in results["preferences"]],
+        "agreement": [line for row in results["agreement"] for line in _agreement(row)],
+        "kruskal_wallis": [_kruskal_wallis(row) for row in results["kruskal_wallis"]],
+    }
+
+
+def _plain(row: Row) -> Row:
+    return {key: value for key, value in row.items() if key not in _LISTS}
+
+
+def _comparison(row: Row) -> Row:
+    inner = {"difference", "effect", "descriptives"}
+    flat = {key: value for key, value in _plain(row).items() if key not in inner}
+    for side in ("a", "b"):
+        described = row.get("descriptives", {}).get(side, {})
+        flat |= {f"{key}_{side}": described.get(key) for key in ("mean", "sd", "median")}
+    for part in ("difference", "effect"):
+        found = row.get(part) or {}
+        flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
+    return flat
+
+
+def _preference(row: Row) -> Row:
+    share = row["share_of_a"] or {}
+    ends = {f"share_of_a_{key}": share.get(key) for key in ("low", "high")}
+    return _plain(row) | {"share_of_a": share.get("estimate"), **ends}
+
+
+def _agreement(row: Row) -> list[Row]:
+    keys = {key: row[key] for key in ("outcome", "over", "condition", "not_tested")}
+    return [{**keys, "n": row["n"], **form} for form in row.get("forms", ())] or [keys]
+
+
+def _kruskal_wallis(row: Row) -> Row:
+    sizes = dict(zip(row.get("levels", ()), row.get("sizes", ()), strict=True))
+    flat = {key: value for key, value in row.items() if key not in {"levels", "sizes"}}
+    return flat | {"groups": "; ".join(f"{name}: {n}" for name, n in sizes.items())}

@@ -1,0 +1,126 @@
+"""What a measure is: an outcome that is no score of a questionnaire."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from vrcomfort.report.study_data import StudyData
+
+Better = Literal["lower", "higher", ""]
+DIGITS = 12
+"""Digits of the largest value of a measure to which values are compared: what is alike in them is
+tied."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """An outcome from a file of the study, in steps of one size.
+
+    Parameters
+    ----------
+    name
+        As plans and tables call it.
+    title
+        As readers know it.
+    source, quantity
+        What it is read from (a key of `measures.SOURCES`), and what of it.
+    unit_label
+        Unit, such as s; blank for a pure number.
+    better
+        Which direction is the good one; blank where that is not said.
+    instrument
+        Of ratings: the instrument that is meant; blank where there is one.
+    threshold
+        Of a time to a threshold: the rating.
+    """
+
+    name: str
+    title: str
+    source: str
+    quantity: str
+    unit_label: str = ""
+    better: Better = ""
+    instrument: str = ""
+    threshold: float | None = None
+
+    unit = 1.0
+    parts: tuple[str, ...] = ()
+
+
+class Value(NamedTuple):
+    """A measure of one exposure, of one person under a condition, or of one person."""
+
+    participant: str
+    session: str
+    trial: str
+    condition: str
+    """Blank, as session and trial are, where the file does not say it."""
+    number: Fraction | None
+    reason: str = ""
+    """Why there is no number."""
+
+
+class Quantity(NamedTuple):
+    """What a source knows of one of its quantities."""
+
+    title: str
+    unit: str
+    better: Better
+    definition: str
+    """A clause for the methods section."""
+
+
+class Source(Protocol):
+    """A file of the study, and what can be measured in it."""
+
+    quantities: ClassVar[dict[str, Quantity]]
+    """The quantities with a name; empty where any column may be named."""
+
+    def values(self, study: StudyData, measure: Measure) -> Iterable[Value]:
+        """Return the values of a study.
+
+        Raises
+        ------
+        InputError
+            If the study does not have what is measured.
+        """
+        ...
+
+
+def number_of(text: str) -> Fraction | None:
+    """Return the number that a cell holds, exactly; None of a blank one.
+
+    Raises
+    ------
+    ValueError
+        If it is no finite number.
+    """
+    if text.strip().casefold() in {"", "na", "nan", "n/a"}:
+        return None
+    value = float(text)
+    if not math.isfinite(value):
+        raise ValueError(text)
+    return Fraction(text.strip())
+
+
+def exactly(value: float | Fraction) -> Fraction | None:
+    """Return a computed number; None of NaN and infinity."""
+    return Fraction(value) if math.isfinite(value) else None
+
+
+def in_steps(values: list[Value]) -> list[Value]:
+    """Return the values to `DIGITS` digits of the largest, so that those that are alike tie."""
+    largest = max((abs(v.number) for v in values if v.number is not None), default=Fraction(0))
+    if not largest:
+        return values
+    power = math.floor(math.log10(largest)) + 1 - DIGITS
+    step = Fraction(10) ** power
+    return [
+        v if v.number is None else v._replace(number=round(v.number / step) * step) for v in values
+    ]

@@ -1,0 +1,96 @@
+"""Puts measures beside the scores of the exposures that they belong to."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.errors import InputError
+from vrcomfort.questionnaire import Sheet
+from vrcomfort.report.measures import Measure, Value, values_of
+
+if TYPE_CHECKING:
+    from vrcomfort.report.plan import Plan
+    from vrcomfort.report.study_data import StudyData
+
+Row = dict[str, Any]
+
+
+def measured(study: StudyData, plan: Plan, measure: Measure) -> list[Value]:
+    """Return the values of everybody whom the experimenter has not excluded.
+
+    Raises
+    ------
+    InputError
+        If the study does not have what is measured, with the place in the plan.
+    """
+    excluded = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    try:
+        values = values_of(study, measure)
+    except InputError as error:
+        raise plan.fault(error.message, "outcomes", plan.outcomes.index(measure.name)) from None
+    return [value for value in values if value.participant not in excluded]
+
+
+def exposure_of(value: Value, timepoint: str) -> Sheet:
+    """Return what a value is of, as a questionnaire without answers, whose facts are looked up."""
+    keys = {name: str(getattr(value, name)) for name in _WHOSE}
+    return Sheet(0, keys | {"timepoint": timepoint})
+
+
+_WHOSE = ("participant", "session", "trial", "condition")
+
+
+def unmeasured(value: Value, measure: Measure) -> dict[str, str]:
+    """Return the row that says why an exposure has no value."""
+    where = [
+        f"session {value.session}" if value.session else "",
+        f"exposure {value.trial}" if value.trial else "",
+        value.condition,
+    ]
+    name = ", ".join(part for part in (measure.name, *where) if part)
+    what = {"participant": value.participant, "questionnaire": name, "reason": value.reason}
+    return {**what, "place": f"{measure.source}.csv"}
+
+
+class Beside:
+    """The rows of exposures at one timepoint, found by the exposure or by person and condition."""
+
+    def __init__(self, rows: dict[tuple[Any, ...], Row], timepoint: str) -> None:
+        self._rows = rows
+        self._of_exposure: dict[tuple[Any, ...], Row] = {}
+        self._of_condition: dict[tuple[Any, ...], list[Row]] = defaultdict(list)
+        self._of_person: dict[str, list[Row]] = defaultdict(list)
+        for row in rows.values():
+            if row["timepoint"] == timepoint:
+                self._index(row)
+
+    def _index(self, row: Row) -> None:
+        if row["number"]:
+            key = row["participant"], row["session"], row["number"]
+            self._of_exposure.setdefault(key, row)
+        self._of_condition[row["participant"], row["condition"]].append(row)
+        self._of_person[row["participant"]].append(row)
+
+    def put(self, row: Row, name: str, number: Any) -> None:
+        """Add a measure to the row of its exposure, if there is one, else as a row of its own.
+
+        What is said of a person (under a condition), of no one exposure, goes to the only one.
+        """
+        who, condition = row["participant"], row["condition"]
+        if row["number"]:
+            same = [self._of_exposure.get((who, row["session"], row["number"]))]
+        else:
+            same = [*(self._of_condition[who, condition] if condition else self._of_person[who])]
+        found = same[0] if len(same) == 1 else None
+        if found is None or name in found:
+            found = dict(row)
+            key = tuple(row[each] for each in _SAME)
+            while key in self._rows:
+                key = (*key, name)
+            self._rows[key] = found
+            self._index(found)
+        found[name] = number
+
+
+_SAME = ("participant", "session", "number", "timepoint", "condition", "scene", "part")

@@ -1,0 +1,289 @@
+"""Time to an event where not everybody has it: Kaplan–Meier curves and log-rank tests.
+
+Own code because lifelines 0.30 asks for pandas < 3 and has neither R's default interval nor
+observed and expected counts. The tests hold all of it to R's ``survival`` (Therneau 2023).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.stats import chi2, norm
+
+from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    Floats = NDArray[np.float64]
+    Integers = NDArray[np.int64]
+
+TIED = 1e-9
+"""Times that differ by less than this share are one time: sums of seconds are not exact."""
+
+
+@dataclass(frozen=True)
+class SurvivalAt:
+    """What a Kaplan–Meier curve says at one time."""
+
+    time_s: float
+    at_risk: int
+    """Observed until just before that time or longer."""
+    events: int
+    """Since the time listed before, that one excluded, this one included."""
+    survival: float
+    standard_error: float | None
+    """Of `survival`; None where it is 0: Greenwood's formula has no value there."""
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True)
+class KaplanMeier:
+    """A Kaplan–Meier curve: a row for each different time of an event or a censoring."""
+
+    times_s: Floats
+    at_risk: Integers
+    events: Integers
+    survival: Floats
+    standard_errors: Floats
+    """Of `survival`: Greenwood's, or robust to repeated people; NaN where `survival` is 0."""
+    low: Floats
+    high: Floats
+    confidence: float
+    robust: bool
+
+    @property
+    def n(self) -> int:
+        """Return the number of courses."""
+        return int(self.at_risk[0])
+
+    def at(self, times_s: ArrayLike) -> list[SurvivalAt]:
+        """Return the curve at ascending times; nothing for times after the last observed one."""
+        found, before = [], 0
+        for time in np.asarray(times_s, dtype=np.float64):
+            if time > self.times_s[-1]:
+                break
+            row = int(np.searchsorted(self.times_s, time, side="right"))
+            at_risk = int(self.at_risk[np.searchsorted(self.times_s, time)])
+            events, before = int(self.events[before:row].sum()), row
+            if row == 0:
+                found.append(SurvivalAt(float(time), at_risk, 0, 1.0, 0.0, 1.0, 1.0))
+                continue
+            numbers = (self.standard_errors, self.low, self.high)
+            error, low, high = (_known(values[row - 1]) for values in numbers)
+            survival = float(self.survival[row - 1])
+            found.append(SurvivalAt(float(time), at_risk, events, survival, error, low, high))
+        return found
+
+    def median_s(self) -> tuple[float | None, float | None, float | None]:
+        """Return the time at which half had the event, with its interval (Brookmeyer & Crowley).
+
+        None: the curve, or a bound of its interval, never falls to a half. Where it stays at a half
+        exactly, the middle of that stretch, as R has it.
+        """
+        estimate, low, high = (
+            self._first_at_half(values) for values in (self.survival, self.low, self.high)
+        )
+        return estimate, low, high
+
+    def _first_at_half(self, values: Floats) -> float | None:
+        below = np.flatnonzero(values <= 0.5 + 1e-8)
+        if not below.size:
+            return None
+        first = int(below[0])
+        further = np.flatnonzero(values < 0.5 - 1e-8)
+        if abs(values[first] - 0.5) <= 1e-8 and further.size:
+            return float(self.times_s[first] + self.times_s[further[0]]) / 2
+        return float(self.times_s[first])
+
+
+def _known(value: float) -> float | None:
+    return None if np.isnan(value) else float(value)
+
+
+def kaplan_meier(
+    times_s: ArrayLike,
+    events: ArrayLike,
+    *,
+    people: ArrayLike | None = None,
+    confidence: float = 0.95,
+) -> KaplanMeier:
+    """Estimate how many have not had the event by each time.
+
+    The interval is that of the logarithm of survival (``conf.type = "log"``, R's default), cut at
+    1. Where survival is 0 there is none.
+
+    Parameters
+    ----------
+    times_s
+        When the event came or the watching ended, shape (n,), not negative.
+    events
+        1 (or True) where the event came, 0 where it was censored.
+    people
+        Who each course is of, shape (n,). With it, standard errors are those of the infinitesimal
+        jackknife over people, whose courses are not independent; without it, Greenwood's.
+
+    Raises
+    ------
+    InputError
+        If there is no course, or a time is missing or negative.
+    """
+    times, had = _checked(times_s, events)
+    moments, place = np.unique(times, return_inverse=True)
+    deaths = np.bincount(place, had).astype(np.int64)
+    at_risk = times.size - np.searchsorted(np.sort(times), moments)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        survival = np.cumprod(1 - deaths / at_risk, dtype=np.float64)
+        if people is None:
+            variance = np.cumsum(deaths / (at_risk * (at_risk - deaths)))
+        else:
+            variance = _jackknife_variance(place, had, deaths, at_risk, np.asarray(people))
+    errors: Floats = np.sqrt(np.where(survival > 0, variance, np.nan))
+    half = norm.isf((1 - confidence) / 2) * errors
+    return KaplanMeier(
+        times_s=moments,
+        at_risk=at_risk.astype(np.int64),
+        events=deaths,
+        survival=survival,
+        standard_errors=survival * errors,
+        low=survival * np.exp(-half),
+        high=np.minimum(survival * np.exp(half), 1.0),
+        confidence=confidence,
+        robust=people is not None,
+    )
+
+
+def _jackknife_variance(
+    place: Integers, had: Floats, deaths: Integers, at_risk: Integers, people: NDArray[np.generic]
+) -> Floats:
+    """Return the variance of log S at each time: squared influences, summed within people first.
+
+    The influence of a course on log S(t) is −Σ (dN − h Y) / (n (1 − h)) over the times until t,
+    with h the share of those at risk who have the event (Therneau 2023, section 2.2).
+    """
+    left = np.maximum(at_risk - deaths, 1)  # where nobody is left, survival is 0 and has no error
+    stay = np.cumsum(deaths / (at_risk * left))
+    who = np.unique(people, return_inverse=True)[1].ravel()
+    variance = np.zeros(deaths.size)
+    for person in range(who.max() + 1):
+        influence = np.zeros(deaths.size)
+        for course in np.flatnonzero(who == person):
+            last = place[course]
+            influence += np.where(np.arange(deaths.size) < last, stay, stay[last])
+            if had[course]:
+                influence[last:] -= 1 / left[last]
+        variance += influence**2
+    return variance
+
+
+@dataclass(frozen=True)
+class LogRank:
+    """A log-rank test of several groups."""
+
+    groups: tuple[str, ...]
+    n: tuple[int, ...]
+    observed: tuple[int, ...]
+    expected: tuple[float, ...]
+    """Events that each group would have had if all were alike."""
+    chi_square: float
+    df: int
+    p: float
+    strata: int
+    """Within how many strata courses were compared; 1: all with all."""
+
+
+def log_rank(
+    times_s: ArrayLike,
+    events: ArrayLike,
+    groups: ArrayLike,
+    *,
+    strata: ArrayLike | None = None,
+) -> LogRank:
+    """Test whether groups differ in the time to an event.
+
+    Parameters
+    ----------
+    groups
+        Name of each course's group, shape (n,).
+    strata
+        Courses are compared within these alone, as with participants who met several conditions.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two groups, no event, or nothing to compare within strata.
+    """
+    times, had = _checked(times_s, events)
+    names, member = np.unique(np.asarray(groups, dtype=str), return_inverse=True)
+    layers = np.zeros(times.size, dtype=np.int64)
+    if strata is not None:
+        layers = np.unique(np.asarray(strata), return_inverse=True)[1].ravel()
+    if names.size < 2:
+        raise InputError("there is one group only, so nothing is compared")
+    if not had.any():
+        raise InputError("nobody had the event, so times are not compared")
+    expected, covariance = np.zeros(names.size), np.zeros((names.size, names.size))
+    for layer in range(layers.max() + 1):
+        here = layers == layer
+        more, spread = _of_stratum(times[here], had[here], member[here], names.size)
+        expected, covariance = expected + more, covariance + spread
+    observed = np.bincount(member, had, names.size)
+    compared = np.diag(covariance) > 0
+    if compared.sum() < 2:
+        raise InputError("no event came while both groups were observed, so nothing is compared")
+    difference = (observed - expected)[compared][1:]
+    part = covariance[np.ix_(compared, compared)][1:, 1:]
+    statistic = float(difference @ np.linalg.pinv(part, hermitian=True) @ difference)
+    df = int(np.linalg.matrix_rank(part, hermitian=True))
+    return LogRank(
+        groups=tuple(map(str, names)),
+        n=tuple(map(int, np.bincount(member))),
+        observed=tuple(map(int, observed)),
+        expected=tuple(map(float, expected)),
+        chi_square=statistic,
+        df=df,
+        p=float(chi2.sf(statistic, df)),
+        strata=int(layers.max()) + 1,
+    )
+
+
+def _of_stratum(times: Floats, had: Floats, member: Integers, groups: int) -> tuple[Floats, Floats]:
+    """Return the expected events of each group, and the covariance of observed minus expected."""
+    expected, covariance = np.zeros(groups), np.zeros((groups, groups))
+    for moment in np.unique(times[had > 0]):
+        at_risk = np.bincount(member[times >= moment], minlength=groups)
+        total, deaths = at_risk.sum(), had[times == moment].sum()
+        share = at_risk / total
+        expected += deaths * share
+        if total > 1:
+            left = deaths * (total - deaths) / (total - 1)
+            covariance += left * (np.diag(share) - np.outer(share, share))
+    return expected, covariance
+
+
+def _checked(times_s: ArrayLike, events: ArrayLike) -> tuple[Floats, Floats]:
+    """Return times, those that differ by rounding made equal, and events as 0 and 1."""
+    times = np.asarray(times_s, dtype=np.float64)
+    had = np.asarray(events, dtype=np.float64)
+    if times.ndim != 1 or times.shape != had.shape:
+        raise InputError("times and events need one value for each course")
+    if not times.size:
+        raise InputError("there is no course to look at")
+    if not (np.isfinite(times).all() and (times >= 0).all()):
+        raise InputError("a time to an event is missing, infinite or negative; give seconds")
+    if not np.isin(had, (0, 1)).all():
+        raise InputError("an event is neither 0 (censored) nor 1 (it came)")
+    return one_time(times), had
+
+
+def one_time(times: Floats) -> Floats:
+    """Return times in which those that differ by rounding alone are equal."""
+    order = np.argsort(times)
+    ascending = times[order]
+    step = np.diff(ascending, prepend=-np.inf) > TIED * max(float(ascending[-1]), 1.0)
+    result = np.empty_like(times)
+    result[order] = ascending[np.maximum.accumulate(np.where(step, np.arange(times.size), 0))]
+    return result

@@ -1,0 +1,251 @@
+"""t tests of pairs and of two groups, with Hedges' g and its interval, and tests of equivalence."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import gammaln, nctdtr
+from scipy.stats import t as t_distribution
+
+from vrcomfort.stats.effects import Effect
+from vrcomfort.stats.packages import pingouin, quiet
+from vrcomfort.stats.paired_t import PRIOR_SCALE
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from vrcomfort.stats.ranks import Alternative
+
+    Floats = NDArray[np.float64]
+
+Variances = Literal["welch", "pooled"]
+
+
+@dataclass(frozen=True)
+class TTest:
+    """A t test of a difference of means, in points."""
+
+    mean: float
+    standard_error: float
+    df: float
+    t: float
+    p: float
+    low: float | None
+    """None: no bound on that side, as with one-sided tests."""
+    high: float | None
+    confidence: float
+    alternative: Alternative
+    hedges_g: Effect
+    """Of pairs, over the standard deviation of the differences; of groups, over the pooled one."""
+    bayes_factor_10: float
+    """JZS (Rouder et al. 2009), two-sided."""
+
+
+@dataclass(frozen=True)
+class Equivalence:
+    """Two one-sided t tests of a difference within bounds (Schuirmann 1987)."""
+
+    mean: float
+    df: float
+    t_low: float
+    """Against the lower bound: is the difference above it?"""
+    t_high: float
+    p_low: float
+    p_high: float
+    p: float
+    """The larger of both: at most α where the difference is shown to lie within the bounds."""
+    low: float
+    """Interval of 1 − 2 α, which lies within the bounds exactly where p ≤ α."""
+    high: float
+    confidence: float
+
+
+def paired_t_test(
+    differences: ArrayLike,
+    unit: float = 1.0,
+    *,
+    alternative: Alternative = "two-sided",
+    confidence: float = 0.95,
+) -> TTest | None:
+    """Test whether the mean of paired differences is zero; None without any variance of them."""
+    values = np.asarray(differences, dtype=np.float64)
+    if values.size < 2 or np.ptp(values) == 0:
+        return None
+    deviation, n = float(values.std(ddof=1)), values.size
+    return _t_test(
+        float(values.mean()), deviation / math.sqrt(n), n - 1, unit, alternative, confidence,
+        g=(float(values.mean()) / deviation, n - 1, 1 / math.sqrt(n)), sizes=(n, None),
+    )  # fmt: skip
+
+
+def two_sample_t(
+    a: ArrayLike,
+    b: ArrayLike,
+    unit: float = 1.0,
+    *,
+    variances: Variances = "welch",
+    alternative: Alternative = "two-sided",
+    confidence: float = 0.95,
+) -> TTest | None:
+    """Test whether the means of two groups differ.
+
+    Parameters
+    ----------
+    variances
+        ``welch``: each group has its own (Welch 1947); ``pooled``: Student's, both alike.
+
+    Returns
+    -------
+    TTest or None
+        None with fewer than two values in a group, or where none varies in either.
+    """
+    found = _two_samples(a, b, variances)
+    if found is None:
+        return None
+    mean, error, df, pooled, n, m = found
+    return _t_test(
+        mean, error, df, unit, alternative, confidence,
+        g=(mean / pooled, n + m - 2, math.sqrt(1 / n + 1 / m)), sizes=(n, m),
+    )  # fmt: skip
+
+
+def equivalence_of_pairs(
+    differences: ArrayLike, bounds: tuple[float, float], unit: float = 1.0, *, level: float = 0.05
+) -> Equivalence | None:
+    """Test whether the mean difference lies within bounds, in points; None without variance."""
+    values = np.asarray(differences, dtype=np.float64)
+    if values.size < 2 or np.ptp(values) == 0:
+        return None
+    error = float(values.std(ddof=1)) / math.sqrt(values.size)
+    return _equivalence(float(values.mean()) * unit, error * unit, values.size - 1, bounds, level)
+
+
+def equivalence_of_groups(
+    a: ArrayLike,
+    b: ArrayLike,
+    bounds: tuple[float, float],
+    unit: float = 1.0,
+    *,
+    variances: Variances = "welch",
+    level: float = 0.05,
+) -> Equivalence | None:
+    """Test whether the difference of two groups' means lies within bounds, in points."""
+    found = _two_samples(a, b, variances)
+    if found is None:
+        return None
+    mean, error, df, *_ = found
+    return _equivalence(mean * unit, error * unit, df, bounds, level)
+
+
+def _two_samples(
+    a: ArrayLike, b: ArrayLike, variances: Variances
+) -> tuple[float, float, float, float, int, int] | None:
+    """Return mean difference, its error and degrees of freedom, the pooled SD and both sizes."""
+    first, second = (np.asarray(each, dtype=np.float64) for each in (a, b))
+    n, m = first.size, second.size
+    if min(n, m) < 2 or (np.ptp(first) == 0 and np.ptp(second) == 0):
+        return None
+    one, two = float(first.var(ddof=1)), float(second.var(ddof=1))
+    pooled = math.sqrt(((n - 1) * one + (m - 1) * two) / (n + m - 2))
+    mean = float(first.mean() - second.mean())
+    if variances == "pooled":
+        return mean, pooled * math.sqrt(1 / n + 1 / m), n + m - 2, pooled, n, m
+    u, v = one / n, two / m
+    df = (u + v) ** 2 / (u**2 / (n - 1) + v**2 / (m - 1))
+    return mean, math.sqrt(u + v), df, pooled, n, m
+
+
+def _t_test(
+    mean: float,
+    error: float,
+    df: float,
+    unit: float,
+    alternative: Alternative,
+    confidence: float,
+    *,
+    g: tuple[float, int, float],
+    sizes: tuple[int, int | None],
+) -> TTest:
+    t = mean / error
+    sides = 2 if alternative == "two-sided" else 1
+    half = float(t_distribution.isf((1 - confidence) / sides, df)) * error
+    return TTest(
+        mean=mean * unit,
+        standard_error=error * unit,
+        df=df,
+        t=t,
+        p=_p(t, df, alternative),
+        low=None if alternative == "less" else (mean - half) * unit,
+        high=None if alternative == "greater" else (mean + half) * unit,
+        confidence=confidence,
+        alternative=alternative,
+        hedges_g=_hedges_g(*g, alternative, confidence),
+        bayes_factor_10=_bayes_factor(g[0] / g[2], sizes),
+    )
+
+
+def _p(t: float, df: float, alternative: Alternative) -> float:
+    if alternative == "two-sided":
+        return float(2 * t_distribution.sf(abs(t), df))
+    return float(t_distribution.sf(t if alternative == "greater" else -t, df))
+
+
+def _hedges_g(
+    d: float, df: int, scale: float, alternative: Alternative, confidence: float
+) -> Effect:
+    """Return d without its bias (Hedges 1981), and the interval of the noncentral t.
+
+    Parameters
+    ----------
+    scale
+        d over t.
+    """
+    correction = math.exp(gammaln(df / 2) - gammaln((df - 1) / 2)) / math.sqrt(df / 2)
+    if df == 1:  # the correction of one degree of freedom is zero: there is no unbiased g
+        return Effect(0.0, None, None, confidence)
+    sides = 2 if alternative == "two-sided" else 1
+    tail = (1 - confidence) / sides
+    t = d / scale
+    low = None if alternative == "less" else _noncentrality(t, df, 1 - tail) * scale * correction
+    high = None if alternative == "greater" else _noncentrality(t, df, tail) * scale * correction
+    return Effect(d * correction, low, high, confidence)
+
+
+def _noncentrality(t: float, df: int, probability: float) -> float:
+    """Return the noncentrality at which P(T ≤ t) is `probability`."""
+
+    def excess(centre: float) -> float:
+        return float(nctdtr(df, centre, t)) - probability
+
+    width = 4.0
+    while excess(t - width) < 0 or excess(t + width) > 0:
+        width *= 2
+    return float(brentq(excess, t - width, t + width, xtol=1e-12))
+
+
+def _bayes_factor(t: float, sizes: tuple[int, int | None]) -> float:
+    """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
+    n, m = sizes
+    try:
+        with quiet(), np.errstate(over="ignore"):
+            found = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
+        return float(found)
+    except ZeroDivisionError:
+        return math.inf
+
+
+def _equivalence(
+    mean: float, error: float, df: float, bounds: tuple[float, float], level: float
+) -> Equivalence:
+    t_low, t_high = ((mean - bound) / error for bound in bounds)
+    p_low = float(t_distribution.sf(t_low, df))
+    p_high = float(t_distribution.cdf(t_high, df))
+    half = float(t_distribution.isf(level, df)) * error
+    return Equivalence(
+        mean, df, t_low, t_high, p_low, p_high, max(p_low, p_high), mean - half, mean + half,
+        1 - 2 * level,
+    )  # fmt: skip
