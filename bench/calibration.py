@@ -56,13 +56,18 @@ def run(
             save()
 
 
-def misses(counts: Counts, slack: float = SLACK) -> dict[tuple[str, str], float]:
-    """Return the shares that are beyond their limits, by kind and what was counted."""
+def misses(
+    counts: Counts, slack: float = SLACK, *, certain: bool = False
+) -> dict[tuple[str, str], float]:
+    """Return the shares that are beyond their limits, by kind and what was counted.
+
+    Coverage misses where it may be too small, or, with `certain`, where chance is no explanation.
+    """
     return {
         (kind, what): share
         for kind, mine in counts.items()
         for what, share in _shares(mine).items()
-        if _missed(kind, what, share, mine["studies"], slack)
+        if _missed(kind, what, share, slack * _error(share, mine["studies"]), certain=certain)
     }
 
 
@@ -70,9 +75,12 @@ def _shares(mine: Mapping[str, int]) -> dict[str, float]:
     return {what: mine[what] / mine["studies"] for what in mine if what != "studies"}
 
 
-def _missed(kind: str, what: str, share: float, studies: int, slack: float) -> bool:
+def _error(share: float, studies: int) -> float:
+    return float(np.sqrt(share * (1 - share) / studies))
+
+
+def _missed(kind: str, what: str, share: float, doubt: float, *, certain: bool) -> bool:
     generator, _, effect = kind.split()
-    doubt = slack * float(np.sqrt(share * (1 - share) / studies))
     spared = COUNTED | (ASSUMES_SPHERICITY if generator == "unequal" else set())
     if generator not in LEAST or what in spared:
         return False
@@ -81,7 +89,7 @@ def _missed(kind: str, what: str, share: float, studies: int, slack: float) -> b
     if "rejects" in what:
         return not float(effect) and share - doubt > 0.05
     least = LEAST[generator] - (LESS_OF_90 if "90 %" in what else 0)
-    return share - doubt < least
+    return share + (doubt if certain else -doubt) < least
 
 
 def table(counts: Counts, three: bool) -> str:
@@ -107,9 +115,8 @@ def _of_three(shares: Mapping[str, float], three: bool) -> dict[str, float]:
 
 
 def _report(counts: Counts) -> str:
-    studies = [mine["studies"] for mine in counts.values()]
     return (
-        f"{min(studies)} to {max(studies)} studies of each kind.\n\n"
+        f"At least {min(mine['studies'] for mine in counts.values())} studies of each kind.\n\n"
         f"{table(counts, three=False)}\n\n{table(counts, three=True)}"
     )
 

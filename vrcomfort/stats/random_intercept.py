@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 RATIOS = np.concatenate([[0.0], np.logspace(-6, 8, 57)])
 """Between which λ, times the mean size of a group, the search looks for minima."""
+FLAT = 1e-10
+"""Slope of the deviance at λ = 0, for each value, that is rounding: the minimum is there."""
 ROUNDING = 1e-20
 """Share of the sum of squares below which what is left within groups is rounding."""
 
@@ -153,6 +155,8 @@ class _Likelihood:
         """Return the λ of the smallest deviance: 0, or the best root of its derivative."""
         ratios = RATIOS / self._sizes.mean()
         slopes = self._slopes(ratios)
+        if abs(slopes[0]) < FLAT * self._sizes.sum():
+            slopes[0] = 0.0
         found = [0.0] if slopes[0] >= 0 else []
         for (low, left), (high, right) in pairwise(zip(ratios, slopes, strict=True)):
             if left < 0 <= right:
