@@ -50,11 +50,13 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "score",
         "design",
         "check",
+        "schema",
         "plan",
         "import-trace",
         "import",
         "verify",
         "status",
+        "anonymise",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

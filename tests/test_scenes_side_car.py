@@ -105,17 +105,17 @@ def test_levels_of_detail_come_from_nodes_outside_the_scene(tmp_path):
         ('[nodes."tree"]\nsemantic_weight = 1\n', 1, "no node of the scene is called 'tree'"),
         (
             'exposure = 1.0\n[nodes.moss]\nlod = [{ from_distance_m = 3, node = "gone" }]\n',
-            2,
+            3,
             "'gone'",
         ),
         ('[nodes.moss]\nhand = "both"\n', 2, "'left' or 'right'"),
         ('[nodes.moss]\nhead_locked = true\nhand = "left"\n', 1, "exclude each other; keep one"),
         ("exposure = \n", 1, "not valid TOML"),
-        ("\nexposure = 1e39\n", 2, "exposure: should be less than or equal to"),
+        ("\nexposure = 1e39\n", 2, "`exposure`: should be less than or equal to"),
         ("[spawn]\nposition = [0, 1e39, 0]\n", 2, "should be less than or equal to 1000000"),
-        ("sun = 3\n", 1, "sun: should be a table"),
-        ("exposure = " + "9" * 5000, None, "not valid TOML"),
-        ("exposure = " + "[" * 9999, None, "not valid TOML"),
+        ("sun = 3\n", 1, "`sun`: should be a table"),
+        ("exposure = " + "9" * 5000, 1, "not valid TOML"),
+        ("exposure = " + "[" * 9999, None, "nested too deep"),
     ],
 )
 def test_errors_name_the_line(tmp_path, text, line, reason):

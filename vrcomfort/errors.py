@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 
@@ -15,6 +15,8 @@ class InputError(ValueError):
         What is wrong and what to do about it.
     file, line, column
         Where: a path, a 1-based line, and a column name (tables) or 1-based column (text).
+    others
+        What else is wrong with the same file; the message says how many there are.
     """
 
     def __init__(
@@ -24,8 +26,10 @@ class InputError(ValueError):
         file: str | Path | None = None,
         line: int | None = None,
         column: str | int | None = None,
+        others: Sequence[InputError] = (),
     ) -> None:
         self.message = message
+        self.others = tuple(others)
         self.file = file
         self.line = line
         self.column = column
@@ -34,7 +38,14 @@ class InputError(ValueError):
             place.append(f"line {line}")
         if column is not None:
             place.append(f"column {column}")
-        super().__init__(f"{', '.join(place)}: {message}" if place else message)
+        problems = "problems" if len(others) > 1 else "problem"
+        told = f"{message} ({len(others)} more {problems} in this file)" if others else message
+        super().__init__(f"{', '.join(place)}: {told}" if place else told)
+
+    @property
+    def alone(self) -> InputError:
+        """Return this error without the others."""
+        return InputError(self.message, file=self.file, line=self.line, column=self.column)
 
 
 def spare(sources: Iterable[Path | None], outputs: Iterable[Path]) -> None:

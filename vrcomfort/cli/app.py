@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    anonymise,
     check,
     demo,
     design,
@@ -24,6 +25,7 @@ from vrcomfort.cli import (
     render,
     report,
     run,
+    schema,
     score,
     simulate,
     status,
@@ -90,6 +92,7 @@ for module in (
     pack,
     design,
     check,
+    schema,
     plan,
     doctor,
     demo,
@@ -97,6 +100,7 @@ for module in (
     undo_withdrawal,
     verify,
     status,
+    anonymise,
 ):
     module.register(app)
 
@@ -124,7 +128,8 @@ def main() -> None:
     try:
         app(prog_name="vrcomfort")
     except InputError as error:
-        complain(str(error))
+        for each in (error.alone, *error.others):
+            complain(str(each))
         sys.exit(EXIT_BAD_INPUT)
     except BrokenPipeError:
         # The reader (`| head`) has gone: nothing to say, and nobody to say it to.

@@ -91,7 +91,7 @@ def _check(
     try:
         protocol = load_protocol(name)
     except InputError as error:
-        return _Checked(faults=[error])
+        return _Checked(faults=[error.alone, *error.others])
     found = _Checked(notes=list(_notes(protocol)))
     try:
         found.faults += _of_design(protocol)
@@ -102,7 +102,7 @@ def _check(
             rate_hz = refresh_hz or protocol.headset.refresh_hz
             _look(protocol, found, size_px, rate_hz, moments, advance)
     except InputError as error:
-        found.faults.append(error)
+        found.faults += [error.alone, *error.others]
     return found
 
 

@@ -72,7 +72,10 @@ class Focus(Settings):
     """
 
     method: FocusRuleName = "nine_ray"
+    """`nine_ray`: nine rays ahead, less outliers; `autofocus_zone`: the weighted mean of a zone;
+    `gaze`: under the gaze; `fixed`: nobody moves it."""
     fixed_m: Distance = 2.0
+    """Focus distance of `fixed`."""
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
@@ -225,7 +228,9 @@ class TurnRamp(Settings):
     """Grows from 0 at one speed of turning to 1 at another, linearly."""
 
     from_deg_s: Annotated[float, Field(ge=0, le=100_000)]
+    """0 up to this speed."""
     to_deg_s: Annotated[float, Field(ge=0.001, le=100_000)]
+    """1 from this speed on."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -237,7 +242,9 @@ class MoveRamp(Settings):
     """Grows from 0 at one speed of moving to 1 at another, linearly."""
 
     from_m_s: Annotated[float, Field(ge=0, le=10_000)]
+    """0 up to this speed."""
     to_m_s: Annotated[float, Field(ge=0.001, le=10_000)]
+    """1 from this speed on."""
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -255,7 +262,9 @@ class Neck(Settings):
     """Where a head turns: a point in the head's frame, seen from its centre between the eyes."""
 
     behind_m: Annotated[float, Field(ge=0, le=0.5)] = 0.1
+    """How far behind the eyes."""
     below_m: Annotated[float, Field(ge=0, le=0.5)] = 0.0
+    """How far below them."""
 
 
 class MotionBlur(Settings):
@@ -302,7 +311,9 @@ class SpeedRamps(Settings):
     """`head`: of the tracked head in its room; `avatar`: of locomotion alone, as in Budhiraja et
     al. 2017; `both`: of the head in the scene."""
     turning: TurnRamp | None = None
+    """By the speed of turning."""
     moving: MoveRamp | None = None
+    """By the speed of moving."""
 
 
 class SpeedBlur(SpeedRamps):
@@ -366,17 +377,25 @@ class Condition(Settings):
     """One way of rendering that participants are exposed to."""
 
     name: Name
+    """As files have it: letters, digits, - and _."""
     label: str = ""
+    """In words, for reports."""
     levels: dict[str, str] = Field(default_factory=dict)
     """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
     focus: Focus = Focus()
+    """How the focus is found."""
     depth_of_field: DepthOfField | None = None
+    """Blur of what is out of focus; none without it."""
     motion_blur: MotionBlur | None = None
+    """Streaks of what moves; none without it."""
     speed_blur: SpeedBlur | None = None
+    """Blur of the whole image with speed; none without it."""
     relocation_blur: RelocationBlur | None = None
+    """Blur of the whole image after a cut; none without it."""
     vignette: Vignette | None = None
+    """A field of view that closes with speed; none without it."""
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""
 

@@ -29,22 +29,34 @@ class Level(Settings):
     """A level of a factor: what it sets of a condition, and nothing else."""
 
     name: Name
+    """Part of the names of conditions."""
     label: str = ""
+    """In words; part of the labels of conditions."""
     quality: Quality | None = None
+    """Speed against accuracy."""
     focus: Focus | None = None
+    """As a condition's."""
     depth_of_field: DepthOfField | None = None
+    """As a condition's."""
     motion_blur: MotionBlur | None = None
+    """As a condition's."""
     speed_blur: SpeedBlur | None = None
+    """As a condition's."""
     relocation_blur: RelocationBlur | None = None
+    """As a condition's."""
     vignette: Vignette | None = None
+    """As a condition's."""
     effect_order: tuple[EffectName, ...] | None = None
+    """As a condition's."""
 
 
 class Factor(Settings):
     """A within-subject factor, whose levels are crossed with those of the others."""
 
     name: Word
+    """What conditions' `levels` and `max_run` call it."""
     levels: Annotated[tuple[Level, ...], Field(min_length=2, max_length=16)]
+    """At least two."""
 
 
 def crossed(factors: tuple[Factor, ...]) -> tuple[Condition, ...]:

@@ -40,6 +40,7 @@ class Headset(Settings):
     refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
     """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
     ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
+    """Distance between the eyes, where no headset says it."""
 
 
 class Visibility(Settings):
@@ -69,7 +70,9 @@ class Ask(Settings):
     language: Word | None = None
     """Of the wording, where the instrument has it in several; its own without it."""
     timepoint: Word
+    """Of the answers in files: `baseline`, `post`, `recovery`, or a word of your own."""
     when: Literal["session_start", "before_trial", "after_trial", "session_end"]
+    """`before_trial` and `after_trial`: of every exposure."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
 
@@ -83,6 +86,7 @@ class Ratings(Settings):
     instrument: str = "fms"
     """A shipped instrument with one question by name, or a TOML file of one."""
     every_s: Seconds = 60.0
+    """From one question to the next."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
@@ -99,10 +103,15 @@ class Simulation(Settings):
     susceptibility_sigma: Coefficient = 0.7
     """Standard deviation of the logarithm of susceptibility (median 1)."""
     rate_per_min: Coefficient = 0.06
+    """How fast sickness grows."""
     recovery_min: PositiveCoefficient = 20.0
+    """Time in which sickness decays to 1/e."""
     habituation: PositiveCoefficient = 0.85
+    """What growth is multiplied by from one session to the next."""
     condition_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    """Condition → what growth is multiplied by in it; 1 without it."""
     scene_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    """Scene → the same."""
     baseline_sd: Coefficient = 0.45
     """Spread of stable item levels: most people do not start at zero."""
     noise_sd: Coefficient = 0.3
@@ -110,19 +119,24 @@ class Simulation(Settings):
     hazard_per_min: Coefficient = 0.05
     """Withdrawal rate per minute and unit of sickness above `tolerance`."""
     tolerance: Coefficient = 0.8
+    """Sickness up to which nobody withdraws."""
     refusal: Probability = 0.5
     """Chance that somebody who withdrew refuses the questionnaire that follows."""
     question_hazard: Probability = 0.0005
     """Chance of withdrawing at any one question, per unit of sickness."""
     missed_rating: Probability = 0.05
+    """Chance that a rating is missed."""
 
 
 class Protocol(Settings):
     """A study: what is shown, in which order, what is asked and when."""
 
     name: Name
+    """Of the study: letters, digits, - and _; study folders keep it."""
     title: str
+    """In words."""
     citation: str = ""
+    """The paper whose study this is."""
     participants: Annotated[int, Field(ge=1, le=10_000)] | None = None
     """Planned number of participants."""
     exposure_s: Annotated[float, Field(ge=0.001, le=14_400)]
@@ -142,9 +156,11 @@ class Protocol(Settings):
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
     """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
     conditions: tuple[Condition, ...] = ()
+    """Ways of rendering; or `factors`."""
     factors: tuple[Factor, ...] = ()
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
+    """Who meets what in which order."""
     groups: tuple[Group, ...] = ()
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
@@ -152,11 +168,17 @@ class Protocol(Settings):
     allocation: Allocation | None = None
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
+    """What is asked, and when."""
     ratings: Ratings | None = None
+    """A question that is asked again and again during exposure."""
     headset: Headset = Headset()
+    """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()
+    """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()
+    """How participants move."""
     simulation: Simulation = Simulation()
+    """How simulated participants feel."""
 
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)

@@ -23,16 +23,20 @@ class Trial(Settings):
     """One exposure: a scene seen under a condition."""
 
     scene: str
+    """One of the `scenes`."""
     condition: str
+    """Name of a condition."""
 
 
 class Sequence(Settings):
     """The order in which one participant meets the trials, session by session."""
 
     name: Name
+    """As participants.csv has it."""
     group: Name | None = None
     """Whose order it is, where the protocol has [[groups]]."""
     sessions: Annotated[tuple[tuple[Trial, ...], ...], Field(min_length=1)]
+    """A list for each session, of its trials in order."""
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -50,6 +54,7 @@ class Order(Settings):
     """
 
     rule: Rule
+    """How sequences are made."""
     sessions: Annotated[int, Field(ge=1, le=1000)] = 1
     """Sessions over which the generated rules deal the trials; explicit sequences say it."""
     assignment: Literal["in_turn", "shuffled"] = "in_turn"
@@ -66,6 +71,7 @@ class Order(Settings):
     """`block_random`: how many trials in a row may have the same `condition`, `scene`, level of a
     factor, or `trial` (condition and scene; 1 without it). `{ scene = 1 }`: none twice in a row."""
     sequences: tuple[Sequence, ...] = ()
+    """Those of `explicit`."""
 
     @field_validator("rule", mode="before")
     @classmethod
@@ -77,9 +83,11 @@ class Covariate(Settings):
     """What is known of a participant before the first session, entered when they are enrolled."""
 
     name: Word
+    """Column of participants.csv."""
     levels: tuple[Name, ...] = ()
     """What it can be; without it, it is a number."""
     low: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    """The least number that is taken for possible."""
     high: Annotated[float, Field(ge=-1e6, le=1e6)] = 120.0
     """The numbers that are taken for possible."""
     cuts: tuple[Annotated[float, Field(ge=-1e6, le=1e6)], ...] = ()
@@ -124,7 +132,9 @@ class Group(Settings):
     """A level of the between-subject factor: people who meet these conditions and no others."""
 
     name: Name
+    """As participants.csv has it."""
     label: str = ""
+    """In words."""
     conditions: tuple[str, ...] = ()
     """Names of conditions; without it, all. Explicit sequences name their group instead."""
     share: Share = 1
@@ -140,6 +150,7 @@ class Allocation(Settings):
     """
 
     method: Literal["permuted_blocks", "minimisation", "simple"] = "permuted_blocks"
+    """Who comes into which group."""
     rounds: Annotated[tuple[Limit, ...], Field(min_length=1, max_length=9)] = (2,)
     """`permuted_blocks`: a block has so many times the groups' shares. Of several numbers one is
     drawn for each block, so that nobody can guess its end."""

@@ -19,13 +19,14 @@ _MOST_TREATMENTS = {
     "block_random": 1000,
     "random": 1000,
 }
-_OF_RULES = {
+OF_RULES = {
     "blocks": ("block_random",),
     "strata": ("block_random",),
     "max_run": ("block_random",),
     "assignment": ("explicit", "latin_square", "williams", "all_orders"),
     "sessions": tuple(_MOST_TREATMENTS),
 }
+"""Keys of [order] that do nothing with other rules."""
 MOST_STRATA = 1000
 TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "group"])
 """Columns of participants.csv, which no covariate may be called."""
@@ -34,8 +35,8 @@ TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "
 def order_problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield what is wrong with the [order] table."""
     written = tomllib.loads(protocol.text).get("order", {}) if protocol.text else {}
-    for key in written.keys() & _OF_RULES.keys():
-        if protocol.order.rule not in _OF_RULES[key]:
+    for key in written.keys() & OF_RULES.keys():
+        if protocol.order.rule not in OF_RULES[key]:
             message = f'`{key}` does nothing with rule = "{protocol.order.rule}"'
             yield Problem(("order", key), f"{message}; remove it or change that")
     if protocol.order.rule == "explicit":

@@ -5,17 +5,15 @@ Angles are degrees here and only here; colours are linear RGB.
 
 from __future__ import annotations
 
-import re
-import tomllib
+from collections.abc import Iterator
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from vrcomfort.errors import InputError
 from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
 from vrcomfort.scene.data import (
     Environment,
@@ -27,7 +25,14 @@ from vrcomfort.scene.data import (
     Scene,
     WalkableArea,
 )
-from vrcomfort.settings import in_words
+from vrcomfort.settings import (
+    Problem,
+    Settings,
+    did_you_mean,
+    first_problem,
+    parse_settings,
+    read_text,
+)
 
 Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -37,58 +42,72 @@ Color = tuple[NotNegative, NotNegative, NotNegative]
 Point = tuple[Finite, Finite, Finite]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class Sun(_Table):
+class Sun(Settings):
     """Where the sun stands: azimuth 0 is −Z ("north"), 90 is +X ("east")."""
 
     azimuth_deg: Finite = 40.0
+    """Towards it: 0 is -Z, 90 is +X."""
     elevation_deg: Annotated[float, Field(ge=-90, le=90)] = 50.0
+    """Above the horizon."""
     irradiance: Color = Environment.sun_irradiance
+    """Linear RGB on a surface that faces it; zeros for none."""
     shadow_distance_m: Positive = Environment.shadow_distance_m
+    """How far from the eye shadows are wanted."""
 
 
-class Sky(_Table):
+class Sky(Settings):
     """Radiance of the sky and of the ground's reflection."""
 
     zenith: Color = Environment.sky_zenith
+    """Linear RGB radiance overhead."""
     horizon: Color = Environment.sky_horizon
+    """At the horizon."""
     ground: Color = Environment.ground
+    """Of the ground, which lights from below."""
     cloud_cover: Share = 0.0
+    """Share of the sky that clouds cover."""
     in_vertex_alpha: bool = False
     """See `Environment.ambient_in_vertex_alpha`."""
 
 
-class Fog(_Table):
+class Fog(Settings):
     """Air light and extinction."""
 
     color: Color = Environment.fog_color
+    """Linear RGB of the air's light."""
     density_per_m: NotNegative = 0.0
+    """Extinction; 0 is clear air."""
 
 
-class Lamp(_Table):
+class Lamp(Settings):
     """A point light."""
 
     position: Point
+    """In the world, metres."""
     intensity: Color
+    """Linear RGB irradiance at 1 m."""
     range_m: Positive
+    """From there on it gives no light."""
 
 
-class Spawn(_Table):
+class Spawn(Settings):
     """The floor point where a participant starts; yaw 0 looks along −Z, positive turns left."""
 
     position: Point
+    """Point on the floor, metres."""
     yaw_deg: Finite = 0.0
+    """Turned to the left from -Z."""
 
 
-class Ramp(_Table):
+class Ramp(Settings):
     """A slope: the foot is at the floor's `height_m`, the top at `top_m`; x and z of both."""
 
     foot_xz: tuple[Finite, Finite]
+    """x and z of its foot, metres."""
     top_xz: tuple[Finite, Finite]
+    """x and z of its top, metres."""
     top_m: Finite
+    """Height of its top."""
 
     @model_validator(mode="after")
     def _has_a_length(self) -> Ramp:
@@ -97,15 +116,18 @@ class Ramp(_Table):
         return self
 
 
-class Walkable(_Table):
+class Walkable(Settings):
     """A piece of floor: level, or where `ramp` gives two heights, rising from one to the other.
 
     A ramp over a flight of stairs spares people the jolt of every step.
     """
 
     height_m: Finite = 0.0
-    polygon_xz: Annotated[list[tuple[Finite, Finite]], Field(min_length=3)]
+    """Of a level floor."""
+    polygon_xz: Annotated[tuple[tuple[Finite, Finite], ...], Field(min_length=3)]
+    """Corners, x and z in metres."""
     ramp: Ramp | None = None
+    """Where it rises; level without it."""
 
     def floor(self) -> WalkableArea:
         """Return the floor as scenes hold it."""
@@ -117,28 +139,34 @@ class Walkable(_Table):
         return WalkableArea(polygon, self.height_m - float(slope @ foot), tuple(slope.tolist()))
 
 
-class Lod(_Table):
+class Lod(Settings):
     """From this distance on draw the mesh of `node` (a node outside the scene; "" for none).
 
     ``*`` in `node` stands for the name of the node that is replaced.
     """
 
     from_distance_m: Positive
+    """Drawn from there on."""
     node: str
+    """Mesh outside the scene graph; * stands for the node's name."""
 
 
-class NodeSettings(_Table):
+class NodeSettings(Settings):
     """What the glTF file cannot say about its nodes; left out means unchanged."""
 
     semantic_weight: Annotated[float, Field(gt=0, le=1)] | None = None
     """W_S of the autofocus zone: 1 for what people are to look at, 0.004 for the rest."""
     head_locked: bool | None = None
+    """The node goes with the head."""
     hand: Hand | None = None
     """The node, and what is below it, goes with this hand: its place in the file is the one it has
     from the controller's aim pose, which points along -Z. It is drawn where the hand is tracked."""
     ambient: Share | None = None
+    """Share of the light of sky and ground that reaches it."""
     casts_shadow: bool | None = None
+    """Whether it throws shadows."""
     lod: tuple[Lod, ...] = ()
+    """Coarser stand-ins, nearest first."""
 
     @model_validator(mode="after")
     def _goes_with_one(self) -> NodeSettings:
@@ -147,17 +175,25 @@ class NodeSettings(_Table):
         return self
 
 
-class SideCar(_Table):
+class SideCar(Settings):
     """The whole file. Keys of `nodes` are node names or patterns with * and ?."""
 
     exposure: Positive = 1.0
+    """Factor on radiance before the tone curve."""
     sun: Sun = Sun()
+    """The sun."""
     sky: Sky = Sky()
+    """Light of sky and ground."""
     fog: Fog = Fog()
+    """Air between the eye and things."""
     lamps: tuple[Lamp, ...] = ()
+    """Point lights."""
     spawn: Spawn | None = None
+    """Where participants begin."""
     walkable: tuple[Walkable, ...] = ()
-    nodes: dict[str, NodeSettings] = {}
+    """Pieces of floor."""
+    nodes: dict[str, NodeSettings] = Field(default_factory=dict)
+    """Name of nodes, or pattern with * and ? → what the glTF file cannot say."""
 
 
 def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Path) -> Scene:
@@ -186,49 +222,35 @@ def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Pa
 
 def read_side_car(path: Path) -> SideCar:
     """Read and validate a side-car file."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        return SideCar.model_validate(tomllib.loads(text))
-    except ValidationError as error:
-        first = error.errors()[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise InputError(
-            f"{place}: {in_words(first)}", file=path, line=_line_of(text, first["loc"])
-        ) from None
-    except (ValueError, RecursionError) as error:
-        at = re.search(r"line (\d+), column (\d+)", str(error))
-        line, column = (int(at[1]), int(at[2])) if at else (None, None)
-        raise InputError(
-            f"is not valid TOML: {error}", file=path, line=line, column=column
-        ) from None
-
-
-def _line_of(text: str, location: tuple[int | str, ...]) -> int | None:
-    """Return the line of the last key of `location` that appears in the text."""
-    for key in reversed([part for part in location if isinstance(part, str)]):
-        pattern = re.compile(rf'(^|[\s.\["{{,]){re.escape(key)}["\].]*\s*(=|\]|$)')
-        for number, line in enumerate(text.splitlines(), start=1):
-            if pattern.search(line):
-                return number
-    return None
+    return parse_settings(SideCar, read_text(path, "side-car"), path)
 
 
 def _check_patterns(
     side_car: SideCar, scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Path
 ) -> None:
-    text = path.read_text(encoding="utf-8")
+    found = list(_pattern_problems(side_car, scene, stand_ins))
+    if found:
+        raise first_problem(found, read_text(path, "side-car"), path)
+
+
+def _pattern_problems(
+    side_car: SideCar, scene: Scene, stand_ins: dict[str, tuple[int, ...]]
+) -> Iterator[Problem]:
+    """Yield patterns that name nothing, and levels of detail that are not there."""
     for pattern, settings in side_car.nodes.items():
         names = [node.name for node in scene.nodes if fnmatchcase(node.name, pattern)]
         wanted = {_stand_in(level, name) for level in settings.lod for name in names} - {""}
         missing = sorted(wanted - stand_ins.keys())
-        if names and not missing:
-            continue
-        fault = (
-            f"lod of {pattern!r} names {missing[0]!r}, which is no mesh outside the scene graph"
-            if missing
-            else f"no node of the scene is called {pattern!r}"
-        )
-        raise InputError(fault, file=path, line=_line_of(text, (pattern,)))
+        if missing:
+            message = (
+                f"lod of {pattern!r} names {missing[0]!r}, which is no mesh outside the scene "
+                f"graph; {did_you_mean(missing[0], stand_ins)}"
+            )
+            yield Problem(("nodes", pattern, "lod"), message)
+        elif not names:
+            hint = did_you_mean(pattern, (node.name for node in scene.nodes if node.name))
+            message = f"no node of the scene is called {pattern!r}; {hint}"
+            yield Problem(("nodes", pattern), message)
 
 
 def _stand_in(level: Lod, name: str) -> str:

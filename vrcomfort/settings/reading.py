@@ -6,6 +6,7 @@ import re
 import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
@@ -20,6 +21,7 @@ from vrcomfort.settings.locate import locate
 
 Model = TypeVar("Model", bound=BaseModel)
 
+_QUOTED = re.compile("'([^']*)'")
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
 _NAME, _WORD = r"^[A-Za-z0-9_-]+$", r"^[a-z][a-z0-9_]*$"
 _PATTERNS = {
@@ -78,20 +80,36 @@ def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
         return model.model_validate(_frozen(data), strict=True)
     except ValidationError as error:
         found = [_explain(model, detail) for detail in _causes(error.errors())]
-        raise first_problem(found, text, file) from error
+        raise first_problem(_without_echoes(found), text, file) from error
+
+
+def _without_echoes(found: list[Problem]) -> list[Problem]:
+    """Leave out what is missing only because it is there, misspelt, and told of as that."""
+    return [
+        each
+        for each in found
+        if not each.missing
+        or not any(
+            other.path[:-1] == each.path[:-1] and f"`{each.path[-1]}`" in other.message
+            for other in found
+            if not other.missing
+        )
+    ]
 
 
 def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> InputError:
-    """Return the fault that stands first in the text, and say how many follow.
+    """Return the fault that stands first in the text; the others are its `others`.
 
     What is missing comes last: it is often there, misspelt.
     """
     places = locate(text)
     ordered = sorted(found, key=lambda problem: (problem.missing, places.of(problem.path)))
-    (line, column), message = places.of(ordered[0].path), ordered[0].message
-    more = len(ordered) - 1
-    tail = f" ({more} more problem{'s' if more > 1 else ''} in this file)" if more else ""
-    return InputError(f"{message}{tail}", file=file, line=line, column=column)
+    errors = []
+    for each in ordered:
+        line, column = places.of(each.path)
+        errors.append(InputError(each.message, file=file, line=line, column=column))
+    first, others = errors[0], errors[1:]
+    return InputError(first.message, file=file, line=first.line, column=first.column, others=others)
 
 
 def _toml(text: str, file: Path | None) -> dict[str, Any]:
@@ -131,7 +149,15 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
     given = detail["input"]
     got = f", got {given!r}" if isinstance(given, str | int | float | bool) else ""
     name = next((part for part in reversed(path) if isinstance(part, str)), "this file")
-    return Problem(path, f"`{name}`: {in_words(detail)}{got}")
+    return Problem(path, f"`{name}`: {in_words(detail)}{got}{_nearest(detail)}")
+
+
+def _nearest(detail: ErrorDetails) -> str:
+    """Return which of the words that can stand there was probably meant."""
+    if detail["type"] != "literal_error" or not isinstance(detail["input"], str):
+        return ""
+    near = get_close_matches(detail["input"], _QUOTED.findall(detail["ctx"]["expected"]), n=1)
+    return f"; did you mean `{near[0]}`?" if near else ""
 
 
 def _inside(parent: list[str | int]) -> str:
