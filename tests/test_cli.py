@@ -56,6 +56,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "import",
         "verify",
         "status",
+        "anonymise",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

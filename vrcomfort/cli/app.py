@@ -12,6 +12,7 @@ from typer.core import TyperGroup
 
 from vrcomfort import __version__
 from vrcomfort.cli import (
+    anonymise,
     check,
     demo,
     design,
@@ -99,6 +100,7 @@ for module in (
     undo_withdrawal,
     verify,
     status,
+    anonymise,
 ):
     module.register(app)
 

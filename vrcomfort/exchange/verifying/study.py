@@ -20,7 +20,7 @@ from vrcomfort.records.rows import ParticipantRow, QuestionnaireRow, RatingRow, 
 from vrcomfort.records.study import DESCRIPTION, read_participants
 
 IMPORT = "import.json"
-_OWN = {DESCRIPTION, ParticipantRow.FILE, "instruments", ".participants.lock"}
+_OWN = {DESCRIPTION, ParticipantRow.FILE, "instruments", ".participants.lock", "anonymised.json"}
 
 
 def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Verified:
