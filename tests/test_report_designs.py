@@ -150,6 +150,18 @@ def test_agreement_over_trials(tmp_path: Path) -> None:
     assert (row["n"], row["occasions"], len(row["forms"])) == (12, 3, 6)
 
 
+def test_aligned_ranks_and_marginal_means_stand_beside_their_models(tmp_path: Path) -> None:
+    folder = designs.tasks_only(tmp_path / "study")
+    results = results_of(folder, PLANS / "tasks_only.toml")
+    effects = [[each["effect"] for each in found["aligned_ranks"]] for found in results["anova"]]
+    assert effects == [["condition"], ["condition"]]
+    means = results["mixed_models"][0]["means"]["condition"]
+    (difference,) = results["mixed_models"][0]["pairwise"]["condition"].values()
+    blur, sharp = (means[name]["estimate"] for name in ("blur", "sharp"))
+    assert abs(difference["estimate"]) == pytest.approx(abs(blur - sharp))
+    assert difference["p_adjusted"] == difference["p"]  # one pair
+
+
 def test_three_groups_have_a_kruskal_wallis_test(tmp_path: Path) -> None:
     people = [{"participant": f"P{i:02d}", "status": "", "group": "abc"[i % 3]} for i in range(12)]
     tasks = [{"participant": f"P{i:02d}", "condition": "x", "hits": i % 3 + i} for i in range(12)]

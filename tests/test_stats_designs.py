@@ -10,10 +10,13 @@ import pandas as pd
 import pytest
 
 from vrcomfort.errors import InputError
+from vrcomfort.stats.aligned_ranks import aligned_ranks
+from vrcomfort.stats.anova import anova
 from vrcomfort.stats.correlation import correlation, repeated_measures_correlation
 from vrcomfort.stats.intraclass import intraclass
 from vrcomfort.stats.kruskal_wallis import kruskal_wallis
 from vrcomfort.stats.mann_whitney import EXACT_UP_TO, mann_whitney
+from vrcomfort.stats.mixed import mixed_model
 from vrcomfort.stats.proportions import preference, sign_test
 from vrcomfort.stats.t_tests import (
     equivalence_of_groups,
@@ -105,7 +108,52 @@ def ours_intraclass(name: str) -> dict[str, float]:
     }
 
 
+def crossed(dataset: str) -> pd.DataFrame:
+    table = pd.read_csv(DATA / "crossed.csv")
+    return table[table["dataset"] == dataset]
+
+
+CROSSED = {"value": "value", "participant": "participant", "within": ["view", "dose"]}
+
+
+def ours_crossed(name: str) -> dict[str, float | None]:
+    found = {}
+    for type_, number in (("II", 2), ("III", 3)):
+        made = anova(crossed(name), **CROSSED, between=["group", "sex"], sums_of_squares=type_)
+        for each in made.effects:
+            found |= {f"{number} {each.effect} F": each.f, f"{number} {each.effect} p": each.p}
+    return found
+
+
+def ours_aligned_ranks(name: str) -> dict[str, float | None]:
+    _, effects = aligned_ranks(crossed(name), **CROSSED, between=["group"])
+    return {f"{each.effect} {key}": getattr(each, key.lower())
+            for each in effects for key in ("F", "p")}  # fmt: skip
+
+
+def ours_marginal_means(name: str) -> dict[str, float | None]:
+    table = crossed(name).reset_index(drop=True).drop(index=[2, 7, 13, 14, 39, 60])
+    model = mixed_model(
+        table, value="value", participant="participant", factors=["dose", "view", "group"],
+        references={"dose": "low"},
+    )  # fmt: skip
+    keys = ("estimate", "standard_error", "df", "low", "high")
+    found = {
+        f"{factor}{level} {key}": getattr(mean, key)
+        for factor, means in model.means.items()
+        for level, mean in means.items()
+        for key in keys
+    }
+    for pair, difference in model.pairwise["dose"].items():
+        named = " - ".join(f"dose{level}" for level in pair.split(" − "))
+        found |= {f"{named} {key}": getattr(difference, key) for key in (*keys, "p_adjusted")}
+    return found
+
+
 OURS = {
+    "crossed": ours_crossed,
+    "aligned_ranks": ours_aligned_ranks,
+    "marginal_means": ours_marginal_means,
     "mann_whitney": ours_mann_whitney,
     "welch": ours_welch,
     "pooled": lambda name: of_t(two_sample_t(*both(name), variances="pooled")),

@@ -24,7 +24,32 @@ def further_methods(results: Results) -> list[Method]:
         *_preferences(results),
         *_correlations(results),
         *_agreement(results),
+        *_aligned_ranks(results),
+        *_marginal_means(results),
     ]
+
+
+def _aligned_ranks(results: Results) -> list[Method]:
+    if not any(found.get("aligned_ranks") for found in results["anova"]):
+        return []
+    return [Method(
+        "Aligned ranks",
+        "For each effect of the ANOVA scores were stripped of all other effects, ranked, and "
+        "analysed in the same way (Wobbrock et al., 2011).",
+        ("wobbrock_2011",),
+    )]  # fmt: skip
+
+
+def _marginal_means(results: Results) -> list[Method]:
+    if not any(found.get("means", {}).get("condition") for found in results["mixed_models"]):
+        return []
+    return [Method(
+        "Marginal means",
+        "Estimated marginal means (Searle et al., 1980) of the mixed model are those of a level "
+        "with all levels of the other factors weighing alike; their differences, p and intervals "
+        "are adjusted by Bonferroni for the number of pairs.",
+        ("searle_1980",),
+    )]  # fmt: skip
 
 
 def _comparisons(results: Results) -> list[Method]:

@@ -16,8 +16,29 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
         "equivalence": [_plain(row) for row in results["equivalence"]],
         "preferences": [_preference(row) for row in results["preferences"]],
         "agreement": [line for row in results["agreement"] for line in _agreement(row)],
+        "marginal_means": [line for found in results["mixed_models"] for line in _means(found)],
+        "aligned_ranks": [
+            {"outcome": found["outcome"]} | {key: effect[key] for key in _OF_RANKS}
+            for found in results["anova"]
+            for effect in found.get("aligned_ranks", ())
+        ],
         "kruskal_wallis": [_kruskal_wallis(row) for row in results["kruskal_wallis"]],
     }
+
+
+_OF_RANKS = ("effect", "f", "df_effect", "df_error", "p", "p_greenhouse_geisser", "p_huynh_feldt")
+
+
+def _means(found: Row) -> list[Row]:
+    """Return marginal means and their differences, one line each."""
+    if found["not_tested"]:
+        return []
+    return [
+        {"outcome": found["outcome"], "factor": factor, "level": level, **estimate}
+        for kind in ("means", "pairwise")
+        for factor, levels in found[kind].items()
+        for level, estimate in levels.items()
+    ]
 
 
 def _plain(row: Row) -> Row:

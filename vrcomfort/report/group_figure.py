@@ -55,7 +55,8 @@ def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | No
             threads(raw, np.array([0.0, 1.0]), thinned(np.column_stack([a, b])), color=FAINT,
                     lw=0.8, alpha=0.5, zorder=1)  # fmt: skip
         for place, (side, values) in enumerate((("a", a), ("b", b))):
-            _draw_side(raw, place, values, words.place(row[side]))
+            half = 0.0 if row["design"] == "paired" else 0.09
+            _draw_side(raw, place, values, words.place(row[side]), half)
         raw.set_xticks([0, 1], [lines(words.condition(row[side]), 14) for side in ("a", "b")])
         raw.set_xlim(-0.45, 1.6)
         raw.set_ylabel(lines(words.axis(row["outcome"]), 40))
@@ -84,9 +85,9 @@ def _in_points(steps: NDArray[np.int64], unit: float) -> Floats:
     return np.asarray(steps * unit, dtype=np.float64)
 
 
-def _draw_side(axes: Axes, place: int, values: Floats, colour: int) -> None:
+def _draw_side(axes: Axes, place: int, values: Floats, colour: int, half: float) -> None:
     crowded = len(values) > CROWD
-    across = place + spread(len(values), 0.09 if len(values) > 6 else 0.04)
+    across = place + spread(len(values), half)
     dots(axes, thinned(across), thinned(values), colour_of(colour),
          size=2.2 if crowded else 4.0, alpha=0.6, zorder=2)  # fmt: skip
     deviation = values.std(ddof=1) if len(values) > 1 else 0.0

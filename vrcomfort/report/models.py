@@ -15,7 +15,8 @@ from vrcomfort.report.exposures import COLUMNS, column_of
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Side, side_sums
 from vrcomfort.settings import did_you_mean
-from vrcomfort.stats.anova import anova
+from vrcomfort.stats.aligned_ranks import aligned_ranks
+from vrcomfort.stats.anova import AnovaEffect, anova
 from vrcomfort.stats.crossover import crossover
 from vrcomfort.stats.friedman import friedman
 from vrcomfort.stats.mixed import mixed_model
@@ -66,14 +67,17 @@ def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
     names = [f.name for f, _ in made]
     whole = long.dropna(subset=names)
     cells = whole.groupby(["participant", *names])["score"].mean().reset_index()
-    result = anova(
-        cells,
-        value="score",
-        participant="participant",
-        within=within,
-        between=between,
-        sums_of_squares=plan.sums_of_squares,
-    )
+    ranked: tuple[AnovaEffect, ...] = ()
+    if plan.aligned_ranks:
+        result, ranked = aligned_ranks(
+            cells, value="score", participant="participant", within=within, between=between,
+            sums_of_squares=plan.sums_of_squares,
+        )  # fmt: skip
+    else:
+        result = anova(
+            cells, value="score", participant="participant", within=within, between=between,
+            sums_of_squares=plan.sums_of_squares,
+        )  # fmt: skip
     without = set(long["participant"]) - set(whole["participant"])
     return {
         "factors": {n: sorted(cells[n].astype(str).unique()) for n in names},
@@ -84,6 +88,7 @@ def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
         "effects": [
             {**asdict(effect), "family": None, "p_holm": None} for effect in result.effects
         ],
+        "aligned_ranks": [asdict(effect) for effect in ranked],
         "residuals": _residual_check(result.residuals),
     }
 
@@ -198,7 +203,8 @@ def _crossover(table: pd.DataFrame, a: str, b: str, planned: dict[str, int]) -> 
     a_first = (place[a] < place[b]).to_numpy()
     first = np.where(a_first, score[a], score[b])
     second = np.where(a_first, score[b], score[a])
-    return {**asdict(crossover(first, second, a_first)), "left_out": left_out}
+    found = asdict(crossover(first, second, a_first))
+    return {**found, "left_out": left_out, "planned": {a: planned[a], b: planned[b]}}
 
 
 def _without_one_place(pair: pd.DataFrame) -> list[str]:

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 EXACT_UP_TO = 100
 """People up to whom the exact distribution is computed, both groups together: there a test with
-its interval costs less than a second, and the asymptotic p is off by 1 % at p near .05 (``python
--m bench.p_values``)."""
+its interval costs less than half a second, and the asymptotic p is off by 3 % of itself
+(``python -m bench.p_values``)."""
 OUTWARDS = 12
 """Places looked at beyond the first shift that is rejected: p may rise again with ties."""
 DOUBT = 0.2

@@ -14,6 +14,7 @@ import numpy as np
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.crossover import Estimate, t_estimate
+from vrcomfort.stats.marginal_means import Pairwise, marginal_means
 from vrcomfort.stats.random_intercept import FTest, fit_random_intercept
 
 if TYPE_CHECKING:
@@ -40,6 +41,10 @@ class MixedModel:
     participant_sd: float
     """0 where people differ no more than the residuals let expect."""
     residual_sd: float
+    means: dict[str, dict[str, Estimate]]
+    """Estimated marginal means by factor and level."""
+    pairwise: dict[str, dict[str, Pairwise]]
+    """Their differences, adjusted for the number of pairs; none of factors with many levels."""
 
 
 def mixed_model(
@@ -93,6 +98,13 @@ def mixed_model(
         df = fit.degrees_of_freedom(row)
         return t_estimate(float(row @ fit.coefficients), error, df, confidence)
 
+    levels = {
+        factor: _levels(rows, factor, (references or {}).get(factor))
+        for factor in factors
+        if columns[factor]
+    }
+    others = sum(len(columns[name]) for name in covariates)
+    means, pairwise = marginal_means(fit, levels, others, confidence)
     return MixedModel(
         n_participants=people.size,
         n_values=len(rows),
@@ -109,6 +121,8 @@ def mixed_model(
         ),
         participant_sd=float(np.sqrt(fit.group_variance)),
         residual_sd=float(np.sqrt(fit.residual_variance)),
+        means=means,
+        pairwise=pairwise,
     )
 
 
@@ -133,10 +147,12 @@ def _centred(rows: pd.DataFrame, covariate: str) -> dict[str, Floats]:
 def _columns(rows: pd.DataFrame, factor: str, reference: str | None) -> dict[str, Floats]:
     """Treatment-coded columns of one factor by name."""
     values = rows[factor].astype(str).to_numpy(dtype=object)
-    levels = sorted(set(values))
-    base = reference if reference is not None else next(iter(levels), "")
-    return {
-        f"{factor}: {level} − {base}": (values == level).astype(np.float64)
-        for level in levels
-        if level != base
-    }
+    base, *others = _levels(rows, factor, reference) or ("",)
+    return {f"{factor}: {level} − {base}": (values == level).astype(np.float64) for level in others}
+
+
+def _levels(rows: pd.DataFrame, factor: str, reference: str | None) -> tuple[str, ...]:
+    """Return the levels of a factor, the reference first."""
+    found = sorted(set(rows[factor].astype(str)))
+    base = reference if reference is not None else next(iter(found), "")
+    return (base, *(level for level in found if level != base))

@@ -1,4 +1,4 @@
-"""Writes data.csv: small sets of numbers for the tests of designs. Run in this folder."""
+"""Writes data.csv and crossed.csv: small sets of numbers for the tests of designs. Run it here."""
 
 import csv
 from pathlib import Path
@@ -38,7 +38,27 @@ def rows() -> list[tuple[str, str, str, int]]:
     return found
 
 
+def crossed() -> list[tuple[str, str, str, str, str, str, int]]:
+    """Return two factors between people and two within them, balanced and not."""
+    random = np.random.default_rng(20261123)
+    found = []
+    for dataset, sizes in (("balanced", (3, 3, 3, 3)), ("unbalanced", (5, 3, 2, 4))):
+        groups = [(g, s) for g in ("early", "late") for s in ("f", "m")]
+        people = [each for each, n in zip(groups, sizes, strict=True) for _ in range(n)]
+        for place, (group, sex) in enumerate(people, start=1):
+            level = random.normal(20, 4) + (group == "late")
+            for view in ("mono", "stereo"):
+                for dose, more in (("high", 5), ("low", 0), ("mid", 2)):
+                    value = level + more * (view == "stereo") + random.normal(0, 3)
+                    found.append((dataset, f"P{place:02d}", group, sex, view, dose, round(value)))
+    return found
+
+
 if __name__ == "__main__":
+    with Path(__file__).with_name("crossed.csv").open("w", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(("dataset", "participant", "group", "sex", "view", "dose", "value"))
+        writer.writerows(crossed())
     with Path(__file__).with_name("data.csv").open("w", newline="") as stream:
         writer = csv.writer(stream, lineterminator="\n")
         writer.writerow(("dataset", "group", "participant", "value"))

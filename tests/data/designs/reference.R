@@ -1,10 +1,12 @@
 # What R says about data.csv beside it: writes r_output.csv and r_session.txt.
 # Run once, in this folder: Rscript reference.R
-# Debian: r-base-core r-cran-{coin,effectsize}. What has no package here is written in base R, by
+# Debian: r-base-core r-cran-{afex,coin,effectsize,lmertest}. What has no package here is written in base R, by
 # the formula that is named beside it.
 suppressPackageStartupMessages({
+  library(afex)
   library(coin)
   library(effectsize)
+  library(lmerTest)
 })
 options(warn = 1)
 
@@ -192,6 +194,70 @@ for (name in c("repeated", "shrout_fleiss")) {
   high <- n * (down * p - e) / (k * o + (k * n - k - n) * e + n * down * p)
   add("intraclass", name, "two_1 low" = low, "two_1 high" = high,
       "two_k low" = k * low / (1 + (k - 1) * low), "two_k high" = k * high / (1 + (k - 1) * high))
+}
+
+# --- Several factors each way: afex, type II and III, sphericity assumed -------------------------
+crossed <- read.csv("crossed.csv")
+for (set in split(crossed, crossed$dataset)) {
+  for (type in 2:3) {
+    table <- suppressWarnings(suppressMessages(aov_ez(
+      "participant", "value", set, between = c("group", "sex"), within = c("view", "dose"),
+      type = type, anova_table = list(correction = "none", es = "ges")
+    )))$anova_table
+    for (effect in rownames(table)) {
+      values <- c(table[effect, "F"], table[effect, "Pr(>F)"])
+      names(values) <- paste(type, gsub(":", " × ", effect), c("F", "p"))
+      add("crossed", set$dataset[1], values)
+    }
+  }
+}
+
+# --- Aligned ranks, by the definition of Wobbrock et al. (2011), in base R -----------------------
+set <- crossed[crossed$dataset == "balanced", ]
+names_of <- c("group", "view", "dose")
+set[names_of] <- lapply(set[names_of], factor)
+ave_by <- function(names) if (length(names)) ave(set$value, do.call(paste, set[names])) else
+  rep(mean(set$value), nrow(set))
+subsets <- function(x) unlist(lapply(0:length(x), function(k) combn(x, k, simplify = FALSE)), FALSE)
+for (effect in subsets(names_of)[-1]) {
+  estimate <- 0
+  for (part in subsets(effect)) estimate <- estimate + (-1)^(length(effect) - length(part)) * ave_by(part)
+  set$ranks <- rank(round(set$value - ave_by(names_of) + estimate, 7))
+  model <- summary(aov(ranks ~ group * view * dose + Error(factor(participant) / (view * dose)), set))
+  wanted <- paste(effect, collapse = ":")
+  for (stratum in model) {
+    rows <- trimws(rownames(stratum[[1]]))
+    if (wanted %in% rows) {
+      values <- unlist(stratum[[1]][which(rows == wanted), c("F value", "Pr(>F)")])
+      names(values) <- paste(gsub(":", " × ", wanted), c("F", "p"))
+      add("aligned_ranks", "balanced", values)
+    }
+  }
+}
+
+# --- Marginal means of a mixed model: lmerTest, adjusted by Bonferroni ---------------------------
+PRECISE <- lmerControl(
+  optimizer = "nloptwrap", calc.derivs = TRUE,
+  optCtrl = list(xtol_abs = 1e-14, ftol_abs = 1e-16, xtol_rel = 0, ftol_rel = 0, maxeval = 1e5)
+)
+set <- crossed[crossed$dataset == "unbalanced", ][-c(3, 8, 14, 15, 40, 61), ]
+set$dose <- relevel(factor(set$dose), "low")
+set[c("view", "group")] <- lapply(set[c("view", "group")], factor)
+model <- lmer(value ~ dose + view + group + (1 | participant), set, control = PRECISE)
+means <- ls_means(model)
+for (i in seq_len(nrow(means))) {
+  values <- unlist(means[i, c("Estimate", "Std. Error", "df", "lower", "upper")])
+  names(values) <- paste(rownames(means)[i], c("estimate", "standard_error", "df", "low", "high"))
+  add("marginal_means", "unbalanced", values)
+}
+pairs <- ls_means(model, which = "dose", pairwise = TRUE)
+count <- nrow(pairs)
+for (i in seq_len(count)) {
+  e <- pairs[i, "Estimate"]; s <- pairs[i, "Std. Error"]; df <- pairs[i, "df"]
+  half <- qt(1 - .025 / count, df) * s
+  values <- c(e, s, df, min(1, count * pairs[i, "Pr(>|t|)"]), e - half, e + half)
+  names(values) <- paste(rownames(pairs)[i], c("estimate", "standard_error", "df", "p_adjusted", "low", "high"))
+  add("marginal_means", "unbalanced", values)
 }
 
 write.csv(do.call(rbind, found), "r_output.csv", row.names = FALSE, quote = FALSE, eol = "\n")

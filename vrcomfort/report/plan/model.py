@@ -161,6 +161,8 @@ class Plan(Settings):
     )
     """Factors that have one level in the data are left out."""
     sums_of_squares: Literal["II", "III"] = "III"
+    aligned_ranks: bool = False
+    """Whether the effects of the ANOVA are tested on aligned ranks as well."""
     mixed_model: tuple[str, ...] = ("condition", "scene", "position", "session")
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
