@@ -16,6 +16,7 @@ class Format(StrEnum):
     """What a study can be exported as."""
 
     BIDS = "bids"
+    PSYCH_DS = "psych-ds"
 
 
 def register(app: typer.Typer) -> None:
@@ -25,19 +26,25 @@ def register(app: typer.Typer) -> None:
 
 def export(
     study: Annotated[Path, typer.Argument(metavar="STUDY", help="The study folder.")],
-    format_: Annotated[Format, typer.Option("--format", help="bids: BIDS 1.11.1.")],
+    format_: Annotated[
+        Format,
+        typer.Option("--format", help="bids: BIDS 1.11.1; psych-ds: Psych-DS 1.5.1, tables alone."),
+    ],
     out: Annotated[Path, output_option("--out", help="A new folder for the dataset.")],
     quiet: Quiet = False,
 ) -> None:
-    """Write a study as a BIDS dataset: motion, gaze, events, questionnaires.
+    """Write a study as a dataset of BIDS (motion, gaze, events, answers) or Psych-DS (tables).
 
     Head motion and gaze identify people, and dates are the study's: anonymise it first, where the
     dataset is to be shared.
 
     - `vrcomfort export my_study --format bids --out my_study_bids`
+    - `vrcomfort export my_study --format psych-ds --out my_study_psych_ds`
     """
     from vrcomfort.exchange.bids import export_bids
+    from vrcomfort.exchange.psych_ds import export_psych_ds
 
-    for sentence in export_bids(study, out):
+    write = export_bids if format_ is Format.BIDS else export_psych_ds
+    for sentence in write(study, out):
         warn(f"left out: {sentence}")
     console(quiet).print(f"{out}: a dataset in {format_.value}; its README.md says what is where")

@@ -7,21 +7,19 @@ Sci. Data 11:716) and its eye tracking.
 from __future__ import annotations
 
 import re
-import shutil
 from collections.abc import Mapping
 from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 from vrcomfort import __version__
-from vrcomfort.errors import InputError
 from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.exchange.bids.gaze import write_gaze
 from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
 from vrcomfort.exchange.bids.phenotype import write_phenotype
 from vrcomfort.exchange.bids.runs import Run, read_runs
 from vrcomfort.exchange.private_facts import of_event
-from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescriptionShape
@@ -65,25 +63,9 @@ def export_bids(study: Path, out: Path) -> list[str]:
     InputError
         If the study is an import or not whole, or the folder is there already.
     """
-    if (study / "import.json").exists():
-        raise InputError("this is an import: it has no recordings for BIDS", file=study)
-    if faults := verify_study(study).faults:
-        message = f"this study is not whole: {faults[0]}; see vrcomfort verify"
-        raise InputError(message, file=study)
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise InputError("is there already; choose a new folder as --out", file=out)
-    if study.resolve() in {out.resolve(), *out.resolve().parents}:
-        raise InputError("lies in the study; choose a folder outside of it", file=out)
-    draft = out.with_name(f".{out.name}.part")
-    shutil.rmtree(draft, ignore_errors=True)
-    try:
-        left_out = _write(study, draft)
-        if out.exists():
-            out.rmdir()
-        draft.rename(out)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
-    return left_out
+    require_whole(study)
+    with new_folder(study, out) as draft:
+        return _write(study, draft)
 
 
 def _write(study: Path, out: Path) -> list[str]:
