@@ -153,7 +153,7 @@ def _description(
     name: str, protocol: str, citation: str, tables: Sequence[_Table]
 ) -> dict[str, object]:
     columns = list(dict.fromkeys(column for table in tables for column in table.columns))
-    said = {
+    said: dict[str, object] = {
         "@context": "https://schema.org/",
         "@type": "Dataset",
         "name": name,
