@@ -57,6 +57,7 @@ def assert_refused(result: tuple[int, str, str], *words: str) -> None:
         "verify",
         "status",
         "anonymise",
+        "export",
     ],
 )
 def test_every_command_has_help_with_an_example(run: Run, command: str) -> None:

@@ -52,7 +52,9 @@ def test_mantiuk_in_numbers():
     for condition in study.conditions:
         assert condition.depth_of_field.law == "thin_lens"
         assert condition.depth_of_field.distance_offset_m == 0.6
-    assert study.condition("no_tracker").focus.method == "fixed"
+    script = study.condition("no_tracker").focus
+    assert (script.method, script.script_every_s) == ("scripted", study.exposure_s)
+    assert study.training_s % script.script_every_s == 0
 
 
 def test_the_plan_says_how_focus_is_found():

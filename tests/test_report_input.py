@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tests.support.report import Study, build_report, foreign
+from tests.support.report import Study, answers, build_report, foreign, write_csv
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import score_file, shipped_instruments
 from vrcomfort.report.ordering import natural
@@ -216,3 +216,32 @@ def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
     (tmp_path / "s" / "manifest.json").write_bytes(b"\xff{}")
     with pytest.raises(InputError, match="not UTF-8; save it as JSON in UTF-8"):
         build_report(tmp_path / "s", out=tmp_path / "o")
+
+
+def test_before_and_after_need_no_condition(tmp_path):
+    rows = [
+        {"participant": f"P{n}", "timepoint": when, "item": item, "response": answer}
+        for n in range(8)
+        for when, total in (("baseline", n % 3), ("post", 3 + n))
+        for item, answer in answers(total).items()
+    ]
+    file = tmp_path / "questionnaires.csv"
+    write_csv(file, ("participant", "timepoint", "item", "response"), rows)
+    plan = tmp_path / "plan.toml"
+    contrast = '[[contrasts]]\na_timepoint = "post"\nb_timepoint = "baseline"\n'
+    plan.write_text(f'name = "p"\ntitle = "P"\nscores = "raw"\noutcomes = ["T"]\n{contrast}')
+    summary = build_report(file, plan=plan, out=tmp_path / "r", forms=("svg",))
+    assert "higher under post" in summary.headlines[0]
+    assert "n\xa0=\xa08" in summary.headlines[0]
+
+
+@pytest.mark.parametrize("columns", [(), ("timepoint",)])
+def test_one_moment_without_a_condition_is_refused(tmp_path, columns):
+    rows = [
+        {"participant": "P1", "item": item, "response": answer, **dict.fromkeys(columns, "post")}
+        for item, answer in answers(4).items()
+    ]
+    file = tmp_path / "questionnaires.csv"
+    write_csv(file, ("participant", *columns, "item", "response"), rows)
+    with pytest.raises(InputError, match="the column 'condition' is missing"):
+        build_report(file, out=tmp_path / "r")

@@ -64,6 +64,50 @@ def test_r_adds_several_exposures_of_a_condition_and_adjusts_by_family(tmp_path)
     assert "interval, low" in found.stdout
 
 
+def has_package(name: str) -> bool:
+    asks = f'quit(status = !requireNamespace("{name}", quietly = TRUE))'
+    return RSCRIPT is not None and not subprocess.run([RSCRIPT, "-e", asks], check=False).returncode
+
+
+@needs_r
+@pytest.mark.slow
+def test_r_finds_the_models_of_a_crossover(tmp_path):
+    carnegie_like(tmp_path / "s")
+    build_report(tmp_path / "s", out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert "crossover, condition" in found.stdout
+    assert ("ANOVA, depth of field" in found.stdout) == has_package("car")
+    assert ("mixed model, condition" in found.stdout) == has_package("lmerTest")
+
+
+@needs_r
+@pytest.mark.slow
+@pytest.mark.parametrize("squares", ["II", "III"])
+def test_r_finds_models_of_groups_of_unequal_size_and_of_a_covariate(tmp_path, squares):
+    study = random_study(tmp_path, 8)
+    people = [f"P{i},{'xyx'[i % 3]},{20 + i * i % 17}" for i in range(14)]
+    table = "\n".join(["participant,group,age", *people])
+    (tmp_path / "participants.csv").write_text(table + "\n", "utf-8")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        f'name = "p"\ntitle = "P"\nsums_of_squares = "{squares}"\n'
+        'mixed_model = ["condition", "group"]\ncovariates = ["age"]\n'
+        '[[anova]]\nname = "condition"\ncolumn = "condition"\n'
+        '[[anova]]\nname = "group"\ncolumn = "group"\nlevels = { x = "first", y = "other" }\n',
+        "utf-8",
+    )
+    build_report(study.parent, plan=plan, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    if has_package("car"):
+        assert (
+            "ANOVA, condition × group" in found.stdout or "ANOVA, group × condition" in found.stdout
+        )
+        assert "epsilon, GG" in found.stdout
+    assert ("mixed model, age" in found.stdout) == has_package("lmerTest")
+
+
 @needs_r
 def test_what_the_table_of_scores_does_not_have_is_named_and_left_out(tmp_path):
     carnegie_like(tmp_path / "s")

@@ -152,3 +152,22 @@ def test_no_variances_near_or_far_are_likelier_than_the_fitted(seed, spread):
 def test_what_two_variances_cannot_be_told_from_is_said(cells, words):
     with pytest.raises(InputError, match=words):
         mixed_model(fewest(cells), value="y", participant="person", factors=["condition"])
+
+
+def test_people_who_differ_as_residuals_do_leave_all_degrees_of_freedom():
+    """The slope of the deviance is 0 at λ = 0, but for rounding; R's lme4 is singular there."""
+    scores = {
+        "a": [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+        "b": [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0],
+        "c": [0, 0, 0, None, 1, 0, 0, 0, 0, 0, 0, 0, 0, 1],
+    }
+    rows = [
+        {"id": f"P{i}", "condition": name, "y": np.float64(13.92) * value}
+        for name, values in scores.items()
+        for i, value in enumerate(values)
+        if value is not None
+    ]
+    model = mixed_model(pd.DataFrame(rows), value="y", participant="id", factors=["condition"])
+    assert model.participant_sd == 0
+    assert [term.df for term in model.terms.values()] == pytest.approx([38, 38])
+    assert model.terms["condition: c − a"].p == pytest.approx(0.06602701, abs=1e-8)

@@ -1,13 +1,17 @@
 # Makes the primary tests of this report again, in base R, from tables/scores.csv, and prints what
-# the report has (tables/tests.csv) beside what R finds. Nothing is taken from the report but who is
-# compared with whom, and how.
+# the report has (tables/tests.csv) beside what R finds; then the crossover analyses, in base R too,
+# the analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken
+# from the report but who is compared with whom, and how.
 #
 #   Rscript reproduce.R
 #
-# Where the package coin is installed, its exact signed-rank test is made as well. The script ends
-# with status 1 if a number differs by more than a relative 1e-6.
+# Where the package coin is installed, its exact signed-rank test is made as well. What needs a
+# package that is not there is named and left out. The script ends with status 1 if a number differs
+# by more than a relative 1e-6 (of mixed models 1e-5: both search for the largest likelihood).
 
 LARGEST_DIFFERENCE <- 1e-6
+LARGEST_OF_A_SEARCH <- 1e-5
+MOST_OF_ROUNDING <- 1e-3  # SD of people over that of residuals: the search stops so far from 0
 MOST_FOR_INTERVAL <- 30   # pairs: the interval is found by trying every shift
 MOST_FOR_WALSH <- 3000    # pairs: n (n + 1) / 2 averages are made
 
@@ -97,13 +101,14 @@ interval <- function(d, zeros, side, exact, level) {
 }
 
 rows <- list()
-compare <- function(test, what, expected, found) {
+compare <- function(test, what, expected, found, about = paste(test$a, "minus", test$b),
+                    size = 1e-9, largest = LARGEST_DIFFERENCE) {
   expected <- suppressWarnings(as.numeric(expected))
   if (is.na(expected)) return(invisible())   # the report has none
-  difference <- if (is.na(found)) Inf else abs(found - expected) / max(abs(expected), 1e-9)
+  difference <- if (is.na(found)) Inf else abs(found - expected) / max(abs(expected), size)
   rows[[length(rows) + 1]] <<- data.frame(
-    comparison = paste(test$a, "minus", test$b), score = test$outcome, number = what,
-    report = signif(expected, 9), R = signif(found, 9), difference = signif(difference, 2))
+    comparison = about, score = test$outcome, number = what, report = signif(expected, 9),
+    R = signif(found, 9), difference = signif(difference, 2), wrong = !(difference <= largest))
 }
 
 scores <- read_table("scores")
@@ -168,15 +173,187 @@ for (family in unique(done$family[!is.na(done$p_holm)])) {
   }
 }
 
+# The models. Names of factors may be anything, so they are called f1, f2, ... in formulas.
+TIMES <- " \u00d7 "
+MINUS <- " \u2212 "
+read_if_there <- function(name) {
+  if (file.exists(file.path(folder, "tables", paste0(name, ".csv")))) {
+    found <- read_table(name)
+    if ("not_tested" %in% names(found)) found <- found[is.na(found$not_tested), , drop = FALSE]
+    if (nrow(found)) found
+  }
+}
+not_here <- function(...) cat("Not made here:", ..., "\n")
+models <- 0
+
+# The two-period crossover: t tests of half differences and of means of the periods, by sequence.
+crossover <- function(found) {
+  mine <- scores[scores$condition %in% c(found$a[1], found$b[1]) &
+                 !is.na(scores[[found$outcome[1]]]), ]
+  mine$score <- as.numeric(mine[[found$outcome[1]]])
+  cell <- list(mine$participant, factor(mine$condition, c(found$a[1], found$b[1])))
+  places <- tapply(mine$position, cell, function(p) length(unique(p)))
+  count <- tapply(mine$score, cell, length)
+  enough <- t(t(count) >= as.numeric(c(found$planned_a[1], found$planned_b[1])))
+  kept <- rowSums(enough & places == 1) %in% 2
+  score <- tapply(mine$score, cell, mean)[kept, , drop = FALSE]
+  place <- tapply(as.numeric(mine$position), cell, min)[kept, , drop = FALSE]
+  ab <- place[, 1] < place[, 2]
+  one <- ifelse(ab, score[, 1], score[, 2]); two <- ifelse(ab, score[, 2], score[, 1])
+  half <- (one - two) / 2; mean <- (one + two) / 2
+  sides <- list(condition = list(half[ab], half[!ab]), period = list(-half[ab], half[!ab]),
+                sequence = list(mean[!ab], mean[ab]))
+  for (k in seq_len(nrow(found))) {
+    line <- found[k, ]; side <- sides[[line$effect]]
+    if (is.na(line$t)) next
+    test <- t.test(side[[1]], side[[2]], var.equal = TRUE)
+    about <- paste0("crossover, ", line$effect)
+    compare(line, "estimate", line$estimate, unname(diff(rev(test$estimate))), about, size = 1e-6)
+    compare(line, "standard error", line$standard_error, test$stderr, about)
+    compare(line, "t", line$t, unname(test$statistic), about, size = 1e-6)
+    compare(line, "p", line$p, test$p.value, about)
+  }
+}
+found <- read_if_there("crossover")
+if (!is.null(found)) {
+  for (one in split(found, paste(found$a, found$b, found$outcome))) {
+    crossover(one)
+    models <- models + 1
+  }
+}
+
+# The analysis of variance of participants with a score in every cell.
+anova_of <- function(found, columns) {
+  names <- sub("^anova: ", "", columns)
+  between <- if (is.na(found$between[1])) NULL else strsplit(found$between[1], TIMES, TRUE)[[1]]
+  mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
+  called <- setNames(paste0("f", seq_along(names)), names)
+  for (k in seq_along(names)) mine[[called[k]]] <- scores[[columns[k]]]
+  mine <- mine[complete.cases(mine), ]
+  within <- called[setdiff(names, between)]; between <- called[between]
+  cell <- if (length(within)) do.call(paste, c(mine[within], sep = "\r")) else rep("", nrow(mine))
+  wide <- tapply(mine$score, list(mine$who, cell), mean)
+  wide <- wide[complete.cases(wide), , drop = FALSE]
+  people <- mine[match(rownames(wide), mine$who), between, drop = FALSE]
+  people[] <- lapply(people, factor)
+  old <- options(contrasts = c("contr.sum", "contr.poly")); on.exit(options(old))
+  side <- if (length(between)) paste(between, collapse = "*") else "1"
+  type <- found$type[1]
+  if (!length(within)) {
+    people$score <- wide[, 1]
+    made <- car::Anova(lm(as.formula(paste("score ~", side)), people), type = type)
+    made <- made[!rownames(made) %in% c("(Intercept)", "Residuals"), ]
+    univariate <- cbind(made[, "Sum Sq"], made[, "F value"], made[, "Pr(>F)"])
+    rownames(univariate) <- rownames(made); corrected <- NULL
+  } else {
+    fit <- lm(as.formula(paste("wide ~", side)), people)
+    idata <- mine[match(colnames(wide), cell), within, drop = FALSE]
+    idata[] <- lapply(idata, factor)
+    # It warns of error matrices that leave no epsilon, and of epsilons above 1.
+    made <- suppressWarnings(summary(car::Anova(fit, idata = idata, type = type,
+      idesign = as.formula(paste("~", paste(within, collapse = "*")))), multivariate = FALSE))
+    univariate <- unclass(made$univariate.tests)[, c("Sum Sq", "F value", "Pr(>F)"), drop = FALSE]
+    corrected <- made$pval.adjustments
+  }
+  terms <- strsplit(rownames(univariate), ":", TRUE)
+  for (k in seq_len(nrow(found))) {
+    line <- found[k, ]
+    wanted <- called[strsplit(line$effect, TIMES, TRUE)[[1]]]
+    row <- which(vapply(terms, setequal, logical(1), wanted))
+    about <- paste("ANOVA,", line$effect)
+    if (!length(row) || is.na(line$f)) next
+    compare(line, "sum of squares", line$sum_of_squares, univariate[row, 1], about, size = 1e-6)
+    compare(line, "F", line$f, univariate[row, 2], about, size = 1e-6)
+    compare(line, "p", line$p, univariate[row, 3], about)
+    if (rownames(univariate)[row] %in% rownames(corrected)) {
+      epsilon <- corrected[rownames(univariate)[row], ]
+      if (anyNA(epsilon)) next
+      compare(line, "epsilon, GG", line$greenhouse_geisser, epsilon[["GG eps"]], about)
+      compare(line, "p, GG", line$p_greenhouse_geisser, epsilon[["Pr(>F[GG])"]], about)
+      compare(line, "epsilon, HF", line$huynh_feldt, min(1, epsilon[["HF eps"]]), about)
+    }
+  }
+}
+found <- read_if_there("anova")
+columns <- grep("^anova: ", names(scores), value = TRUE)
+if (!is.null(found) && !length(columns)) {
+  not_here("the ANOVA over time (its data are not in scores.csv)")
+} else if (!is.null(found) && !requireNamespace("car", quietly = TRUE)) {
+  not_here("the ANOVA (package car is not installed)")
+} else if (!is.null(found)) {
+  for (one in split(found, found$outcome)) {
+    anova_of(one, columns)
+    models <- models + 1
+  }
+}
+
+# The mixed model with a random participant; the level after the minus sign is the reference.
+mixed_of <- function(found) {
+  terms <- found[!is.na(found$estimate), ]; whole <- found[!is.na(found$f), ]
+  called <- setNames(paste0("f", seq_len(nrow(whole))), whole$term)
+  mine <- data.frame(who = scores$participant, score = as.numeric(scores[[found$outcome[1]]]))
+  coefficient <- character()
+  for (name in whole$term) {
+    column <- scores[[paste0("mixed: ", name)]]
+    own <- terms$term[startsWith(terms$term, paste0(name, ": "))]
+    if (length(own)) {
+      parts <- strsplit(substring(own, nchar(name) + 3), MINUS, TRUE)
+      mine[[called[name]]] <- relevel(factor(column), parts[[1]][2])
+      coefficient[own] <- paste0(called[name], vapply(parts, `[`, "", 1))
+    } else {
+      mine[[called[name]]] <- as.numeric(column)
+      coefficient[name] <- called[name]
+    }
+  }
+  mine <- mine[complete.cases(mine), ]
+  formula <- as.formula(paste("score ~", paste(called, collapse = " + "), "+ (1 | who)"))
+  precise <- lme4::lmerControl(optimizer = "bobyqa", check.conv.singular = "ignore",
+                               optCtrl = list(rhobeg = 0.2, rhoend = 1e-12, maxfun = 1e5))
+  fit <- lmerTest::lmer(formula, mine, control = precise)
+  table <- coef(summary(fit)); omnibus <- anova(fit, type = "III")
+  theta <- lme4::getME(fit, "theta")
+  searched <- theta == 0 || theta > MOST_OF_ROUNDING
+  if (!searched) not_here("df and p of the mixed model of", found$outcome[1],
+                          "(people differ by nothing but what the search left)")
+  of_search <- function(line, what, expected, value, size = 1e-9) {
+    compare(line, what, expected, value, paste("mixed model,", line$term), size,
+            LARGEST_OF_A_SEARCH)
+  }
+  for (k in seq_len(nrow(terms))) {
+    line <- terms[k, ]; row <- table[coefficient[line$term], ]
+    of_search(line, "estimate", line$estimate, row[["Estimate"]], as.numeric(line$standard_error))
+    of_search(line, "standard error", line$standard_error, row[["Std. Error"]])
+    if (!searched) next
+    of_search(line, "df", line$df, row[["df"]])
+    of_search(line, "p", line$p, row[["Pr(>|t|)"]])
+  }
+  for (k in seq_len(nrow(whole))) {
+    line <- whole[k, ]; row <- omnibus[called[line$term], ]
+    of_search(line, "F", line$f, row[["F value"]], 1e-2)
+    if (searched) of_search(line, "p of F", line$p, row[["Pr(>F)"]])
+  }
+}
+found <- read_if_there("mixed_models")
+if (!is.null(found) && !requireNamespace("lmerTest", quietly = TRUE)) {
+  not_here("the mixed models (package lmerTest is not installed)")
+} else if (!is.null(found)) {
+  for (one in split(found, found$outcome)) {
+    mixed_of(one)
+    models <- models + 1
+  }
+}
+
 table <- do.call(rbind, rows)
 if (is.null(table)) {
   cat("This report has no test.\n")
   quit(status = 0)
 }
 options(width = 140)
-print(table, row.names = FALSE)
-wrong <- sum(!(table$difference <= LARGEST_DIFFERENCE))
-cat(sprintf("\n%d numbers of %d tests; largest relative difference %g; %d differ by more than %g.\n",
-            nrow(table), nrow(done), max(table$difference), wrong, LARGEST_DIFFERENCE))
+print(table[names(table) != "wrong"], row.names = FALSE)
+wrong <- sum(table$wrong)
+cat(sprintf(paste0("\n%d numbers of %d tests and %d models; largest relative difference %g; ",
+                   "%d differ by more than %g (of mixed models %g).\n"),
+            nrow(table), nrow(done), models, max(table$difference), wrong, LARGEST_DIFFERENCE,
+            LARGEST_OF_A_SEARCH))
 cat(R.version.string, "\n")
 quit(status = if (wrong) 1 else 0)

@@ -6,25 +6,28 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from tests.support.resume import go
 from tests.support.study import AheadHeadset
 from vrcomfort.frame import Frame
-from vrcomfort.geometry import Gaze
+from vrcomfort.geometry import Gaze, Pose
 
 Change = Callable[[str], str]
 
 
 class SeesEyes(AheadHeadset):
-    """A headset with an eye tracker, which loses the eyes in every seventh frame."""
+    """A headset with an eye tracker and hands, which loses either now and then."""
 
     def frames(self) -> Iterator[Frame]:
         for each in super().frames():
             gaze = Gaze(each.head_pose, valid=each.index % 7 != 3)
-            yield replace(each, gaze=gaze)
+            left = Pose(np.array([-0.2, 1.1, -0.3])) if each.index % 5 else None
+            yield replace(each, gaze=gaze, hands=(left, Pose(np.array([0.2, 1.1, -0.3]))))
 
 
 def with_gaze(tmp_path: Path) -> Path:
-    """Return a study whose participant's eyes were tracked in both sessions."""
+    """Return a study whose participant's eyes and hands were tracked in both sessions."""
     go(tmp_path, sessions=[1, 2], headset_for=lambda *_: SeesEyes())
     return tmp_path / "S"
 

@@ -17,6 +17,7 @@ from vrcomfort.cli import (
     demo,
     design,
     doctor,
+    export,
     import_answers,
     import_trace,
     pack,
@@ -103,6 +104,7 @@ for module in (
     verify,
     status,
     anonymise,
+    export,
 ):
     module.register(app)
 

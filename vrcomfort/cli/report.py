@@ -30,15 +30,16 @@ def _list(asked: bool) -> None:
 
 
 def report(
-    study: Annotated[
-        Path,
-        typer.Argument(
-            metavar="STUDY",
-            help="A study folder, any folder that holds questionnaires.csv files, or one file: "
-            "tidy, or one that `import --suggest` has no doubts about.",
-        ),
-    ],
     out: Annotated[Path, output_option(help="Folder for the report.")],
+    study: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[STUDY]",
+            help="A study folder, any folder that holds questionnaires.csv files, or one file: "
+            "tidy, or one that `import --suggest` has no doubts about. Without it, the files that "
+            "the plan names in [data].",
+        ),
+    ] = None,
     plan: Annotated[
         str | None,
         typer.Option(
@@ -83,14 +84,15 @@ def report(
     - `vrcomfort report out/demo/study --out out/demo/report`
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
     - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
+    - `vrcomfort report --plan plan_that_names_files.toml --out report`
     """
-    from vrcomfort.cli.report_file import study_of
+    from vrcomfort.cli.report_file import study_of, study_of_plan
     from vrcomfort.recordings import Memory
     from vrcomfort.report import build_report
 
     folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
-        source = study_of(study, folder)
+        source = study_of_plan(plan, folder) if study is None else study_of(study, folder)
         summary = build_report(
             source,
             plan=plan,

@@ -1,4 +1,4 @@
-"""Makes a study of one file that is none, where that leaves no doubt."""
+"""Makes a study of files that are none: through a plan's mapping, or where nothing is doubtful."""
 
 from __future__ import annotations
 
@@ -44,10 +44,39 @@ def study_of(source: Path, out: Path) -> Path:
     return folder
 
 
+def study_of_plan(plan: str | None, out: Path) -> Path:
+    """Return the import of the files that a plan names, kept in the report's folder.
+
+    Raises
+    ------
+    InputError
+        If there is no plan or it names no files, or they are not as their mapping says.
+    """
+    from vrcomfort.report.plan import data_files, find_plan
+
+    if plan is None:
+        raise InputError("give a study, or a --plan that names files in [data]")
+    file = find_plan(plan)
+    named = data_files(file)
+    if named is None:
+        message = "this plan names no files; give the study, or add [data] with files and mapping"
+        raise InputError(message, file=file)
+    from vrcomfort.importing import import_files, load_mapping, write_study
+
+    files, mapping = named
+    loaded = load_mapping(mapping)
+    imported = import_files(files, loaded.mapping, loaded.instruments)
+    for note in imported.notes:
+        warn(note)
+    write_study(out / IMPORTED, imported, loaded, files)
+    return out / IMPORTED
+
+
 def _is_tidy(file: Path) -> bool:
     """Return whether a file has the columns of ``questionnaires.csv``, or some of them."""
     try:
-        header = {name.lower() for name in CsvTable.read(file, appended=True).header}
+        first = next(CsvTable.parts(file, appended=True, most_rows=1))
+        header = {name.lower() for name in first.header}
     except InputError:
         return False
     return not header or bool({"item", "response"} & header)

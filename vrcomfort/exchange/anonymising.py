@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import csv
 import json
-import shutil
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -22,7 +21,7 @@ import numpy as np
 from vrcomfort import __version__
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.private_facts import EPOCH, Moved, of_event, of_manifest
-from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
@@ -73,24 +72,17 @@ def anonymise(study: Path, out: Path, wishes: Wishes) -> dict[str, Any]:
     InputError
         If the study is an import or not whole, or `out` or the key cannot be where they should.
     """
-    _require_whole(study)
-    _require_room(study, out, wishes.key)
+    require_whole(study)
+    _require_room_for_key(study, out, wishes.key)
     rows = read_participants(study)
     names = new_names([row.participant for row in rows], wishes.seed)
-    draft = out.with_name(f".{out.name}.part")
-    shutil.rmtree(draft, ignore_errors=True)
     access = access_of(study)
-    try:
+    with new_folder(study, out) as draft:
         make_folders(draft, draft, access)
         record = _write(study, draft, names, wishes, access)
         if wishes.key is not None:
             lines = [csv_line(("participant", "anonymous"))]
             replace_text(wishes.key, "".join(lines + [csv_line(pair) for pair in names.items()]))
-        if out.exists():
-            out.rmdir()
-        draft.rename(out)
-    finally:
-        shutil.rmtree(draft, ignore_errors=True)
     return record
 
 
@@ -101,26 +93,10 @@ def new_names(names: Sequence[str], seed: int | None) -> dict[str, str]:
     return {old: f"P{new + 1:0{digits}d}" for old, new in zip(names, drawn.tolist(), strict=True)}
 
 
-def _require_whole(study: Path) -> None:
-    if (study / "import.json").exists():
-        message = "this is an import; make its source anonymous, and import that"
-        raise InputError(message, file=study)
-    faults = verify_study(study).faults
-    if faults:
-        more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
-        message = f"this study is not whole: {faults[0]}{more}; see vrcomfort verify"
-        raise InputError(message, file=study)
-
-
-def _require_room(study: Path, out: Path, key: Path | None) -> None:
-    if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise InputError("is there already; choose a new folder as --out", file=out)
-    inside = [study.resolve(), out.resolve()]
-    if any(each in {out.resolve(), *out.resolve().parents} for each in inside[:1]):
-        raise InputError("lies in the study; choose a folder outside of it", file=out)
+def _require_room_for_key(study: Path, out: Path, key: Path | None) -> None:
     if key is None:
         return
-    if any(each in key.resolve().parents for each in inside):
+    if any(each.resolve() in key.resolve().parents for each in (study, out)):
         message = "the key would lie in a folder that is handed on; choose a place outside"
         raise InputError(message, file=key)
     if key.exists():

@@ -22,6 +22,7 @@ Dioptres = Annotated[float, Field(ge=0, le=1000)]
 """Up to those of 1 mm."""
 Arcmin = Annotated[float, Field(ge=0, le=10_800)]
 """Up to half a turn."""
+ScriptEntry = tuple[Annotated[float, Field(ge=0, le=14_400)], Distance]
 Weight = Annotated[float, Field(ge=0.001, le=1)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
@@ -45,7 +46,7 @@ EffectName = Literal["depth_of_field", "motion_blur", "speed_blur", "relocation_
 EFFECTS: tuple[EffectName, ...] = get_args(EffectName)
 """In the order in which they come where a condition does not say otherwise."""
 
-FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed"]
+FocusRuleName = Literal["nine_ray", "autofocus_zone", "gaze", "fixed", "scripted"]
 
 RefocusLawName = Literal[
     "linear", "linear_dioptre", "low_pass", "low_pass_backward_euler", "duration", "instant"
@@ -73,9 +74,15 @@ class Focus(Settings):
 
     method: FocusRuleName = "nine_ray"
     """`nine_ray`: nine rays ahead, less outliers; `autofocus_zone`: the weighted mean of a zone;
-    `gaze`: under the gaze; `fixed`: nobody moves it."""
+    `gaze`: under the gaze; `fixed`: nobody moves it; `scripted`: by `script`."""
     fixed_m: Distance = 2.0
     """Focus distance of `fixed`."""
+    script: tuple[ScriptEntry, ...] = ()
+    """`scripted`: [time, distance] in seconds and metres, times rising. Between two, focus moves
+    linearly in dioptres; before the first and after the last it rests. Time is that of the scene's
+    animations: it begins when the scene is entered, with the training where there is one."""
+    script_every_s: Seconds | None = None
+    """`scripted`: the script begins again so often."""
     ring_deg: Annotated[float, Field(gt=0, lt=45)] = 2.0
     """Angle of the eight outer rays; the paper says "small regular angular deviations"."""
     mean: Literal["metres", "dioptres"] = "metres"
@@ -119,6 +126,19 @@ class Focus(Settings):
     """With `duration`, a target that moves less is followed; further away, a new change begins."""
     infinity_m: Distance = 30_000.0
     """Distance taken for the sky (the paper's d_max)."""
+
+    @model_validator(mode="after")
+    def _script_is_there(self) -> Focus:
+        if self.method == "scripted" and not self.script:
+            message = 'method = "scripted" needs a `script`: [[0.0, 2.0], [3.0, 0.5]]'
+            raise PydanticCustomError("no_script", message)
+        times = [time_s for time_s, _ in self.script]
+        if any(after <= before for before, after in pairwise(times)):
+            raise PydanticCustomError("script", "the times of `script` must rise")
+        if self.script_every_s is not None and times and times[-1] > self.script_every_s:
+            message = "`script_every_s` is before the last time of `script`; make it longer"
+            raise PydanticCustomError("script_every", message)
+        return self
 
     @model_validator(mode="after")
     def _weights_rise(self) -> Focus:

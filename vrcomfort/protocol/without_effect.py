@@ -29,6 +29,8 @@ _LAWS_THAT_TAKE = {
 NEEDS: dict[str, dict[str, _Needs]] = {
     "focus": {
         "fixed_m": {"method": ("fixed",)},
+        "script": {"method": ("scripted",)},
+        "script_every_s": {"method": ("scripted",)},
         "ring_deg": _RAYS_AHEAD,
         "mean": {"method": ("nine_ray", "autofocus_zone"), "zone_statistic": ("mean",)},
         "outlier_mad": _RAYS_AHEAD,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
@@ -103,6 +103,7 @@ class InstrumentTable(Settings):
     citation: str = ""
     sources: tuple[str, ...] = ()
     rule: str = ""
+    asks: Literal["symptoms", "questions"] = "questions"
     licence: str = ""
     variant_of: str = ""
     prefixed: bool = True
@@ -145,6 +146,7 @@ def parse_instrument(text: str, file: Path | None = None) -> Instrument:
         citation=table.citation,
         sources=table.sources,
         rule=table.rule,
+        asks=table.asks,
         licence=table.licence,
         language=table.language,
         variant_of=table.variant_of,

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
+from typing import Literal
 
 from vrcomfort.questionnaire.answers import Answer, Answers
 from vrcomfort.questionnaire.scales import Scale
@@ -107,6 +108,8 @@ class Instrument:
     rule: str = ""
     language: str = "en"
     variant_of: str = ""
+    asks: Literal["symptoms", "questions"] = "questions"
+    """What reports call its items."""
     prefixed: bool = True
     """Whether plans and tables put the instrument's name before those of its scores and items."""
     licence: str = ""

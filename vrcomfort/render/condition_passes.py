@@ -164,7 +164,9 @@ class ConditionPasses:
         for effect in self._effects:
             effect.forget()
 
-    def find_focus(self, frame: Frame, world_from_head: Pose) -> tuple[FocusSample, ...]:
+    def find_focus(
+        self, frame: Frame, world_from_head: Pose, scene_time_s: float
+    ) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
             return ()
@@ -175,6 +177,7 @@ class ConditionPasses:
             frame.discontinuity,
             screen_tangents(frame.views),
             head_from_gaze(frame),
+            scene_time_s,
         )
         return self.focus.render(sight)
 

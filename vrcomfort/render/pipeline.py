@@ -181,7 +181,7 @@ class StereoRenderer:
             self._place_hands(frame, before)
         eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
         passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
-        samples = passes.find_focus(frame, world_from_head)
+        samples = passes.find_focus(frame, world_from_head, scene_time_s)
         triangles = passes.focus.triangles if passes.focus else 0
         for index, eye in enumerate(eyes):
             images = passes.render_eye(eye, scene_time_s, before_s)

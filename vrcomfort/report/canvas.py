@@ -18,6 +18,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from vrcomfort.report import palette
+from vrcomfort.report.fonts import FAMILY, WHOLE, load_fonts
 from vrcomfort.web_page import visible
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ FAINT, GRID, PAPER = palette.FAINT.light, palette.GRID.light, palette.PAPER.ligh
 PNG_DPI = 200
 
 _STYLE: dict[Any, Any] = {
-    "font.family": "DejaVu Sans",
+    "font.family": [FAMILY, WHOLE],
     "font.size": 9,
     "axes.spines.top": False,
     "axes.spines.right": False,
@@ -53,7 +54,7 @@ _STYLE: dict[Any, Any] = {
 }
 LONGEST_NAME, LONGEST_WORD, LEGEND = 60, 30, 30
 """Letters that a figure has room for: of a name, of a word in one piece, of a legend's line."""
-_FONT = "'DejaVu Sans'"
+_FONT = f"'{FAMILY}', '{WHOLE}'"
 _FONTS = "'DejaVu Sans', 'Bitstream Vera Sans', Verdana, sans-serif"
 """The font that was measured, and those of its widths on other systems."""
 _DECIMALS = re.compile(r"(\.\d\d)\d+")
@@ -97,6 +98,7 @@ class Drawing:
 @contextmanager
 def style(name: str) -> Iterator[None]:
     """Draw in the style of the report; the name makes ids that are the same each time."""
+    load_fonts()
     with mpl.rc_context({**_STYLE, "svg.hashsalt": name}), warnings.catch_warnings():
         # A box stands for a letter that the font does not have; the page's tables have the letter.
         warnings.filterwarnings("ignore", "Glyph .* missing from font")

@@ -39,7 +39,7 @@ def describe(values: NDArray[np.floating[Any]]) -> dict[str, float | None]:
 def describe_with_interval(
     values: NDArray[np.floating[Any]], confidence: float
 ) -> dict[str, float | None]:
-    """Return what `describe` does, and the bootstrap-t interval of the mean."""
+    """Return what `describe` does, and the interval of the mean."""
     found = mean_interval(values, confidence=confidence)
     return {**describe(values), "mean_low": found.low, "mean_high": found.high}
 

@@ -233,10 +233,12 @@ def _rank_biserial(plan: Mapping[str, Any]) -> Method:
         how = (
             f"Its {percent} interval holds the values of 2 P(D₁ + D₂ > 0) − 1 under which the "
             "observed r, or one farther out, is not too rare for non-zero differences D from a "
-            "normal distribution of any mean. It drops zeros, which the test may rank, so the two "
-            "may disagree about 0. Whether there is a difference, p says."
+            "normal distribution of any mean, and what more an interval of arcsin r with the "
+            "standard error of its pairs (Sen, 1960) holds, which needs no normal differences. It "
+            "drops zeros, which the test may rank, so the two may disagree about 0. Whether there "
+            "is a difference, p says."
         )
-        return Method("Effect sizes", f"{what} {how}", ("kerby_2014",))
+        return Method("Effect sizes", f"{what} {how}", ("kerby_2014", "sen_1960"))
     n = (
         "the number of non-zero scores in the first condition, as R’s effectsize counts"
         if kind == "effectsize"
@@ -253,10 +255,11 @@ def _rank_biserial(plan: Mapping[str, Any]) -> Method:
 def _describing() -> Method:
     return Method(
         "Descriptives",
-        f"Intervals of means are bootstrap-t ({RESAMPLES} resamples, seed {SEED}; Efron & "
-        "Tibshirani, 1993). Standard deviations have n − 1; medians and quartiles are those of "
+        "An interval of a mean has at each end the farther of those of t and of bootstrap-t "
+        f"({RESAMPLES} resamples of n − 1, seed {SEED}; Efron & Tibshirani, 1993; Rao & Wu, "
+        "1988). Standard deviations have n − 1; medians and quartiles are those of "
         "definition 7 of Hyndman & Fan (1996).",
-        ("efron_1993", "hyndman_1996"),
+        ("efron_1993", "rao_1988", "hyndman_1996"),
     )
 
 

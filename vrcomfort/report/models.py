@@ -203,7 +203,8 @@ def _crossover(table: pd.DataFrame, a: str, b: str, planned: dict[str, int]) -> 
     a_first = (place[a] < place[b]).to_numpy()
     first = np.where(a_first, score[a], score[b])
     second = np.where(a_first, score[b], score[a])
-    return {**asdict(crossover(first, second, a_first)), "left_out": left_out}
+    found = asdict(crossover(first, second, a_first))
+    return {**found, "left_out": left_out, "planned": {a: planned[a], b: planned[b]}}
 
 
 def _without_one_place(pair: pd.DataFrame) -> list[str]:

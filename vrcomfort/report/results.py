@@ -162,6 +162,7 @@ def _what_was_asked(scored: Exposures, study: StudyData) -> dict[str, Any]:
                 "title": each.title,
                 "citation": each.citation,
                 "rule": each.rule,
+                "asks": each.asks,
                 "answers": _answers_in_words(each),
                 "low": each.low,
                 "high": each.high,

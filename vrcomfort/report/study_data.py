@@ -30,7 +30,7 @@ _KEYS = (
     "participant", "session", "period", "trial", "condition", "scene", "sequence", "timepoint",
     "group", "part",
 )  # fmt: skip
-NEEDED = ("participant", "condition", "item", "response")
+NEEDED = ("participant", "item", "response")
 _NEEDED_ELSEWHERE = {
     "participants.csv": ("participant",),
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
@@ -338,6 +338,8 @@ def _sheets(
     found = _read(file, source, warnings)
     if found.header:
         found.require(NEEDED)
+        if len(_values(found, "timepoint")) < 2:  # else timepoints can be compared
+            found.require(("condition",))
     name = file.relative_to(source).as_posix() if source.is_dir() else file.name
     sheets = []
     guessed = only or _of_the_items(found, known)
@@ -353,6 +355,14 @@ def _sheets(
             sheet.place = f"{name}, line {sheet.line}"
             sheets.append(sheet)
     return sorted(sheets, key=lambda sheet: sheet.line)
+
+
+def _values(found: CsvTable, column: str) -> set[str]:
+    """Return the different cells of a column that is there, without blank ones."""
+    if column not in found.header:
+        return set()
+    place = found.header.index(column)
+    return {row[place] for row in found.rows} - {""}
 
 
 def _instruments(

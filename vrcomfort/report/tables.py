@@ -8,9 +8,11 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+import pandas as pd
+
 from vrcomfort.report.courses import Courses
 from vrcomfort.report.courses.tables import course_tables
-from vrcomfort.report.exposures import Exposures
+from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.further_tables import further_tables
 
 Row = dict[str, Any]
@@ -25,14 +27,16 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
+    factors = model_columns(results, scored)
     exposures = [
         {
             **{c: row[c] for c in columns},
+            **{name: values[place] for name, values in factors.items()},
             **{f"{o}_raw": _whole(row[o]) for o in weights},
             **{o: _points(row[o], weights[o]) for o in weights},
             **{item: _whole(row[item]) for item in scored.items},
         }
-        for row in scored.table.to_dict("records")
+        for place, row in enumerate(scored.table.to_dict("records"))
     ]
     tables = {
         "scores": exposures,
@@ -68,6 +72,32 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         **course_tables(results, courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
+    """Return the level of each exposure in the factors of the models, as ``reproduce.R`` reads it.
+
+    Columns are called ``anova: NAME`` and ``mixed: NAME``; there are none of an ANOVA over time,
+    whose scores are not those of exposures.
+    """
+    plan, table = results["plan"], scored.table
+    made = {name for found in results["anova"] for name in found.get("factors", {})}
+    over_time = any(factor["column"] == "timepoint" for factor in plan["anova"])
+    found: dict[str, list[Any]] = {}
+    for factor in [] if over_time else plan["anova"]:
+        if factor["name"] in made:
+            levels = column_of(scored, table, factor["column"]).map(
+                lambda value, names=factor["levels"]: names.get(str(value), str(value)),
+                na_action="ignore",
+            )
+            found[f"anova: {factor['name']}"] = _or_none(levels)
+    for name in (*plan["mixed_model"], *plan["covariates"]):
+        found[f"mixed: {name}"] = _or_none(column_of(scored, table, name))
+    return found
+
+
+def _or_none(values: pd.Series) -> list[Any]:
+    return [None if pd.isna(value) else value for value in values]
 
 
 def _whole(value: float | None) -> int | None:
@@ -155,7 +185,13 @@ def _flat_anova(found: Row) -> list[Row]:
         return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
     rows = []
     for effect in found["effects"]:
-        row = {"outcome": found["outcome"], "n": found["n"], **effect}
+        row = {
+            "outcome": found["outcome"],
+            "n": found["n"],
+            "between": " × ".join(found["between"]),
+            "type": found["sums_of_squares"],
+            **effect,
+        }
         shape = row.pop("sphericity") or {}
         row |= _interval("partial_eta_squared", row.pop("partial_eta_squared"))
         names = ("mauchly_w", "mauchly_p", "greenhouse_geisser", "huynh_feldt")
@@ -168,6 +204,7 @@ def _flat_crossover(found: Row) -> list[Row]:
     if found["not_tested"]:
         return [{**keys, "not_tested": found["not_tested"]}]
     sizes = {"n_ab": found["n_ab"], "n_ba": found["n_ba"]}
+    sizes |= {f"planned_{side}": found["planned"][found[side]] for side in ("a", "b")}
     effects = ("condition", "period", "sequence")
     return [{**keys, **sizes, "effect": name, **found[name]} for name in effects]
 
@@ -176,6 +213,7 @@ def _flat_mixed(found: Row) -> list[Row]:
     if found["not_tested"]:
         return [{"outcome": found["outcome"], "not_tested": found["not_tested"]}]
     keys = {key: found[key] for key in ("outcome", "n_participants", "n_values")}
+    keys["left_out"] = " × ".join(found["left_out"])
     terms = [{**keys, "term": name, **term} for name, term in found["terms"].items()]
     omnibus = [{**keys, "term": name, **test} for name, test in found["omnibus"].items()]
     return terms + omnibus

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.report.figures_of_sources import SameFigures
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
 BASES = {
     "difference_from_baseline": "change from baseline",
@@ -99,6 +99,12 @@ class Vocabulary:
         """Return a question's wording."""
         found = next((i for i in self.instruments if i["name"] == instrument), {"items": ()})
         return next((i["text"] for i in found["items"] if i["name"] == name), name)
+
+    def asks(self, instruments: Iterable[str]) -> str:
+        """Return what items (of all instruments, if none) are: symptoms, if all ask those."""
+        names = set(instruments)
+        found = [i for i in self.instruments if not names or i["name"] in names]
+        return "symptoms" if found and all(i["asks"] == "symptoms" for i in found) else "questions"
 
     def answers(self, instrument: str) -> str:
         """Return the range of an instrument's answers, such as 0 to 3."""

@@ -16,7 +16,7 @@ from math import prod
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from vrcomfort.errors import InputError
 from vrcomfort.stats.cells import cells
@@ -123,11 +123,16 @@ def anova(
     """
     grouping = (between,) if isinstance(between, str) else tuple(between)
     data = cells(table, value=value, participant=participant, within=within, between=grouping)
+    return anova_of_cells(data, sums_of_squares)
+
+
+def anova_of_cells(data: Cells, sums_of_squares: SumsOfSquares = "III") -> Anova:
+    """Analyse the complete participants of a design; see `anova`."""
     _check_levels(data)
     terms = _between_terms(data)
     design = np.column_stack(list(terms.values()))
     if np.linalg.matrix_rank(design) < design.shape[1]:
-        names = " and ".join(repr(name) for name in grouping)
+        names = " and ".join(repr(name) for name in data.groups)
         raise InputError(f"no complete participant is in some combination of {names}")
     centred = data.scores - data.scores.mean()  # keeps digits when values share leading ones
     scale = float(np.sum(centred**2))
@@ -281,7 +286,7 @@ def _effect(name: str, fit: _Fit, explained: float, df: int, total_error: float)
 def _p(f: float | None, df_effect: int, df_error: int, epsilon: float) -> float | None:
     if f is None:
         return None
-    return float(f_distribution.sf(f, df_effect * epsilon, df_error * epsilon))
+    return float(fdtrc(df_effect * epsilon, df_error * epsilon, f))
 
 
 def _residuals(centred: Floats, design: Floats) -> Floats:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import t as t_distribution
+from scipy.special import stdtr, stdtrit
 
 from vrcomfort.errors import InputError
 
@@ -93,6 +93,6 @@ def t_estimate(estimate: float, error: float, df: float, confidence: float) -> E
     if not error > 0:
         return Estimate(estimate, error, df, None, None, None, None)
     t = estimate / error
-    half = float(t_distribution.ppf((1 + confidence) / 2, df)) * error
-    p = float(2 * t_distribution.sf(abs(t), df))
+    half = float(stdtrit(df, (1 + confidence) / 2)) * error
+    p = float(2 * stdtr(df, -abs(t)))
     return Estimate(estimate, error, df, t, p, estimate - half, estimate + half)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import chi2, rankdata
+from scipy.special import chdtrc
+from scipy.stats import rankdata
 
 from vrcomfort.errors import InputError
 
@@ -48,7 +49,7 @@ def friedman(scores: ArrayLike) -> Friedman:
         return Friedman(n, k, ties, None, k - 1, None, None)
     between = float(np.sum((ranks.sum(axis=0) - n * (k + 1) / 2) ** 2))
     chi_square = (k - 1) * between / within
-    p = float(chi2.sf(chi_square, k - 1))
+    p = float(chdtrc(k - 1, chi_square))
     return Friedman(n, k, ties, chi_square, k - 1, p, chi_square / (n * (k - 1)))
 
 

@@ -1,11 +1,17 @@
-"""The interval of a mean by bootstrap-t: it keeps its coverage where scores are skewed."""
+"""The interval of a mean: the wider of the t and the bootstrap-t interval, at each end.
+
+Of skewed scores, t stops short on the side of the tail; bootstrap-t does so on the other side, and
+of heavy tails on both. `docs/statistics.md` says how often each covers.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.special import stdtrit
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -15,6 +21,11 @@ if TYPE_CHECKING:
 RESAMPLES = 1999
 SEED = 19930101
 """Of every bootstrap here; a report says it, and the same data give the same interval."""
+KEPT_UP_TO = 200
+"""Values up to which resamples are drawn once for samples of the same size; of more, which have few
+distinct values, they are drawn as counts of those."""
+ROUNDING = 1e-13
+"""Of the largest value, or of its square: less is no mean, or the variance of equal values."""
 _BLOCK = 2_000_000
 
 
@@ -27,41 +38,63 @@ class MeanInterval:
 
 
 def mean_interval(values: ArrayLike, *, confidence: float = 0.95) -> MeanInterval:
-    """Return the bootstrap-t interval (Efron & Tibshirani 1993, section 12.5) of a mean.
+    """Return the hull of the t interval and the bootstrap-t interval of a mean.
 
-    Each resample gives t* = (its mean − the mean)/(its standard error); the interval is the mean
-    minus the quantiles of t*, times the standard error. A resample of equal values has t* = ±∞, so
-    a sample that is nearly constant may set no bound: then nothing in it says how far the mean
+    Bootstrap-t (Efron & Tibshirani 1993, section 12.5): each resample gives t* = (its mean − the
+    mean)/(its standard error); the interval is the mean minus the quantiles of t*, times the
+    standard error. A resample has n − 1 values, as the sample has n − 1 degrees of freedom (Rao &
+    Wu 1988, Journal of the American Statistical Association 83). One of equal values has t* = ±∞,
+    so a sample that is nearly constant may set no bound: then nothing in it says how far the mean
     may lie on that side.
 
     Returns
     -------
     MeanInterval
-        Without bounds for fewer than two values, or where all are equal.
+        Without bounds for fewer than three values, or where all are equal.
     """
     sample = np.asarray(values, dtype=np.float64)
     n = sample.size
-    if n < 2 or np.ptp(sample) == 0:
+    if n < 3 or np.ptp(sample) == 0:
         return MeanInterval(None, None)
     mean, error = float(sample.mean()), float(sample.std(ddof=1) / np.sqrt(n))
-    quantiles = np.quantile(
-        _studentised(sample - mean), [(1 + confidence) / 2, (1 - confidence) / 2], method="nearest"
+    upper = (1 + confidence) / 2
+    most, least = map(
+        float, np.quantile(_studentised(sample - mean), [upper, 1 - upper], method="nearest")
     )
-    low, high = (mean - t * error for t in map(float, quantiles))
+    t = float(stdtrit(n - 1, upper))
+    low, high = mean - max(most, t) * error, mean - min(least, -t) * error
     return MeanInterval(low if np.isfinite(low) else None, high if np.isfinite(high) else None)
 
 
 def _studentised(centred: Floats) -> Floats:
-    """Return t* of every resample, drawn as counts of the distinct values."""
+    """Return t* of every resample of n − 1 values."""
+    random, n = np.random.default_rng(SEED), centred.size - 1
+    if centred.size <= KEPT_UP_TO:
+        return _t_of(_kept(centred.size), np.sort(centred), n)
     distinct, counts = np.unique(centred, return_counts=True)
-    random, n = np.random.default_rng(SEED), centred.size
-    found, block = [], max(1, _BLOCK // distinct.size)
-    for first in range(0, RESAMPLES, block):
-        drawn = random.multinomial(n, counts / n, size=min(block, RESAMPLES - first))
-        means = drawn @ distinct / n
-        squares = drawn @ distinct**2 / n - means**2
-        constant = drawn.max(axis=1) == n
-        errors = np.sqrt(np.where(constant, 1.0, np.abs(squares)) / (n - 1))
-        infinite = np.where(means == 0, 0.0, np.copysign(np.inf, means))
-        found.append(np.where(constant, infinite, means / errors))
-    return np.concatenate(found)
+    block = max(1, _BLOCK // distinct.size)
+    blocks = [min(block, RESAMPLES - first) for first in range(0, RESAMPLES, block)]
+    shares = counts / centred.size
+    return np.concatenate(
+        [_t_of(random.multinomial(n, shares, size=rows), distinct, n) for rows in blocks]
+    )
+
+
+@lru_cache(maxsize=8)
+def _kept(size: int) -> Floats:
+    """Return how often each resample has each value, shape (RESAMPLES, size)."""
+    random = np.random.default_rng(SEED)
+    drawn = random.multinomial(size - 1, np.full(size, 1 / size), size=RESAMPLES)
+    return drawn.astype(np.float64)
+
+
+def _t_of(drawn: NDArray[np.floating[Any] | np.integer[Any]], values: Floats, n: int) -> Floats:
+    """Return the mean of each resample over its standard error; `drawn` counts its `values`."""
+    sums = drawn @ np.stack([values, values**2], axis=1)
+    means = sums[:, 0] / n
+    squares = sums[:, 1] / n - means**2
+    size = np.abs(values).max()
+    constant = squares <= ROUNDING * size**2
+    errors = np.sqrt(np.where(constant, 1.0, squares) / (n - 1))
+    infinite = np.where(np.abs(means) <= ROUNDING * size, 0.0, np.copysign(np.inf, means))
+    return np.where(constant, infinite, means / errors)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import t as t_distribution
+from scipy.special import stdtrit
 
 from vrcomfort.stats.packages import pingouin, quiet
 
@@ -76,7 +76,7 @@ def paired_t(
         bayes = _bayes_factor(t, values.size)
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     sides = 2 if alternative == "two-sided" else 1
-    half = float(t_distribution.isf((1 - confidence) / sides, df)) * error
+    half = float(stdtrit(df, 1 - (1 - confidence) / sides)) * error
     return PairedT(
         n=values.size,
         mean=mean * unit,

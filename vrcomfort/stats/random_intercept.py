@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import f as f_distribution
+from scipy.special import fdtrc
 
 from vrcomfort.errors import InputError
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 RATIOS = np.concatenate([[0.0], np.logspace(-6, 8, 57)])
 """Between which λ, times the mean size of a group, the search looks for minima."""
+FLAT = 1e-10
+"""Slope of the deviance at λ = 0, for each value, that is rounding: the minimum is there."""
 ROUNDING = 1e-20
 """Share of the sum of squares below which what is left within groups is rounding."""
 
@@ -42,14 +44,14 @@ class FTest:
 
 @dataclass(frozen=True)
 class _Curve:
-    """What the restricted deviance is made of at one λ."""
+    """What the restricted deviance is made of at one λ, or at several (leading axes)."""
 
     weights: Floats
     """n / (1 + n λ) per group: what a group's mean counts."""
     information: Floats
     """X' W⁻¹ X, shape (p, p), with W = V/σ²."""
     coefficients: Floats
-    squares: float
+    squares: Floats
     """Generalised sum of squares of the residuals."""
     residual_means: Floats
 
@@ -86,7 +88,7 @@ class RandomIntercept:
         f = float(np.mean((uncorrelated @ self.coefficients) ** 2 / variances))
         each = np.array([self.degrees_of_freedom(row) for row in uncorrelated])
         df = _fai_cornelius(each)
-        return FTest(f, each.size, df, float(f_distribution.sf(f, each.size, df)))
+        return FTest(f, each.size, df, float(fdtrc(each.size, df, f)))
 
 
 def _fai_cornelius(df: Floats) -> float:
@@ -152,7 +154,9 @@ class _Likelihood:
     def best_ratio(self) -> float:
         """Return the λ of the smallest deviance: 0, or the best root of its derivative."""
         ratios = RATIOS / self._sizes.mean()
-        slopes = [self._slope(ratio) for ratio in ratios]
+        slopes = self._slopes(ratios)
+        if abs(slopes[0]) < FLAT * self._sizes.sum():
+            slopes[0] = 0.0
         found = [0.0] if slopes[0] >= 0 else []
         for (low, left), (high, right) in pairwise(zip(ratios, slopes, strict=True)):
             if left < 0 <= right:
@@ -161,15 +165,15 @@ class _Likelihood:
             raise InputError("the mixed model did not converge: no variance is left within people")
         return min(found, key=self._deviance)
 
-    def _curve(self, ratio: float) -> _Curve:
-        weights = self._sizes / (1 + self._sizes * ratio)
-        weighted = self._design_means * weights[:, None]
-        information = self._inner_information + weighted.T @ self._design_means
-        products = self._inner_products + weighted.T @ self._value_means
-        coefficients = np.asarray(np.linalg.solve(information, products), dtype=np.float64)
-        inner = self._inner_values - self._inner_design @ coefficients
-        means = self._value_means - self._design_means @ coefficients
-        squares = float(np.sum(inner**2) + np.sum(weights * means**2))
+    def _curve(self, ratio: float | Floats) -> _Curve:
+        weights = self._sizes / (1 + self._sizes * np.asarray(ratio)[..., None])
+        information = self._inner_information + self._moment(weights)
+        products = self._inner_products + (weights * self._value_means) @ self._design_means
+        solved = np.linalg.solve(information, products[..., None])[..., 0]
+        coefficients = np.asarray(solved, dtype=np.float64)
+        inner = self._inner_values - coefficients @ self._inner_design.T
+        means = self._value_means - coefficients @ self._design_means.T
+        squares = np.sum(inner**2, axis=-1) + np.sum(weights * means**2, axis=-1)
         return _Curve(weights, information, coefficients, squares, means)
 
     def _deviance(self, ratio: float) -> float:
@@ -178,23 +182,28 @@ class _Likelihood:
         return float(self._df * np.log(at.squares) + spread)
 
     def _slope(self, ratio: float) -> float:
-        at = self._curve(ratio)
-        change = self._moment(at, 2)
-        determinants = np.sum(at.weights) - np.trace(np.linalg.solve(at.information, change))
-        squares = np.sum((at.weights * at.residual_means) ** 2)
-        return float(determinants - self._df * squares / at.squares)
+        return float(self._slopes(np.float64(ratio)))
 
-    def _moment(self, at: _Curve, power: int) -> Floats:
-        """Return the sum of w^power x̄ x̄' over groups: ± derivatives of the information."""
-        moment: Floats = (self._design_means * at.weights[:, None] ** power).T @ self._design_means
+    def _slopes(self, ratio: Floats | np.float64) -> Floats:
+        at = self._curve(ratio)
+        steps = np.linalg.solve(at.information, self._moment(at.weights**2))
+        determinants = np.sum(at.weights, axis=-1) - np.trace(steps, axis1=-2, axis2=-1)
+        squares = np.sum((at.weights * at.residual_means) ** 2, axis=-1)
+        slopes: Floats = determinants - self._df * squares / at.squares
+        return slopes
+
+    def _moment(self, weights: Floats) -> Floats:
+        """Return the sum of w x̄ x̄' over groups; w² and w³ give derivatives of the information."""
+        means = self._design_means
+        moment: Floats = (means.T * weights[..., None, :]) @ means
         return moment
 
     def fit(self, ratio: float) -> RandomIntercept:
         """Return the fit at a minimum of the deviance."""
         at = self._curve(ratio)
-        variance = at.squares / self._df
+        variance = float(at.squares) / self._df
         inverse = np.asarray(np.linalg.inv(at.information), dtype=np.float64)
-        in_ratio = variance * inverse @ self._moment(at, 2) @ inverse
+        in_ratio = variance * inverse @ self._moment(at.weights**2) @ inverse
         return RandomIntercept(
             coefficients=at.coefficients,
             covariance=variance * inverse,
@@ -213,7 +222,7 @@ class _Likelihood:
         of_variance = self._df / variance**2
         if at_edge:
             return np.diag([2 / of_variance, 0.0])
-        twice, thrice = self._moment(at, 2), self._moment(at, 3)
+        twice, thrice = self._moment(at.weights**2), self._moment(at.weights**3)
         pull = (at.weights**2 * at.residual_means) @ self._design_means
         bend = np.sum(at.weights**3 * at.residual_means**2) - pull @ inverse @ pull
         step = inverse @ twice

@@ -51,10 +51,10 @@ def as_integers(values: ArrayLike, unit: float = 1.0, *, tolerance: float = 1e-6
 
 def doubled_midranks(values: ArrayLike) -> Integers:
     """Return twice the midranks of `values`, shape (n,); ties share the mean of their ranks."""
-    _, group, sizes = np.unique(np.asarray(values), return_inverse=True, return_counts=True)
-    last = np.cumsum(sizes)
-    first = last - sizes + 1
-    doubled: Integers = (first + last)[group].astype(np.int64)
+    found = np.asarray(values)
+    ordered = np.sort(found)
+    below, up_to = (np.searchsorted(ordered, found, side=side) for side in ("left", "right"))
+    doubled: Integers = below + up_to + 1
     return doubled
 
 

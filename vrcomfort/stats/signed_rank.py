@@ -11,7 +11,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from scipy.stats import norm
+from scipy.special import ndtr
 
 from vrcomfort.stats.effects import Effect, RankBiserialInterval, rank_biserial
 from vrcomfort.stats.inversion import invert
@@ -211,5 +211,5 @@ def _normal_p(z: float | None, alternative: Alternative) -> float:
         return 1.0
     tails = {"greater": z, "less": -z}
     if alternative in tails:
-        return float(norm.sf(tails[alternative]))
-    return float(2 * norm.sf(abs(z)))
+        return float(ndtr(-tails[alternative]))
+    return float(2 * ndtr(-abs(z)))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -63,5 +63,5 @@ def _mauchly_p(w: float, p: int, df_error: int) -> float:
     omega = order_2 / (288 * (df_error * p * rho) ** 2)
     statistic = -df_error * rho * np.log(w)
     df = p * (p + 1) / 2 - 1
-    first, second = chi2.sf(statistic, df), chi2.sf(statistic, df + 4)
+    first, second = chdtrc(df, statistic), chdtrc(df + 4, statistic)
     return float(np.clip(first + omega * (second - first), 0, 1))

@@ -204,9 +204,9 @@ def _hedges_g(
     scale
         d over t.
     """
-    correction = math.exp(gammaln(df / 2) - gammaln((df - 1) / 2)) / math.sqrt(df / 2)
     if df == 1:  # the correction of one degree of freedom is zero: there is no unbiased g
-        return Effect(0.0, None, None, confidence)
+        return Effect(math.nan, None, None, confidence)
+    correction = math.exp(gammaln(df / 2) - gammaln((df - 1) / 2)) / math.sqrt(df / 2)
     sides = 2 if alternative == "two-sided" else 1
     tail = (1 - confidence) / sides
     t = d / scale

@@ -32,6 +32,8 @@ class Sight(NamedTuple):
         Half width and half height of the image as tangents, the mean of both eyes.
     gaze
         head-from-gaze, None without an eye tracker.
+    scene_time_s
+        Of the scene's animations.
     """
 
     frame_index: int
@@ -40,6 +42,7 @@ class Sight(NamedTuple):
     discontinuity: bool = False
     screen_tangents: tuple[float, float] = (1.0, 1.0)
     gaze: Gaze | None = None
+    scene_time_s: float = 0.0
 
 
 class FocusInputs(NamedTuple):

@@ -5,11 +5,11 @@ from __future__ import annotations
 import moderngl
 
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus import autofocus_zone, fixed, gaze, nine_ray
+from vrcomfort.render.focus import autofocus_zone, fixed, gaze, nine_ray, scripted
 from vrcomfort.render.focus.rule import FocusInputs, FocusPass
 from vrcomfort.render.gpu_scene import GpuScene
 
-_RULES = nine_ray.RULE, autofocus_zone.RULE, gaze.RULE, fixed.RULE
+_RULES = nine_ray.RULE, autofocus_zone.RULE, gaze.RULE, fixed.RULE, scripted.RULE
 RULES = {each.name: each for each in _RULES}
 """By name."""
 

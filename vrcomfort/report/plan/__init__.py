@@ -1,5 +1,6 @@
 """Analysis plans: read, checked, derived from data, and written again."""
 
+from vrcomfort.report.plan.data_files import data_files
 from vrcomfort.report.plan.derived import plan_of, with_outcomes
 from vrcomfort.report.plan.designs import (
     INDEPENDENT,
@@ -31,6 +32,7 @@ __all__ = [
     "Plan",
     "Preferred",
     "ShippedPlan",
+    "data_files",
     "find_plan",
     "load_plan",
     "plan_of",

@@ -14,6 +14,7 @@ from pydantic import Field, PrivateAttr
 
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
+from vrcomfort.report.plan.data_files import DataFiles
 from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
@@ -105,6 +106,8 @@ class Plan(Settings):
     citation: str = ""
     note: str = ""
     """A sentence about the choices made, printed with the methods."""
+    data: DataFiles | None = None
+    """Whose answers, where no study is given to ``vrcomfort report``."""
     participants: Participants | None = None
     """Planned number; fewer in the data is a deviation."""
 

@@ -1,0 +1,184 @@
+"""`vrcomfort export --format bids`: what was recorded is in the dataset, which is valid."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import json
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.exchange import cell, with_gaze
+from tests.support.resume import go
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.bids import export_bids
+
+FIRST = "sub-P01_ses-1_task-tiny"
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return with_gaze(tmp_path_factory.mktemp("study"))
+
+
+@pytest.fixture(scope="module")
+def dataset(study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("bids") / "dataset"
+    assert export_bids(study, out) == []
+    return out
+
+
+def tsv(file: Path) -> list[dict[str, str]]:
+    with file.open(newline="") as stream:
+        return list(csv.DictReader(stream, delimiter="\t"))
+
+
+def samples(file: Path) -> list[list[str]]:
+    text = gzip.decompress(file.read_bytes()).decode() if file.suffix == ".gz" else file.read_text()
+    return [line.split("\t") for line in text.splitlines()]
+
+
+def recorded(study: Path, name: str) -> list[dict[str, str]]:
+    with (study / "sub-P01" / "ses-1" / name).open(newline="") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_motion_of_head_and_hands_is_that_of_the_frames(study: Path, dataset: Path) -> None:
+    motion = dataset / "sub-P01" / "ses-1" / "motion"
+    frames = [row for row in recorded(study, "frames.csv") if row["trial"] == "2"]
+    for system, bodies in (("head", ["head"]), ("hands", ["left_hand", "right_hand"])):
+        stem = f"{FIRST}_tracksys-{system}_run-2"
+        rows = samples(motion / f"{stem}_motion.tsv")
+        channels = tsv(motion / f"{stem}_channels.tsv")
+        assert len(rows) == len(frames)
+        assert {len(row) for row in rows} == {len(channels)}
+        for row, frame in zip(rows, frames, strict=True):
+            pose = [frame[f"{body}_{end}"] or "n/a" for body in bodies
+                    for end in ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")]  # fmt: skip
+            assert row[:-1] == pose
+            since_s = float(frame["session_s"]) - float(frames[0]["session_s"])
+            assert float(row[-1]) == pytest.approx(since_s, abs=1e-6)
+        names = [each["name"] for each in channels]
+        assert names[:4] == [f"{bodies[0]}_{end}" for end in ("x", "y", "z", "quat_x")]
+        said = json.loads((motion / f"{stem}_motion.json").read_text())
+        assert said["SamplingFrequency"] == pytest.approx(10.0)
+        assert said["MotionChannelCount"] == len(channels)
+        assert said["TrackedPointsCount"] == len(bodies)
+
+
+def test_gaze_has_the_angles_of_the_line_of_sight(study: Path, dataset: Path) -> None:
+    stem = f"{FIRST}_run-1_recording-cyclopean_physio"
+    folder = dataset / "sub-P01" / "ses-1" / "motion"
+    rows = samples(folder / f"{stem}.tsv.gz")
+    columns = json.loads((folder / f"{stem}.json").read_text())["Columns"]
+    times = {row["xr_time_ns"] for row in recorded(study, "frames.csv") if row["trial"] == "1"}
+    gaze = [row for row in recorded(study, "gaze.csv") if row["xr_time_ns"] in times]
+    assert len(rows) == len(gaze) == len(times)
+    for row, was in zip(rows, gaze, strict=True):
+        cells = dict(zip(columns, row, strict=True))
+        assert cells["valid"] == was["valid"]
+        if was["valid"] == "0":
+            assert cells["x_coordinate"] == cells["origin_y"] == "n/a"
+            continue
+        x, y, z = (float(was[f"direction_{axis}"]) for axis in "xyz")
+        assert math.tan(float(cells["x_coordinate"])) == pytest.approx(x / -z)
+        assert math.sin(float(cells["y_coordinate"])) == pytest.approx(y)
+
+
+def test_events_hold_the_exposure_and_its_ratings(study: Path, dataset: Path) -> None:
+    rows = tsv(dataset / "sub-P01" / "ses-1" / "motion" / f"{FIRST}_run-1_events.tsv")
+    ratings = [row for row in rows if row["trial_type"] == "rating fms"]
+    was = [row for row in recorded(study, "ratings.csv") if row["trial"] == "1"]
+    assert [row["value"] for row in ratings] == [row["response"] for row in was]
+    start_s = float(recorded(study, "trials.csv")[0]["start_s"])
+    assert float(ratings[0]["onset"]) == pytest.approx(float(was[0]["onset_s"]) - start_s, abs=0.11)
+    (exposure,) = [row for row in rows if row["trial_type"] == "exposure"]
+    assert (exposure["value"], exposure["condition"]) == ("completed", "plain")
+    assert [float(row["onset"]) for row in rows] == sorted(float(row["onset"]) for row in rows)
+
+
+def test_every_answer_is_in_the_phenotype_tables(study: Path, dataset: Path) -> None:
+    (row,) = tsv(dataset / "phenotype" / "ssq.tsv")
+    said = json.loads((dataset / "phenotype" / "ssq.json").read_text())
+    for answer in recorded(study, "questionnaires.csv"):
+        place = f"ses-1_trial-{answer['trial']}" if answer["trial"] else "ses-1"
+        name = f"{place}_{answer['timepoint']}_{answer['item']}"
+        assert row[name] == (answer["response"] or "n/a")
+        assert said[name]["Levels"]["0"]
+        if answer["trial"]:
+            assert row[f"{place}_condition"] == answer["condition"]
+    assert set(row) - {"participant_id"} == set(said) - {"MeasurementToolMetadata"}
+
+
+def test_participants_and_scans_name_what_is_there(dataset: Path) -> None:
+    (row,) = tsv(dataset / "participants.tsv")
+    assert (row["participant_id"], row["sequence"], row["status"]) == ("sub-P01", "ab", "completed")
+    for session in ("ses-1", "ses-2"):
+        scans = tsv(dataset / "sub-P01" / session / f"sub-P01_{session}_scans.tsv")
+        assert len(scans) == 6  # head, hands and gaze of two exposures
+        assert all((dataset / "sub-P01" / session / each["filename"]).is_file() for each in scans)
+
+
+def test_what_cannot_be_exported_is_refused_in_a_sentence(run, study, tmp_path) -> None:
+    words = ("export", study, "--format", "bids", "--out")
+    assert run(*words, study / "in")[0] == 2
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    with pytest.raises(InputError, match="is there already"):
+        export_bids(study, tmp_path / "full")
+    go(tmp_path)
+    cell(tmp_path / "S" / "sub-P01" / "ses-1" / "trials.csv", 2, "session", "2")
+    code, _, err = run("export", tmp_path / "S", "--format", "bids", "--out", tmp_path / "out")
+    assert (code, err.count("\n")) == (2, 1)
+    assert "this study is not whole" in err
+    code, _, err = run("export", study, "--format", "bits", "--out", tmp_path / "out")
+    assert (code, err.count("\n")) == (2, 1)
+    assert not (tmp_path / "out").exists()
+
+
+def errors_of(dataset: Path) -> list[dict[str, str]]:
+    """Return what BIDS' own validator finds wrong."""
+    validator = Path(sys.executable).with_name("bids-validator-deno")
+    said = subprocess.run(
+        [validator, "--format", "json", "--max-rows", "-1", dataset],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    found = json.loads(said.stdout)
+    assert found["summary"]["totalFiles"] > 10
+    return [each for each in found["issues"]["issues"] if each["severity"] == "error"]
+
+
+@pytest.mark.slow
+def test_a_dataset_with_gaze_and_hands_is_valid(dataset: Path) -> None:
+    assert errors_of(dataset) == []
+
+
+@pytest.mark.slow
+def test_an_anonymous_dataset_without_motion_is_valid(study: Path, tmp_path: Path) -> None:
+    anonymise(study, tmp_path / "anonymous", Wishes())
+    export_bids(tmp_path / "anonymous", tmp_path / "dataset")
+    assert not list((tmp_path / "dataset").rglob("*_motion.tsv"))
+    assert errors_of(tmp_path / "dataset") == []
+
+
+@pytest.mark.slow
+def test_a_simulated_study_is_exported_to_a_valid_dataset(run, tmp_path: Path) -> None:
+    simulated, out = tmp_path / "study", tmp_path / "dataset"
+    assert run("simulate", "smoke", "-n", 2, "--size", "32x40", "--out", simulated, "-q")[0] == 0
+    code, _, err = run("export", simulated, "--format", "bids", "--out", out)
+    assert (code, err) == (0, "")
+    assert errors_of(out) == []
+
+
+@pytest.mark.slow
+def test_the_validator_finds_a_dataset_that_is_wrong(dataset: Path, tmp_path: Path) -> None:
+    import shutil
+
+    broken = Path(shutil.copytree(dataset, tmp_path / "broken"))
+    next(broken.rglob("*_motion.json")).unlink()
+    assert errors_of(broken)

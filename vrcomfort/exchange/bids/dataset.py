@@ -1,0 +1,211 @@
+"""The whole dataset: description, participants, and for each session motion, gaze and events.
+
+BIDS 1.11.1 (Gorgolewski et al. 2016, Sci. Data 3:160044), with Motion-BIDS (Jeung et al. 2024,
+Sci. Data 11:716) and its eye tracking.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from datetime import datetime, timedelta
+from pathlib import Path
+from typing import Any
+
+from vrcomfort import __version__
+from vrcomfort.exchange.bids.files import write_json, write_tsv
+from vrcomfort.exchange.bids.gaze import write_gaze
+from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
+from vrcomfort.exchange.bids.phenotype import write_phenotype
+from vrcomfort.exchange.bids.runs import Run, read_runs
+from vrcomfort.exchange.private_facts import of_event
+from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.records.json_file import read_json
+from vrcomfort.records.manifest import read_manifest
+from vrcomfort.records.manifest_shape import DescriptionShape
+from vrcomfort.records.recorder import session_folder
+from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
+
+BIDS_VERSION = "1.11.1"
+_EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")
+_EVENTS = {
+    "onset": {"Description": "Since the first frame of the run", "Units": "s"},
+    "duration": {"Description": "0 for a moment; of a rating: until it was given", "Units": "s"},
+    "trial_type": {
+        "Description": "exposure: the whole run; rating: a question in it, named after the "
+        "instrument; others: what the headset or the session noted"
+    },
+    "value": {"Description": "The rating, or how the exposure ended; n/a: missed, or none"},
+    "condition": {"Description": "Of the protocol"},
+    "scene": {"Description": "Of the protocol"},
+    "StimulusPresentation": {"SoftwareName": "vrcomfort", "SoftwareVersion": __version__},
+}
+_README = """# {name}
+
+A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as BIDS {bids}.
+
+- `motion/`: each exposure is a run, numbered as it was shown. `tracksys-head`, and `tracksys-hands`
+  where hands were recorded, in metres and quaternions (x, y, z, w) in the OpenXR stage.
+- `*_recording-cyclopean_physio.tsv.gz`: gaze, where it was recorded.
+- `*_events.tsv`: the exposure, the ratings in it, and what the headset noted.
+- `phenotype/`: a table for each questionnaire, a row for each participant, a column for an answer.
+
+Head motion, hand motion and gaze can identify people. Times are the study's own: `vrcomfort
+anonymise` moves them, before an export.
+"""
+
+
+def export_bids(study: Path, out: Path) -> list[str]:
+    """Write a study as a BIDS dataset into a new folder; return what was left out, in sentences.
+
+    Raises
+    ------
+    InputError
+        If the study is an import or not whole, or the folder is there already.
+    """
+    require_whole(study)
+    with new_folder(study, out) as draft:
+        return _write(study, draft)
+
+
+def _write(study: Path, out: Path) -> list[str]:
+    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    name, protocol = str(description.get("name") or study.name), str(description["protocol"])
+    write_json(
+        out / "dataset_description.json",
+        {
+            "Name": name,
+            "BIDSVersion": BIDS_VERSION,
+            "DatasetType": "raw",
+            "GeneratedBy": [{"Name": "vrcomfort", "Version": __version__}],
+        },
+    )
+    readme = _README.format(name=name, protocol=protocol, bids=BIDS_VERSION)
+    (out / "README.md").write_text(readme, encoding="utf-8")
+    people = read_participants(study)
+    task = re.sub("[^A-Za-z0-9]", "", protocol) or "exposure"
+    left_out: list[str] = []
+    begun = [row for row in people if recorded_sessions(study, row.participant)]
+    for row in begun:
+        for number in recorded_sessions(study, row.participant):
+            left_out += _session(study, out, row.participant, number, task)
+    others = list(dict.fromkeys(key for row in begun for key, _ in row.others))
+    columns = ("participant_id", "sequence", "status", *others)
+    table = [
+        (f"sub-{row.participant}", row.sequence, row.status,
+         *(dict(row.others).get(key, "") for key in others))
+        for row in begun
+    ]  # fmt: skip
+    write_tsv(out / "participants.tsv", columns, table)
+    write_json(out / "participants.json", _columns_of_participants(others))
+    write_phenotype(study, out, [row.participant for row in begun])
+    nobody = len(people) - len(begun)
+    return [*left_out, *([f"{nobody} enrolled without a session"] if nobody else [])]
+
+
+def _columns_of_participants(others: list[str]) -> dict[str, Any]:
+    return {
+        "sequence": {"Description": "The order of conditions and scenes, as the protocol names it"},
+        "status": {
+            "Description": "Where the participant is in the study",
+            "Levels": {
+                "enrolled": "Sessions are still to come",
+                "completed": "All sessions are recorded",
+                "withdrawn": "Stopped taking part",
+                "excluded": "Left out of analyses",
+            },
+        },
+        **{name: {"Description": f"{name}, as entered at the enrolment"} for name in others},
+    }
+
+
+def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[str]:
+    """Write one session; return what was left out of it."""
+    source = session_folder(study, who, number)
+    manifest = read_manifest(source)
+    folder = session_folder(out, who, number)
+    scans: list[tuple[str, str]] = []
+    left_out = []
+    for run in read_runs(source):
+        if not run.frames:
+            left_out.append(f"sub-{who}/ses-{number}: exposure {run.number} has no frames")
+            continue
+        moved = [system for system in SYSTEMS if recorded(run, system)]
+        place = folder / ("motion" if moved else "beh")
+        whose = f"sub-{who}_ses-{number}_task-{task}"
+        for system in moved:
+            stem = place / f"{whose}_tracksys-{system.label}_run-{run.number}"
+            facts = _facts(run, manifest, task)
+            scans.append(
+                (_name(write_motion(stem, run, system, facts), folder), _when(run, manifest))
+            )
+        stem = place / f"{whose}_run-{run.number}"
+        if run.gaze:
+            device = str(manifest["headset"].get("headset") or manifest["headset"].get("name", ""))
+            file = write_gaze(stem, run, _nominal_hz(manifest), device)
+            scans.append((_name(file, folder), _when(run, manifest)))
+        _write_events(stem, run)
+    if scans:
+        write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)
+    return left_out
+
+
+def _name(file: Path, folder: Path) -> str:
+    return file.relative_to(folder).as_posix()
+
+
+def _nominal_hz(manifest: Mapping[str, Any]) -> float:
+    """Return the nominal rate of a session's frames."""
+    return float(manifest["headset"].get("refresh_hz", 0.0))
+
+
+def _facts(run: Run, manifest: Mapping[str, Any], task: str) -> dict[str, Any]:
+    length_s = float(run.frames[-1]["session_s"]) - run.start_s
+    effective_hz = round((len(run.frames) - 1) / length_s, 6) if length_s > 0 else "n/a"
+    return {
+        "TaskName": task,
+        "TaskDescription": f"Scene {run.trial['scene']}, condition {run.trial['condition']}",
+        "SamplingFrequency": _nominal_hz(manifest),
+        "SamplingFrequencyEffective": effective_hz,
+        "RecordingType": "continuous",
+        "RecordingDuration": round(length_s, 6),
+        "MissingValues": "n/a",
+        "Manufacturer": "n/a",
+        "ManufacturersModelName": str(manifest["headset"].get("name", "n/a")),
+        "SoftwareVersions": f"vrcomfort {manifest['versions'].get('vrcomfort', 'n/a')}",
+    }
+
+
+def _when(run: Run, manifest: Mapping[str, Any]) -> str:
+    """Return when a run began; a session that was interrupted does not know it."""
+    if manifest.get("earlier_runs"):
+        return ""
+    began = datetime.fromisoformat(manifest["started_at"]).replace(tzinfo=None)
+    return (began + timedelta(seconds=run.start_s)).isoformat(timespec="microseconds") + "Z"
+
+
+def _write_events(stem: Path, run: Run) -> None:
+    condition, scene = run.trial["condition"], run.trial["scene"]
+    start_s = run.start_s
+    rows: list[tuple[float, str, str, str]] = []
+    begin_s, end_s = float(run.trial["start_s"]), float(run.trial["end_s"])
+    rows.append((begin_s, f"{end_s - begin_s:.6f}", "exposure", run.trial["status"]))
+    rows += [
+        (
+            float(each["onset_s"]),
+            each["latency_s"],
+            f"rating {each['instrument']}",
+            each["response"],
+        )
+        for each in run.ratings
+    ]
+    rows += [
+        (float(each["onset_s"]), each["duration_s"], each["name"], each["detail"])
+        for each in map(of_event, run.events)
+    ]
+    table = [
+        (f"{onset_s - start_s:.6f}", length, kind, value, condition, scene)
+        for onset_s, length, kind, value in sorted(rows)
+    ]
+    write_tsv(stem.with_name(f"{stem.name}_events.tsv"), _EVENT_COLUMNS, table)
+    write_json(stem.with_name(f"{stem.name}_events.json"), _EVENTS)
