@@ -120,6 +120,11 @@ class Vocabulary:
             levels = " − ".join(map(self.condition, levels.split(" − ")))
         return f"{factor}: {levels}"
 
+    def not_fitted(self, model: Mapping[str, Any]) -> str:
+        """Return why a model has no numbers, with labels in the term that it is about."""
+        reason, term = str(model["not_fitted"]), model["term"]
+        return reason if term is None else reason.replace(term, self.term(term))
+
 
 def short(instrument: Mapping[str, Any]) -> str:
     """Return what sentences call an instrument."""

@@ -76,6 +76,21 @@ class _Risk:
     """k/d for k = 0 … d − 1: how much of the dying is out of each denominator."""
 
 
+class NoHazardRatioError(InputError):
+    """A hazard ratio that grows, or falls, without end.
+
+    Parameters
+    ----------
+    term
+        Name of its column.
+    """
+
+    def __init__(self, term: str) -> None:
+        self.term = term
+        side = "all events, or none, lie on one side of it"
+        super().__init__(f"the hazard ratio of {term} has no estimate: {side}")
+
+
 def cox(
     times_s: ArrayLike,
     events: ArrayLike,
@@ -188,9 +203,7 @@ def _maximise(design: Floats, risks: list[_Risk], names: list[str]) -> tuple[Flo
         if abs(gain) <= CONVERGED * max(abs(value), 1.0):
             return beta, value, information
     worst = names[int(np.argmax(np.abs(beta) * spread))]
-    raise InputError(
-        f"the hazard ratio of {worst} has no estimate: all events, or none, lie on one side of it"
-    )
+    raise NoHazardRatioError(worst)
 
 
 def _likelihood(design: Floats, beta: Floats, risks: list[_Risk]) -> tuple[float, Floats, Floats]:

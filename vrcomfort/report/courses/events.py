@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.cox import cox
+from vrcomfort.stats.cox import NoHazardRatioError, cox
 from vrcomfort.stats.survival import KaplanMeier, kaplan_meier, log_rank
 
 if TYPE_CHECKING:
@@ -199,7 +199,8 @@ def _hazards(events: list[Event], shown: list[str], confidence: float) -> Row:
     if places:
         columns["position"] = np.array([e.position for e in events], dtype=np.float64)
     if not columns:
-        return {"not_fitted": "there is one condition in one position, so nothing is compared"}
+        alone = "there is one condition in one position, so nothing is compared"
+        return {"not_fitted": alone, "term": None}
     for left_out in ([], ["position"]) if places and levels else ([],):
         kept = {name: values for name, values in columns.items() if name not in left_out}
         try:
@@ -211,7 +212,8 @@ def _hazards(events: list[Event], shown: list[str], confidence: float) -> Row:
                 confidence=confidence,
             )
         except InputError as error:
-            reason = error.message
+            term = error.term if isinstance(error, NoHazardRatioError) else None
+            reason = {"not_fitted": error.message, "term": term}
             continue
         return {"not_fitted": None, "left_out": left_out, **asdict(model)}
-    return {"not_fitted": reason}
+    return reason
