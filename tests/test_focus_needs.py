@@ -13,6 +13,8 @@ from vrcomfort.render.gpu_scene import GpuScene
 
 OTHER = {
     "fixed_m": 3.0,
+    "script": ((0.0, 3.0), (1.0, 0.5)),
+    "script_every_s": 1.1,
     "ring_deg": 4.0,
     "mean": "dioptres",
     "outlier_mad": 0.1,
@@ -38,6 +40,7 @@ OTHERWISE = {"zone_mean_on", "without_gaze"}
 
 BASES = [
     *({"method": method, "law": "instant"} for method in ("fixed", "gaze")),
+    {"method": "scripted", "script": ((0.0, 2.0), (1.0, 0.5)), "law": "instant"},
     *({"method": "nine_ray", "mean": mean} for mean in ("metres", "dioptres")),
     *(
         {"method": "autofocus_zone", "law": "instant", "zone_statistic": statistic}
@@ -70,7 +73,7 @@ def content():
 
 
 def course(ctx, content, settings):
-    """Focus in frames 1 µs and 10 ms apart, from a head that moves."""
+    """Focus in frames 1 µs and 10 ms apart, from a head that moves, in a scene that is faster."""
     gpu = GpuScene(ctx, content)
     focus = make_focus_pass(ctx, gpu, settings)
     samples = []
@@ -79,7 +82,8 @@ def course(ctx, content, settings):
         head = Pose(np.array([0.02 * index, 0.0, 0.04 * index]), angles)
         gpu.update(0.0, head)
         gaze = Gaze(Pose(np.zeros(3), yaw_pitch_roll(0.1, 0.05 * index, 0.0)))
-        samples += focus.render(Sight(index, time_ns, head, gaze=gaze))
+        sight = Sight(index, time_ns, head, gaze=gaze, scene_time_s=0.4 * index)
+        samples += focus.render(sight)
     return [sample.focus_m for sample in (*samples, *focus.drain())]
 
 

@@ -60,7 +60,11 @@ for kernel in get_args(Kernel):
 for samples in (16, 36):
     few = DepthOfField(samples=samples, max_radius_percent=10)
     StereoRenderer(context, (64, 16)).begin(scene, Condition(name="samples", depth_of_field=few))
-rules = [Focus(method=method, without_gaze="nine_ray") for method in get_args(FocusRuleName)]
+script = [(0.0, 2.0), (1.0, 0.5)]
+rules = [
+    Focus(method=method, without_gaze="nine_ray", script=script)
+    for method in get_args(FocusRuleName)
+]
 for rule in (*rules, Focus(method="autofocus_zone", zone_statistic="minimum")):
     condition = Condition(name="rule", focus=rule, depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)

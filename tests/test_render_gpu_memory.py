@@ -35,7 +35,11 @@ CONDITIONS = [
     Condition(name="shutter", motion_blur=MotionBlur()),
     Condition(name="speed", speed_blur=SpeedBlur(turning=TurnRamp(from_deg_s=0, to_deg_s=60))),
     *(
-        Condition(name=method, focus=Focus(method=method), depth_of_field=DepthOfField())
+        Condition(
+            name=method,
+            focus=Focus(method=method, script=[(0.0, 2.0)] if method == "scripted" else []),
+            depth_of_field=DepthOfField(),
+        )
         for method in FOCUS
     ),
     *(

@@ -93,6 +93,8 @@ def _values(model, rng, fixed):
                 values[name] = drawn(nested[0], rng, own.items())
         elif (value := _value(name, field, rng)) is not None:
             values[name] = value
+    if values.get("method") == "scripted":
+        values["script"] = sorted({0.0: 0.05, float(rng.random()): 3e4}.items())
     return values
 
 
