@@ -104,8 +104,9 @@ def check_images(images, condition):
 
 def check_focus(sample, focus):
     scripted = [distance_m for _, distance_m in focus.script]
-    assert 0 < sample.focus_m <= max(focus.infinity_m, focus.fixed_m, *scripted) * (1 + 1e-6)
-    assert 0 < sample.focus_raw_m <= max(focus.infinity_m, focus.fixed_m) * (1 + 1e-6)
+    farthest_m = max(focus.infinity_m, focus.fixed_m, *scripted) * (1 + 1e-6)
+    assert 0 < sample.focus_m <= farthest_m
+    assert 0 < sample.focus_raw_m <= farthest_m
 
 
 def test_depth_of_field(ctx, cases):
