@@ -16,18 +16,21 @@ from vrcomfort.tradeoff import labels
 from vrcomfort.tradeoff.figures import MARKER_PT, RING_PT, STYLE, coinciding, draw, joined
 
 DOCS = Path(__file__).parent.parent / "docs" / "tradeoff.md"
-HEADING = re.compile(r"### (\w+), ([a-z ]+)(?:, lens ([\w.]+) %)?\n\n((?:\|.*\n)+)")
+HEADING = re.compile(r"### (\w+), ([a-z ]+)(?:, lens ([\w.]+) %)?(?:, (\d+×\d+))?\n\n((?:\|.*\n)+)")
 
 
 def shipped():
     """Return the rows of the shipped tables by scene and effect."""
     found = {}
-    for scene, effect, lens, table in HEADING.findall(DOCS.read_text(encoding="utf-8")):
+    for scene, effect, lens, size, table in HEADING.findall(DOCS.read_text(encoding="utf-8")):
         lines = [
             [cell.strip() for cell in line.strip("|").split("|")] for line in table.split("\n")
         ]
         rows = [dict(zip(lines[0], line, strict=True)) for line in lines[2:-1]]
-        found[f"{scene} {effect} {lens}"] = [row_of(scene, effect, lens, row) for row in rows]
+        found[f"{scene} {effect} {lens} {size}"] = [
+            row_of(scene, effect, lens, row) for row in rows
+        ]
+    assert found, f"no table in {DOCS.name}"
     return found
 
 
