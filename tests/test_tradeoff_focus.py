@@ -6,19 +6,8 @@ import csv
 
 import pytest
 
-from vrcomfort.cli import main
 from vrcomfort.tradeoff import focus_search
 from vrcomfort.tradeoff.focus_search import zone_errors
-
-
-def call(monkeypatch, capsys, *arguments):
-    monkeypatch.setattr("sys.argv", ["vrcomfort", "tradeoff", *map(str, arguments)])
-    code = 0
-    try:
-        main()
-    except SystemExit as end:
-        code = int(end.code or 0)
-    return code, *capsys.readouterr()
 
 
 @pytest.mark.slow
@@ -32,11 +21,11 @@ def test_a_finer_zone_errs_less_and_the_finest_not_at_all(monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_command_writes_its_tables(monkeypatch, capsys, tmp_path):
+def test_the_command_writes_its_tables(monkeypatch, run, tmp_path):
     monkeypatch.setattr(focus_search, "REFERENCE_SIDE_PX", 64)
     monkeypatch.setattr(focus_search, "ZONE_SIDES_PX", (16, 32))
     asked = ("--effects", "focus", "--scenes", "temple", "--quick", "--rounds", 1)
-    code, out, err = call(monkeypatch, capsys, *asked, "--size", "32x40", "--out", tmp_path)
+    code, out, err = run("tradeoff", *asked, "--size", "32x40", "--out", tmp_path)
     assert (code, err) == (0, "")
     assert "focus.md" in out
     with (tmp_path / "focus_costs.csv").open(encoding="utf-8") as file:
@@ -56,8 +45,8 @@ def test_the_command_writes_its_tables(monkeypatch, capsys, tmp_path):
 
 
 @pytest.mark.parametrize("option", [("--lens", "7"), ("--flicker",), ("--eyes", "1")])
-def test_what_focus_does_not_take_is_refused(monkeypatch, capsys, tmp_path, option):
-    code, _, err = call(monkeypatch, capsys, "--effects", "focus", *option, "--out", tmp_path)
+def test_what_focus_does_not_take_is_refused(run, tmp_path, option):
+    code, _, err = run("tradeoff", "--effects", "focus", *option, "--out", tmp_path)
     assert code == 2
     assert "--effects focus takes --scenes" in err
     assert not list(tmp_path.iterdir())

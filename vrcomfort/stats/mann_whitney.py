@@ -8,14 +8,14 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import norm
 
 from vrcomfort.stats.effects import Effect
-from vrcomfort.stats.ranks import doubled_midranks, tied_count
+from vrcomfort.stats.ranks import ExactOrAsymptotic, doubled_midranks, tied_count
 from vrcomfort.stats.shift import Shift
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ NEAR = 12
 
 
 @dataclass(frozen=True)
-class MannWhitney:
+class MannWhitney(ExactOrAsymptotic):
     """One test of two groups, with everything a paper reports about it."""
 
     n_a: int
@@ -59,16 +59,6 @@ class MannWhitney:
     """Hodges–Lehmann: median of the differences between everybody of a and everybody of b."""
     effect: Effect | None
     """Rank-biserial correlation: 2 P(a > b) − 1, a tie counting a half."""
-
-    @property
-    def p(self) -> float:
-        """The exact p where there is one, else the asymptotic."""
-        return self.p_asymptotic if self.p_exact is None else self.p_exact
-
-    @property
-    def method(self) -> Literal["exact", "asymptotic"]:
-        """Which of the two `p` is."""
-        return "asymptotic" if self.p_exact is None else "exact"
 
 
 def mann_whitney(

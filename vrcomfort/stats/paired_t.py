@@ -73,7 +73,7 @@ def paired_t(
     with quiet(), np.errstate(over="ignore"):
         found = pingouin().ttest(values, 0.0, alternative=alternative).iloc[0]
         t, df = float(found["T"]), int(found["dof"])
-        bayes = _bayes_factor(t, values.size)
+    bayes = jzs_bayes_factor(t, values.size)
     mean, error = float(values.mean()), float(values.std(ddof=1) / np.sqrt(values.size))
     sides = 2 if alternative == "two-sided" else 1
     half = float(stdtrit(df, 1 - (1 - confidence) / sides)) * error
@@ -93,9 +93,17 @@ def paired_t(
     )
 
 
-def _bayes_factor(t: float, n: int) -> float:
-    """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
+def jzs_bayes_factor(t: float, n: int, m: int | None = None) -> float:
+    """Return pingouin's, two-sided; it divides by a likelihood that underflows at a very large t.
+
+    Parameters
+    ----------
+    n, m
+        Sizes of both groups; `m` None for n differences.
+    """
     try:
-        return float(pingouin().bayesfactor_ttest(t, n, r=PRIOR_SCALE))
+        with quiet(), np.errstate(over="ignore"):
+            found = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
+        return float(found)
     except ZeroDivisionError:
         return math.inf

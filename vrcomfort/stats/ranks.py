@@ -23,6 +23,23 @@ Alternative = Literal["two-sided", "greater", "less"]
 """`greater`: the first of each pair tends to be larger."""
 
 
+class ExactOrAsymptotic:
+    """A rank test with two p values, of which the exact one counts where there is one."""
+
+    p_exact: float | None
+    p_asymptotic: float
+
+    @property
+    def p(self) -> float:
+        """The exact p where there is one, else the asymptotic."""
+        return self.p_asymptotic if self.p_exact is None else self.p_exact
+
+    @property
+    def method(self) -> Literal["exact", "asymptotic"]:
+        """Which of the two `p` is."""
+        return "asymptotic" if self.p_exact is None else "exact"
+
+
 def as_integers(values: ArrayLike, unit: float = 1.0, *, tolerance: float = 1e-6) -> Integers:
     """Return `values` as whole multiples of `unit`, so that ties are exact.
 

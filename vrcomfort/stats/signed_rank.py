@@ -15,7 +15,13 @@ from scipy.special import ndtr
 
 from vrcomfort.stats.effects import Effect, RankBiserialInterval, rank_biserial
 from vrcomfort.stats.inversion import invert
-from vrcomfort.stats.ranks import Alternative, doubled_midranks, sign_flip_lower_tail, tied_count
+from vrcomfort.stats.ranks import (
+    Alternative,
+    ExactOrAsymptotic,
+    doubled_midranks,
+    sign_flip_lower_tail,
+    tied_count,
+)
 from vrcomfort.stats.shift import Shift, hodges_lehmann, with_hull
 
 if TYPE_CHECKING:
@@ -33,7 +39,7 @@ EXACT_UP_TO = 500
 
 
 @dataclass(frozen=True)
-class SignedRank:
+class SignedRank(ExactOrAsymptotic):
     """One signed-rank test, with everything a paper reports about it."""
 
     n: int
@@ -54,16 +60,6 @@ class SignedRank:
     """Zeros included with ``pratt``, dropped with ``wilcox``."""
     effect: Effect | None
     """Matched rank-biserial correlation over the non-zero differences."""
-
-    @property
-    def p(self) -> float:
-        """The exact p where there is one, else the asymptotic."""
-        return self.p_asymptotic if self.p_exact is None else self.p_exact
-
-    @property
-    def method(self) -> Literal["exact", "asymptotic"]:
-        """Which of the two `p` is."""
-        return "asymptotic" if self.p_exact is None else "exact"
 
 
 @dataclass(frozen=True)

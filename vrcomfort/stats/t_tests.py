@@ -12,8 +12,7 @@ from scipy.special import gammaln, nctdtr
 from scipy.stats import t as t_distribution
 
 from vrcomfort.stats.effects import Effect
-from vrcomfort.stats.packages import pingouin, quiet
-from vrcomfort.stats.paired_t import PRIOR_SCALE
+from vrcomfort.stats.paired_t import jzs_bayes_factor
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -184,7 +183,7 @@ def _t_test(
         confidence=confidence,
         alternative=alternative,
         hedges_g=_hedges_g(*g, alternative, confidence),
-        bayes_factor_10=_bayes_factor(g[0] / g[2], sizes),
+        bayes_factor_10=jzs_bayes_factor(g[0] / g[2], *sizes),
     )
 
 
@@ -225,17 +224,6 @@ def _noncentrality(t: float, df: int, probability: float) -> float:
     while excess(t - width) < 0 or excess(t + width) > 0:
         width *= 2
     return float(brentq(excess, t - width, t + width, xtol=1e-12))
-
-
-def _bayes_factor(t: float, sizes: tuple[int, int | None]) -> float:
-    """Return pingouin's; it divides by a likelihood that underflows where t is very large."""
-    n, m = sizes
-    try:
-        with quiet(), np.errstate(over="ignore"):
-            found = pingouin().bayesfactor_ttest(t, n, m, paired=m is None, r=PRIOR_SCALE)
-        return float(found)
-    except ZeroDivisionError:
-        return math.inf
 
 
 def _equivalence(

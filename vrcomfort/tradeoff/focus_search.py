@@ -12,6 +12,7 @@ import csv
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any, Literal
@@ -182,6 +183,7 @@ def _condition(search: Search) -> Condition:
     return Condition(name="searched", focus=search.focus, depth_of_field=blurred)
 
 
+@cache
 def _hillaire() -> Condition:
     """Return the shipped condition whose focus and blur are those of the paper."""
     shipped = load_protocol("hillaire_2008").conditions
