@@ -45,6 +45,7 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
+        **_gaze_and_head(results["gaze_and_head"]),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -66,6 +67,14 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         **course_tables(results, courses),
     }
     return {f"{name}.csv": to_csv(rows) for name, rows in tables.items() if rows}
+
+
+def _gaze_and_head(found: Row | None) -> dict[str, list[Row]]:
+    names = {
+        "gaze_and_head": "exposures", "gaze_zones": "zones", "head_spectra": "spectra",
+        "z_scores": "z_scores",
+    }  # fmt: skip
+    return {table: found[name] for table, name in names.items()} if found else {}
 
 
 def _whole(value: float | None) -> int | None:
