@@ -13,6 +13,7 @@ from vrcomfort.report.answers import answer
 from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.further_answers import further_answers
+from vrcomfort.report.gaze_and_head import gaze_and_head_figures, look_at
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
@@ -121,6 +122,10 @@ def build_report(
     results["labels"] |= {
         name: name for name in courses.conditions if name not in results["labels"]
     }
+    names = [condition["name"] for condition in results["conditions"]]
+    looked = look_at(study, chosen, scored, names)
+    results["gaze_and_head"] = plain(looked.results) if chosen.gaze_and_head else None
+    results["quality"]["reading"] += looked.notes
     results["date"] = _today()
     words = Vocabulary.of(results)
     left = [
@@ -128,6 +133,7 @@ def build_report(
         for outcome in results["outcomes"]
     ]
     figures = draw_figures(study, results, scored, left, courses, words)
+    figures |= gaze_and_head_figures(looked, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
         "index.html": render_page(results, figures, words),

@@ -51,6 +51,7 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
+        **_gaze_and_head(results["gaze_and_head"]),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
@@ -98,6 +99,14 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
 
 def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
+
+
+def _gaze_and_head(found: Row | None) -> dict[str, list[Row]]:
+    names = {
+        "gaze_and_head": "exposures", "gaze_zones": "zones", "head_spectra": "spectra",
+        "z_scores": "z_scores",
+    }  # fmt: skip
+    return {table: found[name] for table, name in names.items()} if found else {}
 
 
 def _whole(value: float | None) -> int | None:
