@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.signal import welch
@@ -12,20 +14,18 @@ from vrcomfort.stats.gaze import (
     fixations,
     saliency_map,
     steps_deg,
-    z_scored,
+    unit_vectors,
+    zone_holding,
     zone_ratios,
     zone_shares,
 )
 from vrcomfort.stats.head_spectrum import band_power, head_spectrum
+from vrcomfort.stats.z_scores import z_scored
 
 
 def looking(azimuth_deg, elevation_deg=0.0):
     """Return unit vectors at these angles."""
-    azimuth, elevation = np.broadcast_arrays(np.radians(azimuth_deg), np.radians(elevation_deg))
-    flat = np.cos(elevation)
-    return np.stack(
-        [flat * np.sin(azimuth), np.sin(elevation), -flat * np.cos(azimuth)], axis=-1
-    ).astype(float)
+    return unit_vectors(*np.broadcast_arrays(np.asarray(azimuth_deg, float), elevation_deg))
 
 
 def test_angles_are_those_of_the_direction():
@@ -46,6 +46,72 @@ def test_a_zone_of_ratio_one_half_is_half_as_high_and_wide_as_the_image():
     assert zone_shares(ratios, seconds, (0.1, 0.3, 0.51, 1.01)) == pytest.approx(
         [0.1, 0.5, 0.6, 0.8]
     )
+
+
+def test_a_zone_that_holds_a_share_is_the_smallest_one():
+    ratios, seconds = np.array([0.4, 0.1, 0.2, 0.8]), np.array([1.0, 5.0, 2.0, 2.0])
+    assert zone_holding(ratios, seconds, 0.5) == 0.1
+    assert zone_holding(ratios, seconds, 0.7) == 0.2
+    assert zone_holding(ratios, seconds, 0.75) == 0.4
+    assert zone_holding(ratios, seconds, 0.9) == 0.8
+    assert np.isnan(zone_holding(ratios[:0], seconds[:0], 0.5))
+
+
+def as_published_by_dispersion(times, x, y, dispersion, duration_s):
+    """Salvucci & Goldberg (2000), Figure 3: the I-DT algorithm, word by word."""
+    points, found = list(range(len(times))), []
+    while points:
+        # "Initialize window over first points to cover the duration threshold"
+        window = [points[0]]
+        while times[window[-1]] - times[window[0]] < duration_s - 1e-9:
+            if len(window) == len(points):
+                return found
+            window.append(points[len(window)])
+
+        def wide(those):
+            return np.ptp(x[those]) + np.ptp(y[those]) > dispersion
+
+        if wide(window):
+            points = points[1:]  # "Remove first point from points"
+            continue
+        while len(window) < len(points) and not wide([*window, points[len(window)]]):
+            window.append(points[len(window)])
+        found.append((window[0], window[-1]))  # "Note a fixation at the centroid of the window"
+        points = points[len(window) :]
+    return found
+
+
+def as_published_by_velocity(times, x, threshold):
+    """Salvucci & Goldberg (2000), Figure 1: the I-VT algorithm along a line."""
+    slow = np.abs(np.diff(x)) / np.diff(times) < threshold
+    groups, start = [], None
+    for place, is_slow in enumerate([*slow, False]):
+        if is_slow and start is None:
+            start = place
+        if not is_slow and start is not None:
+            groups.append((start, place))
+            start = None
+    return groups
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_fixations_are_those_of_the_published_algorithms(seed):
+    random = np.random.default_rng(seed)
+    jumps = random.random(400) < 0.04
+    x = np.cumsum(np.where(jumps, random.normal(0, 6, 400), random.normal(0, 0.08, 400)))
+    times, valid = 0.01 * np.arange(400), np.ones(400, dtype=bool)
+    ours = fixations(times, looking(x), valid, algorithm="i_dt", dispersion_deg=1.0)
+    published = as_published_by_dispersion(times, x, np.zeros(400), 1.0, 0.1)
+    assert len(ours) >= 10
+    assert [(each.start_s, each.samples) for each in ours] == [
+        (pytest.approx(times[a]), b - a + 1) for a, b in published
+    ]
+    ours = fixations(times, looking(x), valid, velocity_deg_s=30.0)
+    published = [(a, b) for a, b in as_published_by_velocity(times, x, 30.0) if b - a >= 10]
+    assert len(ours) > 5
+    assert [(each.start_s, each.samples) for each in ours] == [
+        (pytest.approx(times[a]), b - a + 1) for a, b in published
+    ]
 
 
 PERIOD_S = 0.01
@@ -74,6 +140,9 @@ def test_blinks_and_gaps_end_a_fixation_and_short_ones_are_none(algorithm):
     assert [each.samples for each in found] == [20, 20, 15]
     long = fixations(times, looking(np.zeros(60)), valid, algorithm=algorithm, shortest_s=0.18)
     assert [each.samples for each in long] == [20, 20]
+    cuts = np.arange(60) == 33
+    cut = fixations(times, looking(np.zeros(60)), valid, cuts=cuts, algorithm=algorithm)
+    assert [each.samples for each in cut] == [20, 12, 15]  # 8 samples before it are too short
 
 
 def test_thresholds_are_in_degrees():
@@ -97,6 +166,10 @@ def test_a_map_has_the_time_where_the_gaze_was():
     assert found.outside == pytest.approx(0.2)
     row, column = np.unravel_index(found.share.argmax(), found.share.shape)
     assert (found.elevation_deg[row], found.azimuth_deg[column]) == (0.5, 0.5)
+    turned = saliency_map(
+        looking([175.5]), np.ones(1), centre_deg=-179.0, half_extent_deg=(20, 15), sigma_deg=0.5
+    )
+    assert turned.azimuth_deg[turned.share.sum(axis=0).argmax()] == -5.5
     right = found.azimuth_deg > 6
     assert found.share[:, right].sum() == pytest.approx(0.2)
 
@@ -111,7 +184,28 @@ def test_z_scores_are_scipys_within_each_person():
     for place, name in enumerate("abcd"):
         assert found[name].mean == pytest.approx(expected[:, place].mean())
         assert found[name].standard_error == pytest.approx(sem(expected[:, place]))
-        assert found[name].n == 6
+        assert (found[name].n, found[name].people) == (6, 6)
+        assert found[name].standard_error_of_people == pytest.approx(sem(expected[:, place]))
+
+
+def test_values_of_one_person_share_an_error_over_people():
+    # z of P1: −1, 1, … in pairs: −.866, .866, −.866, .866; of P2 the same for twice the values
+    values, conditions = [1.0, 3.0, 1.0, 3.0] * 2, [*"aabb"] * 2
+    found = z_scored([*["P1"] * 4, *["P2"] * 4], conditions, values)
+    assert (found["a"].n, found["a"].people) == (4, 2)
+    assert found["a"].standard_error == pytest.approx(sem([-(0.75**0.5), 0.75**0.5] * 2))
+    assert found["a"].standard_error_of_people == pytest.approx(0)
+
+
+def test_bands_that_meet_add_up_to_the_variance():
+    times, values = moved(60)
+    found = head_spectrum(times, values, times < 0, period_s=1 / RATE_HZ)
+    assert found is not None
+    edges = [0.0, 0.5, 1.3, 2.0, RATE_HZ / 2 + 1]
+    parts = [float(band_power(found, low, high)) for low, high in pairwise(edges)]
+    step = found.frequency_hz[1]
+    assert sum(parts) == pytest.approx(step * found.density.sum() - step / 2 * found.density[0])
+    assert sum(parts) == pytest.approx(values.var(), rel=0.02)
 
 
 RATE_HZ = 72.0

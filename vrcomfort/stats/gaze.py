@@ -31,7 +31,10 @@ class Fixation(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Share of the time in each cell, shape (elevations, azimuths), with the cells' middles."""
+    """Share of the time in each cell, shape (elevations, azimuths), with the cells' middles.
+
+    Azimuths are those from the middle of the map.
+    """
 
     share: Floats
     azimuth_deg: Floats
@@ -44,6 +47,13 @@ def angles_deg(directions: Floats) -> tuple[Floats, Floats]:
     """Return azimuth and elevation of (n, 3) directions."""
     x, y, z = directions.T
     return np.degrees(np.arctan2(x, -z)), np.degrees(np.arctan2(y, np.hypot(x, z)))
+
+
+def unit_vectors(azimuth_deg: Floats, elevation_deg: Floats) -> Floats:
+    """Return the (n, 3) directions of azimuths and elevations."""
+    azimuth, elevation = np.radians(azimuth_deg), np.radians(elevation_deg)
+    level = np.cos(elevation)
+    return np.column_stack([level * np.sin(azimuth), np.sin(elevation), -level * np.cos(azimuth)])
 
 
 def zone_ratios(directions: Floats, half_widths: Floats) -> Floats:
@@ -74,12 +84,28 @@ def zone_shares(ratios: Floats, seconds: Floats, zones: Sequence[float]) -> list
     return [float(seconds[ratios <= zone].sum()) / whole if whole else np.nan for zone in zones]
 
 
-def runs(time_s: Floats, valid: NDArray[np.bool_], longest_gap_s: float) -> Iterator[slice]:
-    """Yield the stretches in which the gaze is known without a gap."""
+def zone_holding(ratios: Floats, seconds: Floats, share: float) -> float:
+    """Return the ratio of the smallest zone that holds at least this share of the time.
+
+    Hillaire et al. 2008 set the size of their autofocus zone so: 0.25 for 75 % of the gaze while
+    shooting. NaN without any time, infinite where the gaze was behind the head too often.
+    """
+    if not ratios.size:
+        return np.nan
+    order = np.argsort(ratios)
+    there = np.cumsum(seconds[order])
+    place = int(np.searchsorted(there, share * there[-1] * (1 - 1e-12)))
+    return float(ratios[order][place])
+
+
+def runs(
+    time_s: Floats, valid: NDArray[np.bool_], cuts: NDArray[np.bool_], longest_gap_s: float
+) -> Iterator[slice]:
+    """Yield the stretches in which the gaze is known without a gap or a cut."""
     known = np.flatnonzero(valid)
     if known.size == 0:
         return
-    apart = (np.diff(known) > 1) | (np.diff(time_s[known]) > longest_gap_s)
+    apart = (np.diff(known) > 1) | (np.diff(time_s[known]) > longest_gap_s) | cuts[known[1:]]
     ends = [*(np.flatnonzero(apart) + 1).tolist(), known.size]
     start = 0
     for end in ends:
@@ -92,13 +118,14 @@ def fixations(
     directions: Floats,
     valid: NDArray[np.bool_],
     *,
+    cuts: NDArray[np.bool_] | None = None,
     algorithm: Algorithm = "i_vt",
     velocity_deg_s: float = 30.0,
     dispersion_deg: float = 1.0,
     shortest_s: float = 0.1,
     longest_gap_s: float = 0.075,
 ) -> list[Fixation]:
-    """Return fixations of a gaze, in the frame of the directions (the stage: heads turn).
+    """Return fixations of a gaze, in the frame of the directions (the world: heads turn).
 
     Parameters
     ----------
@@ -106,6 +133,8 @@ def fixations(
         (n,), rising.
     directions
         (n, 3) unit vectors; ignored where not valid.
+    cuts
+        (n,) where a sample has nothing to do with the one before; nowhere without it.
     algorithm
         ``i_vt``: samples slower than `velocity_deg_s` from the one before; ``i_dt``: windows whose
         extents in azimuth (times the cosine of elevation) and elevation sum to at most
@@ -120,7 +149,8 @@ def fixations(
     Salvucci & Goldberg, "Identifying fixations and saccades in eye-tracking protocols", ETRA 2000.
     """
     found: list[Fixation] = []
-    for run in runs(time_s, valid, longest_gap_s):
+    cuts = np.zeros(valid.shape, dtype=bool) if cuts is None else cuts
+    for run in runs(time_s, valid, cuts, longest_gap_s):
         times, ways = time_s[run], directions[run]
         if algorithm == "i_vt":
             parts = _slow(times, ways, velocity_deg_s)
@@ -187,6 +217,7 @@ def saliency_map(
     directions: Floats,
     seconds: Floats,
     *,
+    centre_deg: float = 0.0,
     half_extent_deg: tuple[float, float] = (50.0, 50.0),
     cell_deg: float = 1.0,
     sigma_deg: float = 1.0,
@@ -196,9 +227,11 @@ def saliency_map(
     Parameters
     ----------
     directions
-        (n, 3), seen from one viewpoint: in the head's frame, or in the stage's.
+        (n, 3), seen from one viewpoint: in the head's frame, or in the world's.
     seconds
         (n,) how long each stands for.
+    centre_deg
+        Azimuth of the middle of the map.
     half_extent_deg
         Of the map, in azimuth and elevation.
     sigma_deg
@@ -210,6 +243,7 @@ def saliency_map(
     shares in the map and `outside` sum to 1.
     """
     azimuth, elevation = angles_deg(directions)
+    azimuth = (azimuth - centre_deg + 180.0) % 360.0 - 180.0
     edges = [np.arange(-half, half + cell_deg / 2, cell_deg) for half in half_extent_deg]
     counts, _, _ = np.histogram2d(elevation, azimuth, bins=[edges[1], edges[0]], weights=seconds)
     whole = float(seconds.sum())
@@ -217,37 +251,3 @@ def saliency_map(
     middles = [(each[:-1] + each[1:]) / 2 for each in edges]
     outside = 1.0 - float(counts.sum()) / whole if whole else 0.0
     return Map(share, middles[0], middles[1], outside)
-
-
-class ZScore(NamedTuple):
-    """Mean of a condition's z scores with its standard error."""
-
-    mean: float
-    standard_error: float | None
-    """None of a single value."""
-    n: int
-
-
-def z_scored(
-    people: Sequence[str], conditions: Sequence[str], values: Sequence[float]
-) -> dict[str, ZScore]:
-    """Return condition → mean and standard error of values standardised within each person.
-
-    Mantiuk et al. 2011, Figure 4: every value minus its person's mean, over that person's standard
-    deviation (n − 1). Who has one value, or always the same, has no z score and is left out.
-    """
-    whose, shown = np.asarray(people), np.asarray(conditions)
-    numbers = np.asarray(values, dtype=np.float64)
-    z = np.full(numbers.shape, np.nan)
-    for person in np.unique(whose):
-        mine = whose == person
-        sd = numbers[mine].std(ddof=1) if mine.sum() > 1 else 0.0
-        if sd > 0:
-            z[mine] = (numbers[mine] - numbers[mine].mean()) / sd
-    found = {}
-    for condition in dict.fromkeys(conditions):
-        there = z[(shown == condition) & np.isfinite(z)]
-        if there.size:
-            error = float(there.std(ddof=1) / np.sqrt(there.size)) if there.size > 1 else None
-            found[condition] = ZScore(float(there.mean()), error, int(there.size))
-    return found

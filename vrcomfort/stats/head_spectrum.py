@@ -103,7 +103,12 @@ def head_spectrum(
 
 
 def band_power(spectrum: Spectrum, low_hz: float, high_hz: float) -> Floats:
-    """Return the power between two frequencies, by trapezia, shape () or (columns,)."""
+    """Return the power between two frequencies, shape () or (columns,).
+
+    Each density stands for its bin, half a step of frequency to either side; of a bin at the edge
+    of the band, the part inside counts. So the powers of bands that meet add up.
+    """
     f = spectrum.frequency_hz
-    inside = (f >= low_hz - 1e-9) & (f <= high_hz + 1e-9)
-    return np.asarray(np.trapezoid(spectrum.density[inside], f[inside], axis=0))
+    half = (f[1] - f[0]) / 2
+    inside = np.clip(np.minimum(f + half, high_hz) - np.maximum(f - half, low_hz), 0, None)
+    return np.asarray(inside @ spectrum.density)

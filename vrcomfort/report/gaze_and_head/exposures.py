@@ -1,140 +1,151 @@
-"""The gaze and the head of one exposure."""
+"""What one exposure says of gaze and head: numbers, and what maps and curves are made of."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.csv_table import CsvTable
-from vrcomfort.recordings import Memory, find_source, read_columns
-from vrcomfort.records.frame_rows import CUT
-from vrcomfort.rotations import rotate
-from vrcomfort.stats.gaze import angles_deg
+from vrcomfort.stats.gaze import (
+    Fixation,
+    Map,
+    fixations,
+    saliency_map,
+    zone_holding,
+    zone_ratios,
+    zone_shares,
+)
+from vrcomfort.stats.head_spectrum import Spectrum, band_power, head_spectrum
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from numpy.typing import NDArray
 
-    Floats = NDArray[np.float64]
+    from vrcomfort.report.gaze_and_head.motion import Motion
+    from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 
-_HEAD = ("head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw")
-_SIDES = ("left", "right", "up", "down")
-_FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _SIDES)
-_FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", *_HEAD, *_FOV)
-_GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
-_ROUNDING_S = 1e-6
+SIGNALS = ("head_x_m", "head_y_m", "head_z_m", "yaw_deg", "pitch_deg")
+BANDS_HZ = ((0.25, 0.5), (0.5, 2.0), (2.0, 8.0))
+HELD = (0.75, 0.9)
+"""Shares of the gaze of which the zone that holds them is given."""
+WHOLE = ""
+"""The time of a whole exposure, beside that of events."""
+Row = dict[str, Any]
+Times = list[tuple[float, float]]
 
 
-@dataclass(frozen=True)
-class Motion:
-    """What was recorded of n frames.
+@dataclass
+class Seen:
+    """What is known of an exposure.
 
     Parameters
     ----------
-    time_s, session_s, seconds
-        (n,) display time, session time, and period of each frame.
-    cuts
-        (n,) where a frame has nothing to do with the one before.
-    head
-        (n, 5) position in the stage in metres, yaw (to the right, without jumps) and pitch in
-        degrees.
-    half_widths
-        (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
-    in_head, in_stage
-        (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
+    row
+        Its numbers, for the table.
+    shares
+        Event, or `WHOLE` → share of the gaze in each of the plan's zones.
+    head_map
+        Where the gaze was, seen from the head.
+    fixations
+        In the world.
+    viewpoint_m, reach_m, forward
+        Median position of the head in the world, how far from it the head was in nine tenths of
+        the frames, and the mean direction that it faced.
+    spectrum
+        Of `SIGNALS`.
     """
 
-    time_s: Floats
-    session_s: Floats
-    seconds: Floats
-    cuts: NDArray[np.bool_]
-    head: Floats
-    half_widths: Floats
-    in_head: Floats | None
-    in_stage: Floats | None
-
-    @property
-    def valid(self) -> NDArray[np.bool_]:
-        """Return (n,) where the gaze was known."""
-        if self.in_stage is None:
-            return np.zeros(self.time_s.shape, dtype=bool)
-        return np.isfinite(self.in_stage[:, 0])
+    row: Row
+    shares: dict[str, list[float]] = field(default_factory=dict)
+    head_map: Map | None = None
+    fixations: list[Fixation] = field(default_factory=list)
+    viewpoint_m: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
+    reach_m: float = np.nan
+    forward: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
+    spectrum: Spectrum | None = None
 
 
-def read_motion(frames: Path, trials: list[dict[str, str]]) -> list[Motion | None]:
-    """Return the frames of each of a session's trials, their last attempts; None without any.
-
-    Raises
-    ------
-    InputError
-        If a recording is damaged, with its place.
-    """
-    memory = Memory()
-    table = read_columns(find_source(frames), _FRAMES, memory)
-    gaze_file = frames.with_name("gaze.csv")
-    gaze = None
-    if gaze_file.is_file():
-        gaze = _aligned(table["xr_time_ns"], read_columns(find_source(gaze_file), _GAZE, memory))
-    return [_motion(table, gaze, trial) for trial in trials]
-
-
-def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> Floats:
-    """Return (n, 3) directions at the frames' times; NaN where not valid."""
-    found = np.full((len(time_ns), 3), np.nan)
-    known = gaze["valid"] == 1
-    directions = np.column_stack([gaze[f"direction_{axis}"] for axis in "xyz"])[known]
-    place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
-    there = place < len(time_ns)
-    there[there] = time_ns[place[there]] == gaze["xr_time_ns"][known][there]
-    found[place[there]] = directions[there]
-    return found
-
-
-def _motion(table: dict[str, Floats], gaze: Floats | None, trial: dict[str, str]) -> Motion | None:
-    start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
-    at = table["session_s"]
-    mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
-    if mine.sum() < 2:
-        return None
-    part = {name: values[mine] for name, values in table.items()}
-    turns = np.column_stack([part[name] for name in _HEAD[3:]])
-    yaw, pitch = angles_deg(rotate(turns, np.broadcast_to([0.0, 0.0, -1.0], (len(turns), 3))))
-    position = np.column_stack([part[name] for name in _HEAD[:3]])
-    directions = None if gaze is None else gaze[mine]
-    back = turns * [-1.0, -1.0, -1.0, 1.0]
-    return Motion(
-        time_s=part["xr_time_ns"] / 1e9,
-        session_s=part["session_s"],
-        seconds=part["period_ns"] / 1e9,
-        cuts=part["discontinuity"] == CUT,
-        head=np.column_stack([position, np.unwrap(yaw, period=360.0), pitch]),
-        half_widths=_half_widths(part),
-        in_head=None if directions is None else rotate(back, directions),
-        in_stage=directions,
+def look(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> Seen:
+    """Return what an exposure says; `events` are those of its session, by name."""
+    middle = np.median(motion.place, axis=0)
+    away_m = np.linalg.norm(motion.place - middle, axis=1)
+    seen = Seen(
+        _gaze_known(motion),
+        viewpoint_m=middle,
+        reach_m=float(np.quantile(away_m, 0.9)),
+        forward=motion.forward.mean(axis=0),
     )
+    if motion.valid.any():
+        _zones(seen, motion, asked, events)
+        _fixations(seen, motion, asked)
+    _spectrum(seen, motion, asked)
+    return seen
 
 
-def _half_widths(part: dict[str, Floats]) -> Floats:
-    """Return half of an eye's image in tangents, the mean of both eyes: their frusta are askew."""
-    tangents = {name: np.tan(part[name]) for name in _FOV}
-    half = [
-        sum(tangents[f"{eye}_fov_{high}_rad"] - tangents[f"{eye}_fov_{low}_rad"]
-            for eye in ("left", "right")) / 4
-        for low, high in (("left", "right"), ("down", "up"))
-    ]  # fmt: skip
-    return np.column_stack(half)
+def _gaze_known(motion: Motion) -> Row:
+    if motion.in_world is None:
+        return {"gaze_valid_share": None}
+    seconds = motion.seconds
+    return {"gaze_valid_share": float(seconds[motion.valid].sum() / seconds.sum())}
 
 
-def times_of(session: Path, name: str) -> list[tuple[float, float]]:
-    """Return begin and end, in session time, of a session's events of a name."""
-    file = session / "events.csv"
-    if not file.is_file():
-        return []
-    table = CsvTable.read(file, appended=True)
-    table.require(("onset_s", "duration_s", "name"))
-    table.require_numbers(("onset_s", "duration_s"))
-    rows = [row for row in table.dicts() if row["name"] == name]
-    return [(float(r["onset_s"]), float(r["onset_s"]) + float(r["duration_s"] or 0)) for r in rows]
+def _zones(seen: Seen, motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> None:
+    valid = motion.valid
+    assert motion.in_head is not None  # noqa: S101 - some gaze is valid
+    ways, seconds, half = motion.in_head[valid], motion.seconds[valid], motion.half_widths[valid]
+    seen.head_map = saliency_map(ways, seconds, sigma_deg=asked.saliency_sigma_deg)
+    if not np.isfinite(half).all():
+        return
+    ratios = zone_ratios(ways, half)
+    seen.shares[WHOLE] = zone_shares(ratios, seconds, asked.zones)
+    for share in HELD:
+        seen.row[f"zone_of_{100 * share:.0f}_percent"] = zone_holding(ratios, seconds, share)
+    for name, times in events.items():
+        now = during(motion.session_s[valid], times)
+        if now.any():
+            seen.shares[name] = zone_shares(ratios[now], seconds[now], asked.zones)
+
+
+def during(at_s: NDArray[np.float64], times: Times) -> NDArray[np.bool_]:
+    """Return which moments are within any of some stretches of time."""
+    inside = np.zeros(at_s.shape, dtype=bool)
+    for start, end in times:
+        inside |= (at_s >= start) & (at_s <= end)
+    return inside
+
+
+def _fixations(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+    assert motion.in_world is not None  # noqa: S101 - some gaze is valid
+    seen.fixations = fixations(
+        motion.time_s,
+        motion.in_world,
+        motion.valid,
+        cuts=motion.cuts,
+        algorithm=asked.fixations,
+        velocity_deg_s=asked.velocity_deg_s,
+        dispersion_deg=asked.dispersion_deg,
+        shortest_s=asked.shortest_fixation_s,
+    )
+    lengths = [each.duration_s for each in seen.fixations]
+    known_s = float(motion.seconds[motion.valid].sum())
+    seen.row |= {
+        "fixations": len(lengths),
+        "fixations_per_min": 60 * len(lengths) / known_s,
+        "fixation_median_s": float(np.median(lengths)) if lengths else None,
+        "fixated_share": sum(lengths) / known_s,
+    }
+
+
+def _spectrum(seen: Seen, motion: Motion, asked: GazeAndHead) -> None:
+    seen.spectrum = found = head_spectrum(
+        motion.time_s, motion.head, motion.cuts, period_s=float(np.median(motion.seconds)),
+        window_s=asked.spectrum_window_s,
+    )  # fmt: skip
+    seen.row["spectrum_windows"] = found.windows if found else 0
+    if found is None:
+        return
+    seen.row |= {"frames_filled_share": found.filled, "frames_left_out_share": found.left_out}
+    for low, high in BANDS_HZ:
+        power = band_power(found, low, high)
+        for name, value in zip(SIGNALS, power.tolist(), strict=True):
+            seen.row[f"{name}_rms_{low:g}_{high:g}_hz"] = float(np.sqrt(value))

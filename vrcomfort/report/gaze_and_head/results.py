@@ -1,40 +1,51 @@
-"""Gaze and head motion of a study, by exposure and by condition."""
+"""Gaze and head motion of a study: by exposure, by person, and by condition or scene."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.report.gaze_and_head.exposures import Motion, read_motion, times_of
-from vrcomfort.stats.gaze import Map, fixations, saliency_map, z_scored, zone_ratios, zone_shares
-from vrcomfort.stats.head_spectrum import Spectrum, band_power, head_spectrum
+from vrcomfort.report.gaze_and_head.exposures import HELD, SIGNALS, WHOLE, Row, Seen, look
+from vrcomfort.report.gaze_and_head.motion import read_motion, times_of
+from vrcomfort.report.gaze_and_head.viewpoints import Viewpoint, viewpoints
+from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
     from numpy.typing import NDArray
 
-    from vrcomfort.report.exposures import Exposures
+    from vrcomfort.recordings import Memory
     from vrcomfort.report.plan import Plan
     from vrcomfort.report.plan.gaze_and_head import GazeAndHead
     from vrcomfort.report.study_data import StudyData
+    from vrcomfort.stats.gaze import Map
 
-SIGNALS = ("head_x_m", "head_y_m", "head_z_m", "yaw_deg", "pitch_deg")
-BANDS_HZ = ((0.25, 0.5), (0.5, 2.0), (2.0, 8.0))
-WHOLE = "whole exposure"
-MEANS = {
-    "gaze_valid_share": "gaze_valid_share",
-    "fixations_per_min": "fixations_per_min",
-    "fixation_median_s": "fixation_median_s",
-    "yaw_rms_deg": "yaw_deg_rms_0.5_2_hz",
-    "frames_filled_share": "frames_filled_share",
-}
-"""What a condition's means are called → the column of the exposures."""
-Row = dict[str, Any]
+EVERYBODY = ""
+"""The situation of all exposures together."""
+HALF_HEIGHT = 0.5
+PER_MINUTE = {"head_path_m": "head_path_m_per_min", "head_turning_deg": "head_turning_deg_per_min"}
+MEANS = (
+    "gaze_valid_share", *(f"zone_of_{100 * share:.0f}_percent" for share in HELD),
+    "fixations_per_min", "fixation_median_s", *PER_MINUTE.values(), "yaw_deg_rms_0.5_2_hz",
+    "frames_filled_share",
+)  # fmt: skip
+"""Columns of the exposures of which situations have the mean of people's means."""
+
+
+class Met(NamedTuple):
+    """An exposure: whose, in which situation and scene, and what it says."""
+
+    person: str
+    situation: str
+    scene: str
+    seen: Seen
 
 
 @dataclass
@@ -43,58 +54,67 @@ class Looked:
 
     Parameters
     ----------
-    exposures, conditions
-        A row for each exposure; for each condition, the means of `MEANS` over its exposures.
+    exposures, situations
+        A row for each exposure; for each situation, means over people.
     zones
-        A row for each situation, condition and zone: mean share over exposures, with its error.
+        A row for each situation, event and zone: mean share over people, with its error.
     spectra
-        A row for each condition, signal and frequency: mean density over exposures.
-    z_scores
-        A row for each condition.
+        A row for each situation, signal and frequency: mean density over people.
+    fixations
+        A row for each fixation.
     maps
-        Condition → mean map of the gaze in the head's frame.
+        Situation → mean map of the gaze in the head's frame.
+    viewpoints
+        Maps of the fixations from the viewpoint of each scene.
     notes
         What could not be read.
     """
 
     exposures: list[Row] = field(default_factory=list)
-    conditions: list[Row] = field(default_factory=list)
+    situations: list[Row] = field(default_factory=list)
     zones: list[Row] = field(default_factory=list)
     spectra: list[Row] = field(default_factory=list)
-    z_scores: list[Row] = field(default_factory=list)
+    fixations: list[Row] = field(default_factory=list)
     maps: dict[str, Map] = field(default_factory=dict)
+    viewpoints: list[Viewpoint] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     @property
     def results(self) -> Row:
-        """Return what results.json holds."""
-        names = ("exposures", "conditions", "zones", "spectra", "z_scores", "notes")
-        outside = {name: found.outside for name, found in self.maps.items()}
-        return {**{name: getattr(self, name) for name in names}, "outside_map": outside}
+        """Return what results.json holds; fixations and frequencies are in tables alone."""
+        names = ("exposures", "situations", "zones", "notes")
+        return {
+            **{name: getattr(self, name) for name in names},
+            "outside_map": {name: found.outside for name, found in self.maps.items()},
+            "viewpoints": [each.facts for each in self.viewpoints],
+        }
 
 
-def look_at(study: StudyData, plan: Plan, scored: Exposures, conditions: list[str]) -> Looked:
+def look_at(
+    study: StudyData, plan: Plan, conditions: list[str], memory: Memory | None = None
+) -> Looked:
     """Return gaze and head motion, as far as the plan asks for them and the files have them."""
-    found, asked = Looked(), plan.gaze_and_head
+    asked, found = plan.gaze_and_head, Looked()
     if asked is None:
         return found
-    work = _Work(asked)
-    sessions: dict[tuple[str, str], list[dict[str, str]]] = defaultdict(list)
-    for trial in study.trials:
-        sessions[trial["participant"], trial["session"]].append(trial)
+    met: list[Met] = []
     for file in sorted(study.source.rglob("frames.csv")) if study.source.is_dir() else []:
-        said = [t for those in sessions.values() for t in those if _is_of(file, t)]
+        trials = [trial for trial in study.trials if _is_of(file, trial)]
         try:
-            work.add(file, said)
+            met += _session(file, trials, asked, found, memory)
         except InputError as error:
             found.notes.append(str(error).replace(f"{study.source}/", ""))
-    found.exposures = work.rows
-    found.conditions = _means(work.rows, conditions)
-    found.zones = work.zone_rows(conditions)
-    found.spectra = work.spectrum_rows(conditions)
-    found.maps = work.mean_maps(conditions)
-    if asked.z_scores and scored.outcomes:
-        found.z_scores = _z_scores(scored, conditions)
+    _add_paths(study, found.exposures)
+    there = {each.situation for each in met}
+    order = conditions if asked.situations == "condition" else sorted(there, key=natural)
+    situations = [name for name in order if name in there]
+    found.situations = _means(found.exposures, situations, asked.situations)
+    shown = [*situations, *([EVERYBODY] if len(situations) > 1 else [])]
+    found.zones = _zone_rows(met, shown, asked)
+    found.spectra = _spectrum_rows(met, situations)
+    found.maps = _mean_maps(met, situations)
+    scenes = [(each.scene, each.seen) for each in met]
+    found.viewpoints = viewpoints(scenes, asked.viewpoint_within_m, asked.saliency_sigma_deg)
     return found
 
 
@@ -103,172 +123,127 @@ def _is_of(file: Path, trial: dict[str, str]) -> bool:
     return names == (f"sub-{trial['participant']}", f"ses-{trial['session']}")
 
 
-def _means(rows: list[Row], conditions: list[str]) -> list[Row]:
+def _session(
+    file: Path,
+    trials: list[dict[str, str]],
+    asked: GazeAndHead,
+    found: Looked,
+    memory: Memory | None,
+) -> list[Met]:
+    """Look at the exposures of a session; nothing of it is kept if a part is damaged."""
+    events = {name: times_of(file.parent, name, asked.during_s) for name in asked.during}
+    met = []
+    for trial, motion in zip(trials, read_motion(file, trials, memory), strict=True):
+        if motion is None:
+            continue
+        seen = look(motion, asked, events)
+        keys = {
+            key: trial[key] for key in ("participant", "session", "trial", "condition", "scene")
+        }
+        seen.row = keys | seen.row
+        found.exposures.append(seen.row)
+        found.fixations += [keys | fixation._asdict() for fixation in seen.fixations]
+        met.append(Met(trial["participant"], trial[asked.situations], trial["scene"], seen))
+    return met
+
+
+def _add_paths(study: StudyData, rows: list[Row]) -> None:
+    """Add the path and the turning of the head per minute of live time."""
+    frames = {}
+    for each in sorted(study.frames, key=lambda each: each.attempt):
+        frames[each.participant, each.session, str(each.trial)] = each  # the last attempt
+    for row in rows:
+        said = frames.get((row["participant"], row["session"], row["trial"]))
+        for name, column in PER_MINUTE.items():
+            whole = getattr(said, name, None)
+            row[column] = 60 * whole / said.live_s if said and whole and said.live_s else None
+
+
+def _means(rows: list[Row], situations: list[str], by: str) -> list[Row]:
     found = []
-    for condition in conditions:
-        mine = [row for row in rows if row["condition"] == condition]
-        mean: Row = {"condition": condition, "exposures": len(mine)}
-        for name, column in MEANS.items():
-            known = [row[column] for row in mine if row.get(column) is not None]
-            mean[name] = sum(known) / len(known) if known else None
-        if mine:
-            found.append(mean)
+    for situation in situations:
+        mine = [row for row in rows if row[by] == situation]
+        people = dict.fromkeys(row["participant"] for row in mine)
+        mean: Row = {"situation": situation, "exposures": len(mine), "people": len(people)}
+        for name in MEANS:
+            own = [_mean(r.get(name) for r in mine if r["participant"] == who) for who in people]
+            mean[name] = _mean(own)
+        found.append(mean)
     return found
 
 
-def _z_scores(scored: Exposures, conditions: list[str]) -> list[Row]:
-    outcome = scored.outcomes[0].name
-    table = scored.table.dropna(subset=[outcome])
-    unit = scored.units[outcome]
-    values = [float(value) * unit for value in table[outcome]]
-    found = z_scored(list(table["participant"]), list(table["condition"]), values)
-    return [
-        {"condition": name, "outcome": outcome, **found[name]._asdict()}
-        for name in conditions
-        if name in found
-    ]
+def _mean(values: Iterable[float | None]) -> float | None:
+    known = [value for value in values if value is not None and np.isfinite(value)]
+    return sum(known) / len(known) if known else None
 
 
-class _Work:
-    """Collects what each exposure says."""
-
-    def __init__(self, asked: GazeAndHead) -> None:
-        self._asked = asked
-        self.rows: list[Row] = []
-        self._shares: dict[tuple[str, str], list[list[float]]] = defaultdict(list)
-        self._spectra: dict[str, list[Spectrum]] = defaultdict(list)
-        self._maps: dict[str, list[Map]] = defaultdict(list)
-
-    def add(self, file: Path, trials: list[dict[str, str]]) -> None:
-        """Look at the exposures of a session."""
-        events = {name: times_of(file.parent, name) for name in self._asked.during}
-        for trial, motion in zip(trials, read_motion(file, trials), strict=True):
-            if motion is None:
-                continue
-            keys = ("participant", "session", "trial", "condition")
-            row: Row = {key: trial[key] for key in keys}
-            row |= self._gaze(motion, trial["condition"], events)
-            row |= self._head(motion, trial["condition"])
-            self.rows.append(row)
-
-    def _gaze(
-        self, motion: Motion, condition: str, events: dict[str, list[tuple[float, float]]]
-    ) -> Row:
-        if motion.in_head is None or motion.in_stage is None:
-            return {"gaze_valid_share": None}
-        valid, seconds = motion.valid, motion.seconds
-        row: Row = {"gaze_valid_share": float(seconds[valid].sum() / seconds.sum())}
-        if not valid.any():
-            return row
-        asked, ways = self._asked, motion.in_head[valid]
-        ratios = zone_ratios(ways, motion.half_widths[valid])
-        if np.isfinite(motion.half_widths[valid]).all():
-            self._zones(condition, WHOLE, ratios, seconds[valid])
-            for name, times in events.items():
-                now = _during(motion.session_s[valid], times)
-                if now.any():
-                    self._zones(condition, name, ratios[now], seconds[valid][now])
-        self._maps[condition].append(
-            saliency_map(ways, seconds[valid], sigma_deg=asked.saliency_sigma_deg)
-        )
-        return row | self._fixations(motion)
-
-    def _zones(
-        self, condition: str, situation: str, ratios: NDArray[Any], seconds: NDArray[Any]
-    ) -> None:
-        self._shares[situation, condition].append(zone_shares(ratios, seconds, self._asked.zones))
-
-    def _fixations(self, motion: Motion) -> Row:
-        asked = self._asked
-        assert motion.in_stage is not None  # noqa: S101 - _gaze has looked
-        found = fixations(
-            motion.time_s,
-            motion.in_stage,
-            motion.valid & ~motion.cuts,
-            algorithm=asked.fixations,
-            velocity_deg_s=asked.velocity_deg_s,
-            dispersion_deg=asked.dispersion_deg,
-            shortest_s=asked.shortest_fixation_s,
-        )
-        lengths = [each.duration_s for each in found]
-        whole_s = float(motion.seconds.sum())
-        return {
-            "fixations": len(found),
-            "fixations_per_min": 60 * len(found) / whole_s,
-            "fixation_median_s": float(np.median(lengths)) if found else None,
-            "fixated_share": sum(lengths) / whole_s,
-        }
-
-    def _head(self, motion: Motion, condition: str) -> Row:
-        period_s = float(np.median(motion.seconds))
-        if not np.isfinite(motion.head).all():
-            return {"spectrum_windows": 0}
-        found = head_spectrum(
-            motion.time_s, motion.head, motion.cuts, period_s=period_s,
-            window_s=self._asked.spectrum_window_s,
-        )  # fmt: skip
-        if found is None:
-            return {"spectrum_windows": 0}
-        self._spectra[condition].append(found)
-        row: Row = {
-            "spectrum_windows": found.windows,
-            "frames_filled_share": found.filled,
-            "frames_left_out_share": found.left_out,
-        }
-        for low, high in BANDS_HZ:
-            power = band_power(found, low, high)
-            for name, value in zip(SIGNALS, power.tolist(), strict=True):
-                row[f"{name}_rms_{low:g}_{high:g}_hz"] = float(np.sqrt(value))
-        return row
-
-    def zone_rows(self, conditions: Iterable[str]) -> list[Row]:
-        """Return the mean share of each zone over exposures, with its standard error."""
-        found = []
-        for situation in (WHOLE, *self._asked.during):
-            for condition in conditions:
-                shares = np.array(self._shares.get((situation, condition), []))
-                for place, zone in enumerate(self._asked.zones if len(shares) else ()):
-                    one = shares[:, place]
-                    error = one.std(ddof=1) / np.sqrt(len(one)) if len(one) > 1 else None
-                    found.append({
-                        "situation": situation, "condition": condition, "zone": zone,
-                        "share": float(one.mean()), "standard_error": error, "n": len(one),
-                    })  # fmt: skip
-        return found
-
-    def spectrum_rows(self, conditions: Iterable[str]) -> list[Row]:
-        """Return the mean density over exposures, at the frequencies of the first."""
-        found = []
-        for condition in conditions:
-            each = self._spectra.get(condition, [])
-            if not each:
-                continue
-            grid = each[0].frequency_hz
-            for place, signal in enumerate(SIGNALS):
-                densities = [np.interp(grid, s.frequency_hz, s.density[:, place]) for s in each]
-                mean = np.mean(densities, axis=0)
-                found += [
-                    {"condition": condition, "signal": signal, "frequency_hz": f, "density": d,
-                     "n": len(each)}
-                    for f, d in zip(grid.tolist(), mean.tolist(), strict=True)
-                    if f > 0
-                ]  # fmt: skip
-        return found
-
-    def mean_maps(self, conditions: Iterable[str]) -> dict[str, Map]:
-        """Return the mean of each condition's maps, every exposure counting alike."""
-        return {
-            name: maps[0]._replace(
-                share=np.mean([each.share for each in maps], axis=0),
-                outside=float(np.mean([each.outside for each in maps])),
-            )
-            for name in conditions
-            if (maps := self._maps.get(name))
-        }
+def _by_person(
+    met: list[Met], situation: str, take: Callable[[Seen], NDArray[np.float64] | None]
+) -> NDArray[np.float64]:
+    """Return (people, …): each person's mean over the exposures of a situation that have it."""
+    people: dict[str, list[NDArray[np.float64]]] = defaultdict(list)
+    for each in met:
+        value = take(each.seen) if situation in (each.situation, EVERYBODY) else None
+        if value is not None:
+            people[each.person].append(value)
+    return np.array([np.mean(values, axis=0) for values in people.values()])
 
 
-def _during(at_s: NDArray[Any], times: list[tuple[float, float]]) -> NDArray[np.bool_]:
-    inside = np.zeros(at_s.shape, dtype=bool)
-    for start, end in times:
-        inside |= (at_s >= start) & (at_s <= end)
-    return inside
+def _zone_rows(met: list[Met], situations: list[str], asked: GazeAndHead) -> list[Row]:
+    """Return the mean share of each zone over people, with its standard error."""
+    found = []
+    for event in (WHOLE, *asked.during):
+        for situation in situations:
+            shares = _by_person(met, situation, partial(_shares, event))
+            for place, zone in enumerate(asked.zones if len(shares) else ()):
+                one = shares[:, place]
+                error = float(one.std(ddof=1) / np.sqrt(len(one))) if len(one) > 1 else None
+                found.append({
+                    "situation": situation, "during": event, "zone": zone,
+                    "share": float(one.mean()), "standard_error": error, "people": len(one),
+                })  # fmt: skip
+    return found
+
+
+def _shares(event: str, seen: Seen) -> NDArray[np.float64] | None:
+    return np.array(seen.shares[event]) if event in seen.shares else None
+
+
+def _spectrum_rows(met: list[Met], situations: list[str]) -> list[Row]:
+    """Return the mean density over people, at the frequencies of the first exposure."""
+    known = [each.seen.spectrum for each in met if each.seen.spectrum is not None]
+    if not known:
+        return []
+    grid = known[0].frequency_hz
+
+    def density(seen: Seen) -> NDArray[np.float64] | None:
+        one = seen.spectrum
+        if one is None:
+            return None
+        columns = [np.interp(grid, one.frequency_hz, each) for each in one.density.T]
+        return np.column_stack(columns)
+
+    found = []
+    for situation in situations:
+        people = _by_person(met, situation, density)
+        mean = people.mean(axis=0) if len(people) else np.empty((0, len(SIGNALS)))
+        found += [
+            {"situation": situation, "signal": signal, "frequency_hz": f, "density": float(d),
+             "people": len(people)}
+            for place, signal in enumerate(SIGNALS)
+            for f, d in zip(grid.tolist(), mean[:, place].tolist(), strict=bool(len(people)))
+            if f > 0
+        ]  # fmt: skip
+    return found
+
+
+def _mean_maps(met: list[Met], situations: list[str]) -> dict[str, Map]:
+    """Return the mean of each situation's maps, every person counting alike."""
+    some = next((each.seen.head_map for each in met if each.seen.head_map is not None), None)
+    found: dict[str, Map] = {}
+    for situation in situations:
+        shares = _by_person(met, situation, lambda s: s.head_map.share if s.head_map else None)
+        if some is not None and len(shares):
+            share = shares.mean(axis=0)
+            found[situation] = some._replace(share=share, outside=1.0 - float(share.sum()))
+    return found

@@ -24,7 +24,7 @@ from vrcomfort.settings.locate import locate
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
     "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
-    "survival",
+    "survival", "gaze", "head", "standardised",
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
@@ -151,6 +151,8 @@ class Plan(Settings):
     preferences: tuple[Preferred, ...] = ()
     agreement: tuple[Agreed, ...] = ()
     """Intraclass correlations."""
+    z_scores: tuple[str, ...] = ()
+    """Outcomes that are standardised within each person as well."""
     families: tuple[Family, ...] = ()
     """Outcomes in no family are not adjusted."""
 
