@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from tests.support import gazed
 from tests.support.recordings import PERIOD_NS
 from tests.support.report import build_report, carnegie_like
 from vrcomfort.errors import InputError
@@ -26,6 +28,7 @@ during = ["shot"]
 during_s = 2.0
 spectrum_window_s = 2.0
 """
+DOCUMENTED = Path(__file__).parents[1] / "docs" / "plans" / "gaze_and_head.toml"
 SECONDS, AHEAD_DEG, AWAY_DEG = 8.0, 2.0, 20.0
 HALF = 0.7
 """Half angles of the images, in radians."""
@@ -203,17 +206,24 @@ def test_z_scores_are_of_outcomes_of_the_plan():
 
 
 @pytest.mark.slow
-def test_the_page_has_a_section_where_the_plan_asks(study, tmp_path):
-    plan = tmp_path / "plan.toml"
-    plan.write_text(PLAN)
-    made = build_report(study, plan=plan, out=tmp_path / "report")
+def test_the_page_has_a_section_where_the_plan_asks(tmp_path):
+    study = gazed.write(tmp_path / "study", people=6, seconds=6.0)
+    made = build_report(study, plan=DOCUMENTED, out=tmp_path / "report")
     page = made.index.read_text()
     assert 'id="gaze"' in page
     assert "standardised within each person" in page
     results = json.loads(made.results.read_text())
-    (row,) = results["gaze_and_head"]["situations"]
-    assert f"{row['yaw_deg_rms_0.5_2_hz']:.3f}" in page
-    assert [each["people"] for each in results["z_scores"]] == [7, 7]
+    rows = results["gaze_and_head"]["situations"]
+    assert [row["people"] for row in rows] == [6, 6]
+    assert all(f"{row['yaw_deg_rms_0.5_2_hz']:.3f}" in page for row in rows)
+    at_a_quarter = {
+        (row["situation"], row["during"]): row["share"]
+        for row in results["gaze_and_head"]["zones"]
+        if row["zone"] == 0.25
+    }
+    assert at_a_quarter["still", "shot"] > at_a_quarter["still", ""] + 0.05
+    assert [(each["n"], each["people"]) for each in results["z_scores"]] == [(12, 6), (12, 6)]
+    assert "gaze_validation_error_deg" in results["mixed_models"][0]["terms"]
     names = {path.name for path in (*made.tables, *made.figures)}
     assert names >= {
         "gaze_and_head.csv", "gaze_zones.csv", "fixations.csv", "head_spectra.csv", "z_scores.csv",
