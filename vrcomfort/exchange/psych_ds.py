@@ -70,7 +70,7 @@ _MEANINGS: Mapping[str, str] = {
     "order": "Place in the presentation, from 1",
     "onset_s": "When it was asked on the session's clock, in seconds",
     "latency_s": "Seconds until the rating came; blank where it was missed",
-    "missed": "1 where no rating came in time",
+    "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
 }
 
 

@@ -74,9 +74,10 @@ def _by_name(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Proto
         for ask in protocol.questionnaires
     ]
     changes: dict[str, object] = {"questionnaires": tuple(asks)}
-    if protocol.ratings is not None:
-        name = instruments[protocol.ratings.instrument].name
-        changes["ratings"] = protocol.ratings.model_copy(update={"instrument": name})
+    changes["ratings"] = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.ratings
+    )
     named = protocol.model_copy(update=changes)
     named._instruments = {each.name: each for each in instruments.values()}
     return named

@@ -85,7 +85,8 @@ class TrialRow(FlatRow):
     status
         completed, withdrawn (by the participant), stopped (by the stop rule), or aborted.
     abort_code
-        Blank, or participant, rating, operator, headset_ended, runtime_lost, error, or killed (the
+        Blank, or what ended it early: participant, rating (of a completed trial: the protocol's
+        rule ended the exposure alone), operator, headset_ended, runtime_lost, error, or killed (the
         program ended without a word; the row was written when the session was resumed).
     attempt
         1, and one more each time that the exposure was begun again.
@@ -155,7 +156,7 @@ class QuestionnaireRow(FlatRow):
 
 @dataclass(frozen=True)
 class RatingRow(FlatRow):
-    """One rating during exposure; `missed` is 1 where none came in time."""
+    """One rating during exposure; `missed` is 0, or the schedule's code (1) where none came."""
 
     FILE: ClassVar[str] = "ratings.csv"
     participant: str

@@ -15,7 +15,7 @@ from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -79,14 +79,14 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
-        self._rating: tuple[Stimulus, RatingSchedule] | None = None
+        self._rating: tuple[Stimulus, RatingSchedules] | None = None
         self._cut_unseen = self._snap_unseen = self._back_at_start = False
 
     def show(
         self,
         stimulus: Stimulus,
         *,
-        schedule: RatingSchedule | None = None,
+        schedule: RatingSchedules | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
         """Show frames for `stimulus.duration_s`, as counted by their display times.
@@ -119,12 +119,12 @@ class FrameLoop:
     def _close_rating(self) -> None:
         open_rating, self._rating = self._rating, None
         if open_rating is not None and (rated := open_rating[1].close()):
-            self._record(*open_rating, rated)
+            self._record(open_rating[0], *rated)
 
     def _run(
         self,
         stimulus: Stimulus,
-        schedule: RatingSchedule | None,
+        schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
@@ -206,16 +206,16 @@ class FrameLoop:
             snap_turn=frame.snap_turn or snap,
         )
 
-    def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
+    def _listen(self, stimulus: Stimulus, schedule: RatingSchedules | None) -> None:
         self.context.respondent.endure(self.felt_s)
         if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
-            self._record(stimulus, schedule, rated)
-            schedule.check(rated)
+            self._record(stimulus, *rated)
+            rated[0].check(rated[1])
 
-    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedules) -> None:
         now_s = self.context.clock.now_s()
         for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
-            self._record(stimulus, schedule, missed)
+            self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
         self.events.recorder.write_soon(
@@ -228,6 +228,6 @@ class FrameLoop:
                 latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,
                 response=rated.response,
-                missed=int(rated.response is None),
+                missed=schedule.missed_code if rated.response is None else 0,
             )
         )

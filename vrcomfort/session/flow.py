@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -20,7 +21,7 @@ from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
-from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of
 from vrcomfort.session.standing import stand
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
@@ -226,6 +227,10 @@ class SessionFlow:
             ending.status, ending.abort_code = "withdrawn", "participant"
             return reason
         except StopRule as reason:
+            if reason.ends == "exposure":
+                ending.status, ending.abort_code = "completed", "rating"
+                self._events.event("exposure_ended", detail=str(reason))
+                return None
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
         except BaseException as error:
@@ -277,14 +282,7 @@ class SessionFlow:
         self._respondent.start_exposure(
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
-        ratings = protocol.ratings
-        schedule = (
-            RatingSchedule(
-                ratings, protocol.instrument(ratings.instrument), self._respondent, full_s
-            )
-            if ratings
-            else None
-        )
+        schedule = self._ratings(number, full_s)
         start_s = self._context.clock.now_s()
         try:
             return loop.show(
@@ -295,6 +293,18 @@ class SessionFlow:
         finally:
             self._events.event("exposure", start_s, detail=_shown(place))
             self._note_clamps(place)
+
+    def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
+        """Return when what is asked during an exposure; times that were drawn are an event."""
+        context = self._context
+        if not context.protocol.ratings:
+            return None
+        person = int.from_bytes(hashlib.sha256(context.participant.encode()).digest()[:4])
+        key = context.seed, person, self._events.session, number
+        schedules = schedules_of(context.protocol, self._respondent, full_s, *key)
+        if any(each.jitter_s for each in context.protocol.ratings):
+            self._events.event("ratings_planned", detail=schedules.planned)
+        return schedules
 
     def _note_clamps(self, place: TrialPlace) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
@@ -353,7 +363,7 @@ def _ended_by(error: BaseException) -> tuple[str, str] | None:
     while reason is not None:
         if isinstance(reason, Withdrew):
             return "withdrawn", "participant"
-        if isinstance(reason, StopRule):
+        if isinstance(reason, StopRule) and reason.ends == "study":
             return "stopped", "rating"
         reason = reason.__context__
     return None

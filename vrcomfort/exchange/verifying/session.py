@@ -205,7 +205,7 @@ def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verif
         elif not inside and row["trial"] != open_trial:
             message = f"was asked at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
-        if (row["response"] is None) != (row["missed"] == 1):
+        if (row["response"] is None) != (row["missed"] != 0):
             message = f"missed is {row['missed']}, and the response {row['response']}"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
 
