@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
 from vrcomfort.respondent import Withdrew
@@ -46,6 +46,8 @@ ALLOWED: Mapping[StepKind, frozenset[str]] = {
 }
 """What can be asked for in which step."""
 
+_ENTRIES = {"answer", "confirm", "rate"}
+
 NEEDS_TEXT = {"note": "a note", "abort": "the reason"}
 
 
@@ -77,6 +79,11 @@ class Idle(Protocol):
         """Let a frame pass."""
 
 
+def nothing_asked(command: Command) -> str:
+    """Refuse an answer where nobody waits for one from a console."""
+    return f"nothing is asked that is answered on a console; {command.action} has no meaning now"
+
+
 class Steering:
     """Hears the operators; the session asks it once a frame, and never waits for it.
 
@@ -95,12 +102,15 @@ class Steering:
         Whether its clock stands still.
     entries
         Answers that operators have entered, for whoever asked the question.
+    entry_fault
+        Returns why such an answer cannot be taken, blank where it can; set by whoever asks.
     """
 
     def __init__(self, desk: OperatorDesk) -> None:
         self.desk = desk
         self.step = OperatedStep(0, "session", "")
         self.entries: deque[Command] = deque()
+        self.entry_fault: Callable[[Command], str] = nothing_asked
         self._events: Events | None = None
         self._screen: Idle | None = None
         self._headset: object = None
@@ -186,15 +196,18 @@ class Steering:
             return f"{action} has no meaning in this step: {step.words}"
         if action in NEEDS_TEXT and not command.text.strip():
             return f"{action} needs {NEEDS_TEXT[action]}; enter it"
-        return self._refusal_of_state(action)
+        return self._refusal_of_state(command)
 
-    def _refusal_of_state(self, action: str) -> str:
+    def _refusal_of_state(self, command: Command) -> str:
+        action = command.action
         if action == "pause" and self.paused:
             return "it is paused already"
         if action == "go_on" and not self.paused:
             return "nothing is paused"
         if action in {"withdraw_surely", "withdraw_not"} and not self._leaving:
             return "nobody has asked for a withdrawal, or it was taken back"
+        if action in _ENTRIES:
+            return self.entry_fault(command)
         if action == "recentre" and not isinstance(self._headset, Recentring):
             return "this headset cannot be recentred"
         return ""
@@ -207,7 +220,11 @@ class Steering:
             detail = f"{words}, {command.action}: {refusal}"
             self._write("operator_refused", detail=detail)
             return
-        detail = f"{words}: {command.text}" if command.text else words
+        said = command.text
+        if command.action in {"answer", "rate"}:
+            value = "rather not say" if command.value is None else f"{command.value:g}"
+            said = f"{said} {value}".strip()
+        detail = f"{words}: {said}" if said else words
         self._write(f"operator_{command.action}", detail=detail)
 
     def _write(self, name: str, start_s: float | None = None, *, detail: str) -> None:
