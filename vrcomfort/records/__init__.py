@@ -13,6 +13,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -46,6 +47,7 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
+    "TaskRow",
     "TimingRow",
     "TrialRow",
     "access_of",

@@ -17,6 +17,7 @@ from vrcomfort.geometry import Fov, Gaze, Pose, View
 from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.records import EventRow, session_folder
 from vrcomfort.respondent import SimulatedRespondent
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.clock import VirtualClock
 from vrcomfort.session.enrolment import open_enrolment
 from vrcomfort.session.run import run
@@ -98,7 +99,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
             enrolment,
             respondent=respondent,
             headset_for=lambda _name, _scene: _Still(_rate_hz(protocol)),
-            load_scene=lambda _source: None,
+            load_scene=load_scene if protocol.tasks else lambda _source: None,
             renderer=_NoPictures(),
             clock=VirtualClock(),
             durability="session_end",
