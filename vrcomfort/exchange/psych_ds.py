@@ -39,9 +39,12 @@ A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as 
 - `{questionnaires}`: a row for each answer; participant, session, trial, timepoint, instrument and
   item are its key.
 - `{ratings}`: a row for each rating during an exposure.
-- `{tasks}`: a row for each target, shot and sample of a task, and for each trial that had one.
-
+{of_tasks}
 Frames, gaze and events are not in it: the study has them, and `vrcomfort export --format bids`.
+"""
+
+_OF_TASKS = """- `{tasks}`: a row for each target, shot and sample of a task, and for each trial
+  that had one.
 """
 
 _MEANINGS: Mapping[str, str] = {
@@ -119,8 +122,9 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
     tables = [_participants(study, label)]
-    kinds: tuple[type[Row], ...] = (TrialRow, QuestionnaireRow, RatingRow, TaskRow)
-    tables += [_of_sessions(study, label, kind) for kind in kinds]
+    tables += [_of_sessions(study, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
+    tasks = _of_sessions(study, label, TaskRow)
+    tables += [tasks] if tasks.rows else []
     there = [table for table in tables if table.rows]
     with new_folder(study, out) as draft:
         (draft / "data").mkdir(parents=True)
@@ -128,7 +132,8 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
             with (draft / "data" / table.file).open("w", encoding="utf-8", newline="") as stream:
                 csv.writer(stream, lineterminator="\n").writerows([table.columns, *table.rows])
         names = {kind: f"data/{_file(label, kind)}" for kind in _KINDS}
-        readme = _README.format(name=name, protocol=protocol, **names)
+        of_tasks = _OF_TASKS.format(**names) if tasks.rows else ""
+        readme = _README.format(name=name, protocol=protocol, of_tasks=of_tasks, **names)
         (draft / "README.md").write_text(readme, encoding="utf-8")
         content = _description(name, protocol, str(description.get("citation") or ""), there)
         text = json.dumps(content, indent=2, ensure_ascii=False) + "\n"
