@@ -181,7 +181,7 @@ class TaskRun:
             random=task_random(
                 context.seed, context.participant, self.events.session, self.place.trial or 0
             ),
-            duration_s=context.exposure_s,
+            duration_s=context.shown_s(self.place.scene),
             spawn=scene.spawn if scene else Pose(),
             thing=lambda name: _Thing.of(scene, name, self.place.scene),
             free_m=free_m,
