@@ -34,7 +34,7 @@ name = "again"
 title = "Shown again"
 exposure_s = 0.3
 training_s = 0.06
-scenes = ["temple"]
+scenes = ["temple", "rail"]
 questionnaires = [{ timepoint = "post", when = "session_end" }]
 ratings = { instrument = "fms", every_s = 0.1, timeout_s = 0.05 }
 
@@ -44,8 +44,16 @@ rule = "explicit"
 name = "one"
 sessions = [[
   { scene = "temple", condition = "streaks" },
-  { scene = "temple", condition = "blur" },
+  { scene = "rail", condition = "blur" },
 ]]
+
+[[views]]
+name = "rail"
+scene = "temple"
+points = [
+  { time_s = 0.0, position = [0.0, 0.0, 3.0] },
+  { time_s = 1.0, position = [0.5, 0.0, 0.0], yaw_deg = 40.0 },
+]
 
 [[conditions]]
 name = "streaks"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -25,6 +25,7 @@ from vrcomfort.cli.playback import open_trace
 from vrcomfort.cli.terminal import console
 from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.protocol.quality_levels import Quality
 
 
 class Level(StrEnum):
@@ -133,7 +134,7 @@ def play(
     else:
         _refuse(of_sessions, "a head trace; give a session's folder")
     _require_place(out, video)
-    level = None if quality is None else quality.value
+    level = None if quality is None else cast("Quality", quality.value)
     size_px = None if size is None else parse_size(size)
     if is_session:
         options = ReplayOptions(

@@ -154,12 +154,13 @@ def _drawn(
 
     @cache
     def loaded(name: str) -> Any:
-        if protocol is not None:
-            return load_scene(protocol.scene_source(name))
-        if name.endswith((".glb", ".gltf")):
-            message = f"scene {name} is a file beside the protocol"
-            raise InputError(f"{message}, whose place is not recorded; give --protocol FILE")
-        return load_scene(name)
+        source = session.scene(name)
+        if source.endswith((".glb", ".gltf")):
+            if protocol is None or protocol.file is None:
+                message = f"scene {source} is a file beside the protocol"
+                raise InputError(f"{message}, whose place is not recorded; give --protocol FILE")
+            source = str(protocol.file.parent / source)
+        return load_scene(source)
 
     second = None if wish.beside is None else StereoRenderer(drawer.ctx, size_px)
     return replay(

@@ -104,6 +104,11 @@ class RecordedSession:
         width, height = self.manifest["headset"]["image_size_px"]
         return int(width), int(height)
 
+    def scene(self, name: str) -> str:
+        """Return the scene that a trial's `scene` means: the one of a view, or itself."""
+        views = self.manifest.get("settings", {}).get("views", ())
+        return str(next((each["scene"] for each in views if each["name"] == name), name))
+
     def condition(self, name: str) -> Condition:
         """Return a condition of the session's protocol.
 
