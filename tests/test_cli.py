@@ -324,7 +324,8 @@ def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> N
     ]
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     before = file.read_bytes()
-    assert_refused(run("report", file, "--out", tmp_path), "descriptives.csv", "another --out")
+    options = ("--figures", "none", "--out", tmp_path)
+    assert_refused(run("report", file, *options), "descriptives.csv", "another --out")
     assert file.read_bytes() == before
     assert not (tmp_path / "index.html").exists()
 

@@ -65,7 +65,7 @@ def test_labels_in_brackets_are_shown_as_they_are(say, protocol: Path, tmp_path:
     code, said = say("simulate", protocol, "-n", 1, "--size", "16x16", "--out", folder)
     assert code == 0
     assert str(folder / "sub-P01") in said
-    code, said = say("report", folder, "--out", tmp_path / "[link=x] report")
+    code, said = say("report", folder, "--figures", "none", "--out", tmp_path / "[link=x] report")
     assert code == 0
     assert "[link=x] report" in said
 

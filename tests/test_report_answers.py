@@ -47,7 +47,7 @@ def labelled(tmp_path_factory) -> Path:
             study.session(f"P{i}", 1, 2, exposures)
         study.person(f"P{i}", "", "withdrawn" if i == 10 else "completed")
     study.person("P12", "", "excluded", "fell asleep")
-    build_report(study.folder, out=folder / "o")
+    build_report(study.folder, out=folder / "o", forms=("svg",))
     return folder / "o"
 
 
@@ -196,7 +196,7 @@ def test_a_study_with_another_questionnaire_has_no_ssq_on_its_page(tmp_path):
 
 def test_figures_of_a_paper_are_named_in_its_protocol_alone(tmp_path, labelled):
     carnegie_like(tmp_path / "s")
-    page = build_report(tmp_path / "s", out=tmp_path / "o").index.read_text("utf-8")
+    page = build_report(tmp_path / "s", out=tmp_path / "o", forms=("svg",)).index.read_text("utf-8")
     assert "cf. Carnegie &amp; Rhee (2015), Fig. 9" in page
     assert "cf." not in (labelled / "index.html").read_text("utf-8")
 
