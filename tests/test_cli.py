@@ -84,7 +84,7 @@ def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> N
 
 
 def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
-    _, out, _ = run("plan", "carnegie_2015", "--json")
+    _, out, _ = run("plan", "carnegie_2015", "--size", "64x48", "--json")
     needed = {
         (row["scene"], row["condition"], row["name"]): row["needed"]
         for row in json.loads(out)["passes"]
