@@ -25,6 +25,7 @@ from vrcomfort.protocol.conditions import (
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
+from vrcomfort.render.image_hash import ImageHasher
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
@@ -72,6 +73,7 @@ for law in get_args(RefocusLawName):
     condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
+ImageHasher(context)
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
 print(*read, "display/picture.vert", "display/picture.frag")

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
 
 
-def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
+def make_renderer(size_px: tuple[int, int], *, hash_every: int = 0) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
-    return StereoRenderer(create_context(), size_px)
+    return StereoRenderer(create_context(), size_px, hash_every=hash_every)
 
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:

@@ -37,12 +37,14 @@ def desktop_setup(
     with ExitStack() as owned:
         window, ctx = open_window(owned, "vrcomfort", settings.window_size_px)
         from vrcomfort.headset.desktop import DesktopHeadset
+        from vrcomfort.render.image_hash import HASH_EVERY
         from vrcomfort.render.pipeline import StereoRenderer
         from vrcomfort.respondent.panel import PanelRespondent
         from vrcomfort.session.panel_screen import PanelScreen
 
         headset = DesktopHeadset(ctx, window, settings)
-        renderer = StereoRenderer(ctx, settings.image_size_px, eyes=settings.columns)
+        size, eyes = settings.image_size_px, settings.columns
+        renderer = StereoRenderer(ctx, size, eyes=eyes, hash_every=HASH_EVERY)
         owned.callback(renderer.release)
         machine = replace(
             describe_machine(renderer, protocol),

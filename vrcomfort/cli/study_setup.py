@@ -127,7 +127,9 @@ class StudySetup:
 
     def _windowless(self) -> tuple[StereoRenderer, Machine]:
         if self._rendering is None:
-            renderer = make_renderer(self._playback.size_px)
+            from vrcomfort.render.image_hash import HASH_EVERY
+
+            renderer = make_renderer(self._playback.size_px, hash_every=HASH_EVERY)
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering
 

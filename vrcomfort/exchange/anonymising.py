@@ -25,7 +25,7 @@ from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
-from vrcomfort.records.frame_rows import RAYS, FrameRow, GazeRow
+from vrcomfort.records.frame_rows import RAYS, FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
@@ -185,9 +185,10 @@ class _Session:
             name = row_type.FILE
             change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)
             _rewrite(source / name, folder / name, change, self.access)
-        if self.wishes.keep_gaze and (source / GazeRow.FILE).exists():
-            change = _in_time(source)
-            _rewrite(source / GazeRow.FILE, folder / GazeRow.FILE, change, self.access)
+        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: self.wishes.keep_motion}
+        for name, wished in kept.items():
+            if wished and (source / name).exists():
+                _rewrite(source / name, folder / name, _in_time(source), self.access)
         if manifest["status"] != "running":
             seal(folder, self.access)
 
@@ -264,6 +265,7 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "head_and_hand_motion": "kept" if wishes.keep_motion else "blank: " + ", ".join(MOTION),
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
         "texts": "notes, reasons and details of events that people may have typed are blank",
+        "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
         "left_out": "distances between pupils; memory of respondents; moved-aside rows (.cut, "
         ".schemaN), Parquet files, locks, files that are not of vrcomfort's making",
         "still_there": {

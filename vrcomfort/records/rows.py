@@ -25,7 +25,7 @@ class Row(Protocol):
         """Return the values in the order of the header; None is missing."""
 
 
-class _FlatRow:
+class FlatRow:
     """A row whose dataclass fields are its columns."""
 
     @classmethod
@@ -39,7 +39,7 @@ class _FlatRow:
 
 
 @dataclass(frozen=True)
-class ParticipantRow(_FlatRow):
+class ParticipantRow(FlatRow):
     """One participant of the study; `status` is enrolled, completed, withdrawn or excluded.
 
     Parameters
@@ -73,7 +73,7 @@ class ParticipantRow(_FlatRow):
 
 
 @dataclass(frozen=True)
-class TrialRow(_FlatRow):
+class TrialRow(FlatRow):
     """One exposure, written when it ends, however it ends.
 
     Parameters
@@ -125,7 +125,7 @@ class TrialRow(_FlatRow):
 
 
 @dataclass(frozen=True)
-class QuestionnaireRow(_FlatRow):
+class QuestionnaireRow(FlatRow):
     """One answer. `trial` and `condition` are blank where the whole session is meant.
 
     Parameters
@@ -154,7 +154,7 @@ class QuestionnaireRow(_FlatRow):
 
 
 @dataclass(frozen=True)
-class RatingRow(_FlatRow):
+class RatingRow(FlatRow):
     """One rating during exposure; `missed` is 1 where none came in time."""
 
     FILE: ClassVar[str] = "ratings.csv"
@@ -171,7 +171,7 @@ class RatingRow(_FlatRow):
 
 
 @dataclass(frozen=True)
-class EventRow(_FlatRow):
+class EventRow(FlatRow):
     """Something that happened; durations of moments are 0."""
 
     FILE: ClassVar[str] = "events.csv"
@@ -183,7 +183,7 @@ class EventRow(_FlatRow):
 
 
 @dataclass(frozen=True)
-class TimingRow(_FlatRow):
+class TimingRow(FlatRow):
     """How regularly the frames of one attempt at a trial came, and what they cost.
 
     Parameters

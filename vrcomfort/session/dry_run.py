@@ -12,7 +12,7 @@ import numpy as np
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
-from vrcomfort.frame import EYE_HEIGHT_M, FocusSample, Frame, GpuTime, HeadsetEvent
+from vrcomfort.frame import EYE_HEIGHT_M, FocusSample, Frame, GpuTime, HeadsetEvent, ImageHash
 from vrcomfort.geometry import Fov, Gaze, Pose, View
 from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.records import EventRow, session_folder
@@ -168,6 +168,8 @@ class _Unseen:
     max_blur_px: float | None = 0.0
     cpu_ms: float | None = None
     gpu_times: tuple[GpuTime, ...] | None = None
+    hashed: bool = False
+    image_hashes: tuple[ImageHash, ...] = ()
 
 
 class _NoPictures:
@@ -183,6 +185,9 @@ class _NoPictures:
         return ()
 
     def drain_times(self) -> tuple[GpuTime, ...]:
+        return ()
+
+    def drain_hashes(self) -> tuple[ImageHash, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

@@ -96,7 +96,9 @@ class FrameLoop:
                 return self._run(stimulus, schedule, progress)
         finally:
             try:
-                self.log.finish(self.context.renderer.drain(), self._late_times())
+                renderer = self.context.renderer
+                hashes = renderer.drain_hashes()
+                self.log.finish(renderer.drain(), self._late_times(), hashes)
             finally:  # a disk that refuses a frame may yet take a rating
                 self._close_rating()
 

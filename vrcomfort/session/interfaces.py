@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime
+from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 
@@ -35,6 +35,14 @@ class RenderedFrame(Protocol):
     def gpu_times(self) -> Sequence[GpuTime] | None:
         """Return times of earlier frames that have arrived; None where the GPU is not timed."""
 
+    @property
+    def hashed(self) -> bool:
+        """Return whether the images of this frame are being hashed."""
+
+    @property
+    def image_hashes(self) -> Sequence[ImageHash]:
+        """Return hashes of the images of earlier frames that have arrived."""
+
 
 class Renderer(Protocol):
     """Draws frames of one scene under one condition at a time."""
@@ -50,6 +58,9 @@ class Renderer(Protocol):
 
     def drain_times(self) -> Sequence[GpuTime]:
         """Return the GPU times that have not arrived yet."""
+
+    def drain_hashes(self) -> Sequence[ImageHash]:
+        """Return the hashes of images that have not arrived yet."""
 
     def clamps(self) -> Sequence[str]:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""

@@ -97,10 +97,10 @@ def check_counts(
             found.fault(trial.file, f"{message}; restore the file that was changed", trial.line)
 
 
-def check_gaze(
-    rows: Iterable[RecordedRow], frames: Frames, found: Verified, *, every_frame: bool
+def check_times(
+    rows: Iterable[RecordedRow], frames: Frames, found: Verified, *, every_frame: bool = False
 ) -> None:
-    """Check that gaze has the times of the frames, in order.
+    """Check that gaze, or hashes of images, have the times of frames, in order.
 
     Parameters
     ----------

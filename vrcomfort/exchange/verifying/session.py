@@ -11,11 +11,11 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.answers import check_answers, check_places
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.exchange.verifying.frames import check_counts, check_gaze, read_frames
+from vrcomfort.exchange.verifying.frames import check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.rows import read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
@@ -70,7 +70,9 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
     if (folder / GazeRow.FILE).exists():
         alone = not manifest.get("earlier_runs")
-        check_gaze(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
+        check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
+    if (folder / ImageRow.FILE).exists():
+        check_times(read(folder, ImageRow, version, found), frames, found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
 
