@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
+from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.locate import locate
@@ -55,11 +56,22 @@ class Visibility(Settings):
 class Locomotion(Settings):
     """How participants move through a scene."""
 
+    mode: Literal["walk", "teleport", "off"] = "walk"
+    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each time that
+    they are pushed, by `teleport_m` at once. `off`: controls neither move nor turn anybody. Along
+    the path of a view nobody walks."""
+    teleport_m: Annotated[float, Field(ge=0.1, le=100)] = 2.0
+    """How far a teleport goes; not through walls, and no higher than a step."""
     walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
     """Total speed, stairs included: climbing takes from the horizontal part."""
     snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
     """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
     it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
+
+    @property
+    def step_at_once_m(self) -> float | None:
+        """Return how far a teleport goes, None where nobody teleports."""
+        return self.teleport_m if self.mode == "teleport" else None
 
 
 class Ask(Settings):
@@ -140,7 +152,7 @@ class Protocol(Settings):
     participants: Annotated[int, Field(ge=1, le=10_000)] | None = None
     """Planned number of participants."""
     exposure_s: Annotated[float, Field(ge=0.001, le=14_400)]
-    """Up to four hours."""
+    """How long a trial is, up to four hours; views may have lengths of their own."""
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     break_s: Rest = 0.0
@@ -154,7 +166,9 @@ class Protocol(Settings):
     """While a menu of the headset's is in front, the participant sees the scene and cannot stop:
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
-    """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
+    """Shipped scenes by name, .glb/.gltf files relative to the protocol file, or names of views."""
+    views: tuple[View, ...] = ()
+    """Scenes from a place, along a path, or for a time of their own."""
     conditions: tuple[Condition, ...] = ()
     """Ways of rendering; or `factors`."""
     factors: tuple[Factor, ...] = ()
@@ -221,7 +235,7 @@ class Protocol(Settings):
         return InputError(message, file=self._file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
-        """Return how long each exposure is shown: as the protocol says, or shortened.
+        """Return how long an exposure is shown at most: as the protocol says, or shortened.
 
         Raises
         ------
@@ -229,15 +243,29 @@ class Protocol(Settings):
             If `shortened_s` is longer, or no time: what people were told is never exceeded.
         """
         if shortened_s is None:
-            return self.exposure_s
-        if not 0 < shortened_s <= self.exposure_s:
+            return self.longest_s
+        if not 0 < shortened_s <= self.longest_s:
             raise InputError(
                 f"an exposure of {shortened_s:g} s cannot be shown: protocol {self.name} has "
-                f"exposures of {self.exposure_s:g} s, which can only be shortened; for longer ones "
+                f"exposures of {self.longest_s:g} s, which can only be shortened; for longer ones "
                 "change exposure_s in a copy of the protocol",
                 file=self._file,
             )
         return shortened_s
+
+    def length_s(self, scene: str) -> float:
+        """Return how long an exposure to a scene, or to a view, lasts."""
+        return self.view(scene).exposure_s or self.exposure_s
+
+    @property
+    def longest_s(self) -> float:
+        """Return the length of the longest exposure."""
+        return max(self.length_s(scene) for scene in self.scenes)
+
+    def view(self, scene: str) -> View:
+        """Return the view of that name; of a whole scene, one that changes nothing."""
+        named = (view for view in self.views if view.name == scene)
+        return next(named, View.model_construct(name=scene, scene=scene))
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`; loading made sure that trials name real ones."""
@@ -249,5 +277,6 @@ class Protocol(Settings):
 
     def scene_source(self, scene: str) -> str:
         """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""
+        scene = self.view(scene).scene
         is_file = scene.endswith((".glb", ".gltf"))
         return str(self._file.parent / scene) if is_file and self._file is not None else scene

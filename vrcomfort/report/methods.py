@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from vrcomfort.report.courses.methods import course_paragraphs
 from vrcomfort.report.descriptives import TIMEPOINT
 from vrcomfort.report.further_methods import Method, further_methods
+from vrcomfort.report.gaze_and_head.methods import gaze_paragraphs
 from vrcomfort.report.references import is_known
 from vrcomfort.report.vocabulary import answers_in_words, short
 from vrcomfort.stats.means import RESAMPLES, SEED
@@ -47,6 +48,7 @@ def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Method]
             _mixed(results),
             _withdrawals(results),
             *(Method(*paragraph) for paragraph in course_paragraphs(results)),
+            *(Method(*paragraph) for paragraph in gaze_paragraphs(results)),
             _figures(results) if drawn else None,
             _answering(results),
             Method("Choices", plan["note"]) if plan["note"] else None,

@@ -32,7 +32,7 @@ class SessionContext:
     seed
         Of the study.
     exposure_s
-        How long an exposure is shown: the protocol's time, or less.
+        How long an exposure is shown at most: the protocol's longest, or less.
     screen
         Where questions are asked in the headset, None where they are asked elsewhere.
     ipd_measured_m
@@ -63,5 +63,9 @@ class SessionContext:
 
     @property
     def stretch(self) -> float:
-        """Return the protocol's seconds for each shown second."""
-        return self.protocol.exposure_s / self.exposure_s
+        """Return the protocol's seconds for each shown second of the longest exposure."""
+        return self.protocol.longest_s / self.exposure_s
+
+    def shown_s(self, scene: str) -> float:
+        """Return how long a trial is shown: as its scene or view says, or shortened."""
+        return min(self.protocol.length_s(scene), self.exposure_s)

@@ -20,6 +20,7 @@ from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session.clock import VirtualClock
 from vrcomfort.session.enrolment import open_enrolment
 from vrcomfort.session.run import run
+from vrcomfort.session.standing import without_meshes
 
 _LEAST_HZ = 4.0
 """Frames further apart would be told as a freeze."""
@@ -98,7 +99,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
             enrolment,
             respondent=respondent,
             headset_for=lambda _name, _scene: _Still(_rate_hz(protocol)),
-            load_scene=lambda _source: None,
+            load_scene=without_meshes if protocol.views else lambda _source: None,
             renderer=_NoPictures(),
             clock=VirtualClock(),
             durability="session_end",
@@ -111,7 +112,10 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
 def _rate_hz(protocol: Protocol) -> float:
     """Return how many frames a second are enough to meet everything that falls due."""
     ratings = protocol.ratings
-    often = [20 / protocol.exposure_s, 4 / ratings.timeout_s if ratings else 0.0]
+    often = [
+        20 / min(map(protocol.length_s, protocol.scenes)),
+        4 / ratings.timeout_s if ratings else 0.0,
+    ]
     return max(_LEAST_HZ, *often)
 
 

@@ -11,6 +11,7 @@ from typing import Literal
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
+from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
@@ -50,11 +51,14 @@ class Stimulus:
         0 in training.
     duration_s
         What is shown.
+    stretch
+        The protocol's seconds for each shown second.
     """
 
     trial: int
     condition: str
     duration_s: float
+    stretch: float = 1.0
 
 
 @dataclass
@@ -65,14 +69,18 @@ class FrameLoop:
     headset: Headset
     events: EventLog
     log: FrameLog
+    path: CameraPath | None = None
+    """Along which the participant is carried, from the beginning of training and exposure."""
     elapsed_s: float = 0.0
     """Seconds of the exposure that have been shown."""
+    felt_s: float = 0.0
+    """The same in the protocol's time."""
 
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
         self._rating: tuple[Stimulus, RatingSchedule] | None = None
-        self._cut_unseen = self._snap_unseen = False
+        self._cut_unseen = self._snap_unseen = self._back_at_start = False
 
     def show(
         self,
@@ -88,7 +96,8 @@ class FrameLoop:
         Withdrew, StopRule
             If the participant or a rating ends the exposure. Everything shown is logged.
         """
-        self.elapsed_s = 0.0
+        self.elapsed_s = self.felt_s = 0.0
+        self._back_at_start = self.path is not None
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
         try:
@@ -124,12 +133,13 @@ class FrameLoop:
             if not self._counts(frame, stimulus):
                 shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
                 before = None
-                self.context.respondent.endure(self.elapsed_s * self.context.stretch)
+                self.context.respondent.endure(self.felt_s)
                 continue
             passed_ns = 0 if before is None else seen_between_ns(before, frame)
             shown_ns += passed_ns
             before_s, before = self.elapsed_s, frame
             self.elapsed_s = shown_ns / 1e9
+            self.felt_s = self.elapsed_s * stimulus.stretch
             self.context.clock.advance(self.elapsed_s - before_s)
             self._draw(frame, stimulus)
             if schedule and (passed_ns - frame.period_ns) / 1e9 > FREEZE_S:
@@ -140,6 +150,7 @@ class FrameLoop:
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
                 self.elapsed_s = stimulus.duration_s
+                self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
 
@@ -162,6 +173,7 @@ class FrameLoop:
             self.events.note(event)
 
     def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
+        frame = self._carried(frame)
         if self._scene_start_ns is None:
             self._scene_start_ns = frame.predicted_display_time_ns
         scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
@@ -173,6 +185,14 @@ class FrameLoop:
             self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+
+    def _carried(self, frame: Frame) -> Frame:
+        """Return a frame where the path has taken the participant, by shown time."""
+        if self.path is None:
+            return frame
+        jump, self._back_at_start = self._back_at_start, False
+        avatar = self.path.moved(self.elapsed_s) @ frame.avatar_pose
+        return replace(frame, avatar_pose=avatar, discontinuity=frame.discontinuity or jump)
 
     def _with_unseen_jumps(self, frame: Frame) -> Frame:
         """Tell the renderer of jumps in frames that the runtime did not want drawn."""
@@ -187,16 +207,14 @@ class FrameLoop:
         )
 
     def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
-        felt_s = self.elapsed_s * self.context.stretch
-        self.context.respondent.endure(felt_s)
-        if schedule and (rated := schedule.update(felt_s, self.context.clock.now_s())):
+        self.context.respondent.endure(self.felt_s)
+        if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
             self._record(stimulus, schedule, rated)
             schedule.check(rated)
 
     def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
-        stretch, now_s = self.context.stretch, self.context.clock.now_s()
-        felt_s = self.elapsed_s * stretch
-        for missed in schedule.missed_while_frozen(felt_s, now_s, stretch):
+        now_s = self.context.clock.now_s()
+        for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
             self._record(stimulus, schedule, missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:

@@ -21,6 +21,7 @@ from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.standing import stand
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
@@ -232,7 +233,7 @@ class SessionFlow:
                 ending.status, ending.abort_code = how
             raise
         finally:
-            self._respondent.end_exposure(loop.elapsed_s * self._context.stretch)
+            self._respondent.end_exposure(loop.felt_s)
         if result == "completed":
             ending.status, ending.abort_code = "completed", None
         else:
@@ -243,13 +244,17 @@ class SessionFlow:
         context, protocol = self._context, self._context.protocol
         if context.screen is not None:
             context.screen.show_loading()
-        scene = context.load_scene(protocol.scene_source(place.scene))
-        headset = context.headset_for(place.scene, scene)
+        scene, view = (
+            context.load_scene(protocol.scene_source(place.scene)),
+            protocol.view(place.scene),
+        )
+        standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
+        headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
         condition = protocol.condition(place.condition or "")
         context.renderer.begin(scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
-        return FrameLoop(context, headset, self._events, self._log)
+        return FrameLoop(context, headset, self._events, self._log, standing.path)
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
@@ -257,7 +262,7 @@ class SessionFlow:
         if not duration_s:
             return
         start_s = self._context.clock.now_s()
-        stimulus = Stimulus(0, place.condition or "", duration_s)
+        stimulus = Stimulus(0, place.condition or "", duration_s, self._context.stretch)
         try:
             loop.show(stimulus, progress=self._watch("training", place, duration_s))
         finally:
@@ -267,7 +272,8 @@ class SessionFlow:
 
     def _show(self, loop: FrameLoop, place: TrialPlace) -> str:
         protocol, number = self._context.protocol, place.trial or 0
-        condition, full_s = place.condition or "", protocol.exposure_s
+        condition, full_s = place.condition or "", protocol.length_s(place.scene)
+        shown_s = self._context.shown_s(place.scene)
         self._respondent.start_exposure(
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
@@ -282,9 +288,9 @@ class SessionFlow:
         start_s = self._context.clock.now_s()
         try:
             return loop.show(
-                Stimulus(number, condition, self._context.exposure_s),
+                Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
-                progress=self._watch("exposure", place, self._context.exposure_s),
+                progress=self._watch("exposure", place, shown_s),
             )
         finally:
             self._events.event("exposure", start_s, detail=_shown(place))
