@@ -345,7 +345,7 @@ def test_a_scene_is_looked_for_where_the_user_stands(
     here.mkdir()
     monkeypatch.chdir(here)
     trimesh.Scene([trimesh.creation.box()]).export(here / "box.glb")
-    trace = ("../walk.csv", "--frames", "1", "--no-video") if command == "play" else ()
+    trace = ("../walk.csv", "--frames", "1") if command == "play" else ()
     shown = ("--protocol", "carnegie_2015", "--condition", "dof_on", "--size", "32x40")
     assert run(command, *trace, "--scene", "box.glb", *shown, "--out", "made")[0] == 0
     assert json.loads((here / "made" / "meta.json").read_text())["scene"] == "box"

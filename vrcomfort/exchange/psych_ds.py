@@ -40,7 +40,8 @@ _MEANINGS: Mapping[str, str] = {
     "participant": "Identifier of a participant",
     "sequence": "The order of conditions and scenes, as the protocol names it",
     "status": "Of a participant: enrolled, completed, withdrawn or excluded. Of a trial: "
-    "completed, withdrawn (by the participant), stopped (by the stop rule) or aborted",
+    "completed, withdrawn (by the participant), stopped (by the stop rule), "
+    "skipped (by an operator) or aborted",
     "enrolled_at": "When the participant was enrolled, ISO 8601",
     "group": "Level of the between-subject factor",
     "session": "Number of the session, from 1",

@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from vrcomfort.protocol.quality_levels import Quality, filled
+from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
@@ -437,6 +437,10 @@ class Condition(Settings):
                 message = "`{name}` is named more than once; name each effect once"
                 raise PydanticCustomError("effect_twice", message, {"name": name})
         return (*value, *(name for name in EFFECTS if name not in value))
+
+    def at_level(self, level: Quality) -> Condition:
+        """Return the same condition, sampled as a level of `quality` says."""
+        return Condition.model_validate(with_level(self.model_dump(), level))
 
     @property
     def effects(self) -> dict[EffectName, Settings]:

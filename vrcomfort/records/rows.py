@@ -11,6 +11,9 @@ from typing import ClassVar, Protocol, TypeAlias
 
 Cell: TypeAlias = str | int | float | None
 
+OVER = ("completed", "skipped")
+"""Statuses of a trial after which the session goes on with the next."""
+
 
 class Row(Protocol):
     """A row that knows its file."""
@@ -83,9 +86,11 @@ class TrialRow(FlatRow):
     block, trial
         Count from 1 within the session; `trial` is the exposure's position in it.
     status
-        completed, withdrawn (by the participant), stopped (by the stop rule), or aborted.
+        completed, withdrawn (by the participant), stopped (by the stop rule), skipped (by an
+        operator: the session went on after it), or aborted.
     abort_code
-        Blank, or participant, rating, operator, headset_ended, runtime_lost, error, or killed (the
+        Blank, or participant, rating, operator, redone (an operator had it begun again),
+        headset_ended, runtime_lost, error, or killed (the
         program ended without a word; the row was written when the session was resumed).
     attempt
         1, and one more each time that the exposure was begun again.

@@ -17,6 +17,7 @@ from vrcomfort.session.interfaces import (
     Watchdog,
 )
 from vrcomfort.session.panel_screen import PanelScreen
+from vrcomfort.session.steering import Steering
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +42,8 @@ class SessionContext:
         When rows are safe from a power cut.
     watchdog
         Closes the records where the headset's runtime hangs.
+    steering
+        What operators want.
     """
 
     protocol: Protocol
@@ -60,6 +63,7 @@ class SessionContext:
     durability: Durability
     progress: ProgressCallback
     watchdog: Watchdog
+    steering: Steering
 
     @property
     def stretch(self) -> float:

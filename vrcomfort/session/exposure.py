@@ -16,6 +16,7 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -80,7 +81,8 @@ class FrameLoop:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
         self._rating: tuple[Stimulus, RatingSchedule] | None = None
-        self._cut_unseen = self._snap_unseen = self._back_at_start = False
+        self._cut_unseen = self._snap_unseen = False
+        self._was_paused = self._back_at_start = False
 
     def show(
         self,
@@ -93,8 +95,9 @@ class FrameLoop:
 
         Raises
         ------
-        Withdrew, StopRule
-            If the participant or a rating ends the exposure. Everything shown is logged.
+        Withdrew, StopRule, Skipped, Redone
+            If the participant, a rating or an operator ends the exposure. Everything shown is
+            logged.
         """
         self.elapsed_s = self.felt_s = 0.0
         self._back_at_start = self.path is not None
@@ -128,8 +131,9 @@ class FrameLoop:
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
-        for frame in self._frames:
+        for unsteered in self._frames:
             self._note_events()
+            frame = self._steered(unsteered)
             if not self._counts(frame, stimulus):
                 shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
                 before = None
@@ -159,11 +163,26 @@ class FrameLoop:
         if frame.paused:  # nobody sees it
             self.headset.submit(frame, None)
             self.log.add_hidden(frame)
+            self.context.steering.desk.see(frame, None, self.log.timing)
             return False
         if frame.unfocused and self.context.protocol.unfocused == "pause":
             self._draw(frame, stimulus)
             return False
         return True
+
+    def _steered(self, frame: Frame) -> Frame:
+        """Hear the operators; return the frame as it is to be shown: to nobody while paused."""
+        steering, period_s = self.context.steering, frame.period_ns / 1e9
+        try:
+            steering.look()
+        except (Skipped, Redone):
+            self.context.clock.advance(period_s)  # the last frame was seen for its period
+            raise
+        was_paused, self._was_paused = self._was_paused, steering.paused
+        if steering.paused:
+            self.context.clock.advance(period_s)
+            return replace(frame, paused=True)
+        return replace(frame, discontinuity=True) if was_paused else frame
 
     def _late_times(self) -> Sequence[GpuTime]:
         return self.context.renderer.drain_times() if self.log.times_gpu else ()
@@ -185,6 +204,7 @@ class FrameLoop:
             self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+        self.context.steering.desk.see(frame, rendered, self.log.timing)
 
     def _carried(self, frame: Frame) -> Frame:
         """Return a frame where the path has taken the participant, by shown time."""
@@ -231,3 +251,4 @@ class FrameLoop:
                 missed=int(rated.response is None),
             )
         )
+        self.context.steering.desk.rated(self.felt_s, rated.response)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -16,12 +17,13 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Step
+from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedule, StopRule
 from vrcomfort.session.standing import stand
+from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
@@ -38,6 +40,8 @@ class _Ending:
     start_s: float
     status: str = "aborted"
     abort_code: str | None = "error"
+    reason: Withdrew | StopRule | None = None
+    """Why the participant's study ends with it."""
 
     @property
     def ended_the_study(self) -> bool:
@@ -73,6 +77,8 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._steering = context.steering
+        self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
@@ -85,6 +91,7 @@ class SessionFlow:
         """
         self._begin()
         try:
+            self._steering.await_start()
             self._everything()
         except (Withdrew, StopRule) as reason:
             self._manifest.close("withdrawn")  # first: whatever fails now, it is known
@@ -119,6 +126,10 @@ class SessionFlow:
             self._events.event("session_start")
         self._respondent.start_session(self._events.session)
         self._manifest.open()
+        self._steering.attach(self._events, self._context.screen)
+        shown = tuple((place.scene, place.condition or "") for place in self._places)
+        name, who = self._context.sequence.name, self._context.participant
+        self._steering.desk.open(SessionOrder(who, self._events.session, name, shown))
 
     def _everything(self) -> None:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
@@ -167,28 +178,59 @@ class SessionFlow:
             if ask.wait_s:
                 self._rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
-            interview.hold(after_withdrawal=after_withdrawal)
+            self._missed(interview.hold(after_withdrawal=after_withdrawal))
 
     def _rest(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
         clock = self._context.clock
         start_s = clock.now_s()
+        paused_s = 0.0
+        self._steering.begin("rest", f"rest of {duration_s:g} s")
         try:
-            while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
+            while (left_s := duration_s - (clock.now_s() - start_s - paused_s)) > 1e-6:
                 self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
-                if not self._respondent.resting(left_s):
-                    clock.wait(min(left_s, REST_SLICE_S))
+                paused_s += self._rest_a_moment(left_s)
             self._respondent.rest(duration_s)
+        except Skipped:
+            self._respondent.rest(clock.now_s() - start_s)
         finally:
             self._events.event("rest", start_s)
 
+    def _rest_a_moment(self, left_s: float) -> float:
+        """Let a slice of a rest pass; return how much of it was paused."""
+        clock = self._context.clock
+        self._steering.look()
+        before_s, paused = clock.now_s(), self._steering.paused
+        if not self._respondent.resting(left_s):
+            clock.wait(min(left_s, REST_SLICE_S))
+        return clock.now_s() - before_s if paused else 0.0
+
     def _trial(self, place: TrialPlace) -> None:
-        """Expose, write the trial's row whatever happens, and ask how it was."""
+        """Expose, again where an operator wants it so, and ask how it was."""
+        while (ending := self._attempt(place)).abort_code == "redone":
+            self._redone[place.trial or 0] += 1
+        if ending.status != "skipped":
+            self._ask_about(place, ending.reason)
+
+    def _ask_about(self, place: TrialPlace, reason: Withdrew | StopRule | None) -> None:
+        """Ask how an exposure was; raise the reason if the participant's study ends with it."""
+        if reason is None:
+            self._ask("after_trial", place)
+            return
+        self._events.event("exposure_stopped", detail=str(reason))
+        try:
+            self._ask("after_trial", place, after_withdrawal=True)
+        except Withdrew as refusal:
+            self._events.event("questionnaire_refused", detail=str(refusal))
+        raise reason
+
+    def _attempt(self, place: TrialPlace) -> _Ending:
+        """Expose, and write the trial's row whatever happens."""
         ending = _Ending(self._context.clock.now_s())
         self._log.start_trial()
         self._open_trial = place, ending, None
         try:
-            reason = self._expose(place, ending)
+            ending.reason = self._expose(place, ending)
         except KeyboardInterrupt:
             ending.abort_code = ending.abort_code if ending.ended_the_study else "operator"
             raise
@@ -202,22 +244,14 @@ class SessionFlow:
         self._manifest.end_exposure(place.trial or 0)
         if ending.abort_code == "headset_ended":
             raise headset_ended("in the middle of an exposure")
-        if reason is None:
-            self._ask("after_trial", place)
-            return
-        self._events.event("exposure_stopped", detail=str(reason))
-        try:
-            self._ask("after_trial", place, after_withdrawal=True)
-        except Withdrew as refusal:
-            self._events.event("questionnaire_refused", detail=str(refusal))
-        raise reason
+        return ending
 
     def _expose(self, place: TrialPlace, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
         self._open_trial = place, ending, loop
         try:
-            if place.trial == 1:
+            if place.trial == 1 and not self._redone[1]:
                 self._train(loop, place, ending)
             ending.start_s = self._context.clock.now_s()
             self._manifest.begin_exposure(**self._identity(place, ending.start_s))
@@ -228,6 +262,12 @@ class SessionFlow:
         except StopRule as reason:
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
+        except Skipped:
+            ending.status, ending.abort_code = "skipped", "operator"
+            return None
+        except Redone:
+            ending.abort_code = "redone"
+            return None
         except BaseException as error:
             if (how := _ended_by(error)) is not None:  # and then something failed
                 ending.status, ending.abort_code = how
@@ -251,6 +291,7 @@ class SessionFlow:
         standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
         headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
+        self._steering.use(headset)
         condition = protocol.condition(place.condition or "")
         context.renderer.begin(scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
@@ -261,14 +302,25 @@ class SessionFlow:
         duration_s = self._context.protocol.training_s / self._context.stretch
         if not duration_s:
             return
+        while self._train_once(loop, place, ending, duration_s):
+            pass
+
+    def _train_once(
+        self, loop: FrameLoop, place: TrialPlace, ending: _Ending, duration_s: float
+    ) -> bool:
+        """Show the first scene; return whether an operator wants it once more."""
         start_s = self._context.clock.now_s()
+        self._steering.begin("training", f"training in {place.scene}")
         stimulus = Stimulus(0, place.condition or "", duration_s, self._context.stretch)
         try:
             loop.show(stimulus, progress=self._watch("training", place, duration_s))
+        except (Redone, Skipped) as wish:
+            return isinstance(wish, Redone)
         finally:
             self._log.start_trial()  # its frames are not the exposure's
             ending.start_s = self._context.clock.now_s()
             self._events.event("training", start_s, detail=_shown(place))
+        return False
 
     def _show(self, loop: FrameLoop, place: TrialPlace) -> str:
         protocol, number = self._context.protocol, place.trial or 0
@@ -286,6 +338,9 @@ class SessionFlow:
             else None
         )
         start_s = self._context.clock.now_s()
+        attempt = self._attempts_before(number) + 1
+        words = f"exposure {number} of {len(self._places)}, attempt {attempt}: {_shown(place)}"
+        self._steering.begin("exposure", words)
         try:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
@@ -307,7 +362,6 @@ class SessionFlow:
 
     def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:
         """Return what is known of a trial's row when the exposure begins."""
-        before = self._interrupted.attempts if self._interrupted else {}
         return {
             "participant": self._context.participant,
             "session": self._events.session,
@@ -317,9 +371,14 @@ class SessionFlow:
             "condition": place.condition or "",
             "scene": place.scene,
             "start_s": start_s,
-            "attempt": before.get(place.trial or 0, 0) + 1,
+            "attempt": self._attempts_before(place.trial or 0) + 1,
             "resumed": int(self._interrupted is not None),
         }
+
+    def _attempts_before(self, trial: int) -> int:
+        """Return how often a trial was begun, but for the attempt under way."""
+        before = self._interrupted.attempts if self._interrupted else {}
+        return before.get(trial, 0) + self._redone[trial]
 
     def _write_trial(self, place: TrialPlace, ending: _Ending) -> None:
         trial = TrialRow(

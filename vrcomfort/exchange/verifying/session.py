@@ -19,6 +19,7 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
+    OVER,
     EventRow,
     QuestionnaireRow,
     RatingRow,
@@ -241,7 +242,7 @@ def check_order(
             if row[column] != wanted:
                 message = f"trial {number} is planned with {column} {wanted}, not {row[column]}"
                 found.fault(file, f"{message}; {_RESTORE}", line)
-        if row["status"] == "completed":
+        if row["status"] in OVER:
             done.add(number)
     lacking = sorted(set(range(1, len(planned) + 1)) - done)
     if completed and lacking:
