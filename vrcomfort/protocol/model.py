@@ -14,12 +14,13 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
-from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
+from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.locate import locate
 from vrcomfort.settings.schema import or_one_table
+from vrcomfort.tasks import AnyTask, TaskSettings
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
@@ -147,6 +148,14 @@ class Simulation(Settings):
     """Chance of withdrawing at any one question, per unit of sickness."""
     missed_rating: Probability = 0.05
     """Chance that a rating is missed."""
+    reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
+    """Median time in which they point at what a task wants; half of it, where they missed it."""
+    reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
+    """Standard deviation of the logarithm of that time."""
+    aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
+    """Spread of where they point, along each axis."""
+    task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
+    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 
 
 class Protocol(Settings):
@@ -195,6 +204,10 @@ class Protocol(Settings):
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""
+    tasks: tuple[AnyTask, ...] = ()
+    """What participants do during an exposure (docs/tasks.md)."""
+    task: Word | None = None
+    """Name of the task of every exposure whose trial and condition name none."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()
@@ -213,6 +226,7 @@ class Protocol(Settings):
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
+    _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
         """Return an instrument that this asks, by its name; loading made sure that it is there."""
@@ -223,6 +237,11 @@ class Protocol(Settings):
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or whole.language) or whole
         return replace(worded, items=worded.asked)
+
+    def task_of(self, trial: Trial) -> TaskSettings | None:
+        """Return what is done in a trial: what it names itself, its condition, or the protocol."""
+        name = trial.task or self.condition(trial.condition).task or self.task
+        return None if name in (None, NO_TASK) else self._tasks[name]
 
     @property
     def own_instruments(self) -> dict[str, str]:

@@ -177,6 +177,63 @@ class RatingRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class TaskRow(FlatRow):
+    """Something of a task: a target, a shot, a sample, or the whole trial; blank: means nothing.
+
+    Parameters
+    ----------
+    attempt
+        As in ``trials.csv``.
+    task
+        Its name in the protocol.
+    kind
+        target, shot, sample or trial.
+    number
+        Counts the rows of one kind in an attempt, from 1.
+    what
+        Name of the target.
+    onset_s
+        When it began; a shot, when it was made.
+    reaction_s
+        Of a target that was met: from its beginning.
+    hit
+        1 for a target that was met and for a shot that met one, else 0.
+    error_deg
+        Between where somebody pointed (or looked) and the middle of the target.
+    distance_m
+        To the target, from the path, or of the way that was gone.
+    x_m, y_m, z_m
+        Of the target, or of the head in a sample, in the world.
+    targets, hits, shots, score
+        Of the whole trial; `score` is what the task is about.
+    """
+
+    FILE: ClassVar[str] = "tasks.csv"
+    participant: str
+    session: int
+    trial: int
+    condition: str
+    attempt: int
+    task: str
+    kind: str
+    number: int
+    what: str
+    onset_s: float
+    reaction_s: float | None = None
+    hit: int | None = None
+    error_deg: float | None = None
+    distance_m: float | None = None
+    x_m: float | None = None
+    y_m: float | None = None
+    z_m: float | None = None
+    targets: int | None = None
+    hits: int | None = None
+    shots: int | None = None
+    score: float | None = None
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class EventRow(FlatRow):
     """Something that happened; durations of moments are 0."""
 

@@ -25,6 +25,7 @@ from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of
 from vrcomfort.session.standing import stand
 from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
@@ -81,6 +82,7 @@ class SessionFlow:
         self._steering = context.steering
         self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
+        self._task: TaskRun | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -298,9 +300,28 @@ class SessionFlow:
         self._manifest.note_headset(headset)
         self._steering.use(headset)
         condition = protocol.condition(place.condition or "")
-        context.renderer.begin(scene, condition)
+        self._task = self._task_in(place, standing.scene)
+        context.renderer.begin(self._task.drawn if self._task else scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
         return FrameLoop(context, headset, self._events, self._log, standing.path)
+
+    def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
+        """Return what is done in a trial, ready to begin."""
+        number = place.trial or 0
+        trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
+        settings = self._context.protocol.task_of(trial)
+        if settings is None:
+            return None
+        known = self._identity(place, 0.0)
+        return TaskRun(
+            self._context,
+            self._events,
+            place,
+            settings,
+            scene,
+            attempt=known["attempt"],
+            resumed=bool(known["resumed"]),
+        )
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
@@ -343,6 +364,7 @@ class SessionFlow:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
+                task=self._task,
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:
