@@ -52,6 +52,8 @@ class FlatRenderer:
     def __init__(self, ctx: moderngl.Context) -> None:
         self.eyes = ctx.texture(SIZE_PX, 4), ctx.texture(SIZE_PX, 4)
         self.focus_samples: tuple[Any, ...] = ()
+        self.hashed = False
+        self.image_hashes: tuple[Any, ...] = ()
         self.max_blur_px = self.cpu_ms = self.gpu_times = None
 
     def begin(self, scene: object, condition: object) -> None:
@@ -61,6 +63,9 @@ class FlatRenderer:
         return self
 
     def drain(self) -> tuple[Any, ...]:
+        return ()
+
+    def drain_hashes(self) -> tuple[Any, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

@@ -26,6 +26,7 @@ from vrcomfort.protocol.conditions import (
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.scene.load import load_scene
+from vrcomfort.render.image_hash import ImageHasher
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.render.reference import Reference
 from vrcomfort.resources import data_folder
@@ -75,6 +76,7 @@ for law in get_args(RefocusLawName):
     condition = Condition(name="law", focus=Focus(law=law), depth_of_field=DepthOfField())
     StereoRenderer(context, (16, 16)).begin(scene, condition)
 EyePainter(context)  # reads its own pair
+ImageHasher(context)
 views = DepthOfField(law="dioptre", views=16, max_radius_percent=10)
 StereoRenderer(context, (64, 16)).begin(scene, Condition(name="views", depth_of_field=views))
 print(*read, "display/picture.vert", "display/picture.frag")
@@ -99,6 +101,7 @@ def test_wheel_carries_every_committed_file_of_the_data_folders(wheel: Path, fol
     assert {f"vrcomfort/_data/{name}" for name in tracked} <= carried
 
 
+@pytest.mark.slow
 def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Path) -> None:
     environment = tmp_path / "venv"
     venv.create(environment, with_pip=False)

@@ -120,6 +120,14 @@ class FocusSample:
     used: NDArray[np.bool_]
 
 
+class ImageHash(NamedTuple):
+    """What the images of a frame (`Frame.index`) were: 16 hexadecimal digits of each eye's."""
+
+    frame_index: int
+    left: str
+    right: str
+
+
 class GpuTime(NamedTuple):
     """What a frame (`Frame.index`) cost the GPU."""
 

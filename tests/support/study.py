@@ -149,6 +149,8 @@ class Picture:
     eyes: tuple[None, None] = (None, None)
     max_blur_px: float | None = 1.5
     gpu_times: tuple[Any, ...] | None = None
+    hashed: bool = False
+    image_hashes: tuple[Any, ...] = ()
     cpu_ms: float | None = None
 
 
@@ -174,6 +176,9 @@ class LateFocus:
     def drain(self) -> list[Sample]:
         late, self._late = self._late, []
         return late
+
+    def drain_hashes(self) -> tuple[Any, ...]:
+        return ()
 
     def clamps(self) -> tuple[str, ...]:
         return self.shortened if self._focus else ()

@@ -13,12 +13,12 @@ if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
 
 
-def make_renderer(size_px: tuple[int, int]) -> StereoRenderer:
+def make_renderer(size_px: tuple[int, int], *, hash_every: int = 0) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
-    return StereoRenderer(create_context(), size_px)
+    return StereoRenderer(create_context(), size_px, hash_every=hash_every)
 
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
@@ -42,13 +42,14 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
         gpu=facts["renderer"],
         driver=facts["version"],
         runtime="playback",
-        shaders=_shader_hashes(),
+        shaders=shader_hashes(),
         passes=passes,
         timing_trust=TimingTrust.LOCKSTEP,
     )
 
 
-def _shader_hashes() -> dict[str, str]:
+def shader_hashes() -> dict[str, str]:
+    """Return file → SHA-256 of the shaders."""
     folder = data_folder("shaders")
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     return {

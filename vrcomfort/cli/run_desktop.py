@@ -37,12 +37,14 @@ def desktop_setup(
     with ExitStack() as owned:
         window, ctx = open_window(owned, "vrcomfort", settings.window_size_px)
         from vrcomfort.headset.desktop import DesktopHeadset
+        from vrcomfort.render.image_hash import HASH_EVERY
         from vrcomfort.render.pipeline import StereoRenderer
         from vrcomfort.respondent.panel import PanelRespondent
         from vrcomfort.session.panel_screen import PanelScreen
 
         headset = DesktopHeadset(ctx, window, settings)
-        renderer = StereoRenderer(ctx, settings.image_size_px, eyes=settings.columns)
+        size, eyes = settings.image_size_px, settings.columns
+        renderer = StereoRenderer(ctx, size, eyes=eyes, hash_every=HASH_EVERY)
         owned.callback(renderer.release)
         machine = replace(
             describe_machine(renderer, protocol),
@@ -63,5 +65,6 @@ def _settings(
         layout="one_eye" if one_eye else "side_by_side",
         ipd_m=protocol.headset.ipd_m,
         walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+        teleport_m=protocol.locomotion.step_at_once_m,
     )
     return given if size_px is None else replace(given, image_size_px=size_px)

@@ -65,6 +65,7 @@ def openxr_setup(
     require_bindings()
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+    from vrcomfort.render.image_hash import HASH_EVERY
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent.panel_layout import SIZE_PX
     from vrcomfort.session.panel_screen import PanelScreen
@@ -80,6 +81,7 @@ def openxr_setup(
             refresh_hz=refresh_hz,
             walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
             snap_turn_deg=protocol.locomotion.snap_turn_deg,
+            teleport_m=protocol.locomotion.step_at_once_m,
         )
         before_wait = rehearsal.before_frame if rehearsal else None
         headset = owned.enter_context(
@@ -91,6 +93,7 @@ def openxr_setup(
             ctx,
             headset.image_size_px,
             on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
+            hash_every=HASH_EVERY,
         )
         owned.callback(renderer.release)
         machine = replace(

@@ -87,6 +87,20 @@ def program(
     return made
 
 
+def compute(ctx: moderngl.Context, name: str) -> moderngl.ComputeShader:
+    """Compile a compute shader.
+
+    Raises
+    ------
+    RuntimeError
+        If the driver rejects the code; the message starts with the name of the file.
+    """
+    try:
+        return ctx.compute_shader(source(name))
+    except moderngl.Error as error:
+        raise RuntimeError(f"{name}: {error}") from error
+
+
 def _with_defines(text: str, defines: Defines) -> str:
     """Put the defines after ``#version`` and keep the line numbers of the file."""
     version, rest = text.split("\n", 1)

@@ -37,6 +37,8 @@ class Level(Settings):
     """Speed against accuracy."""
     background_blur: BackgroundBlur | None = None
     """As a condition's."""
+    task: Word | None = None
+    """As a condition's."""
     focus: Focus | None = None
     """As a condition's."""
     depth_of_field: DepthOfField | None = None

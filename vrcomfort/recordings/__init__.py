@@ -7,7 +7,7 @@ long as it is of that CSV.
 from vrcomfort.recordings.exposures import ExposureFrames, frame_measures
 from vrcomfort.recordings.memory import Memory
 from vrcomfort.recordings.pack import Packed, pack_study
-from vrcomfort.recordings.source import Source, find_source
+from vrcomfort.recordings.source import Source, find_source, read_columns
 
 __all__ = [
     "ExposureFrames",
@@ -17,4 +17,5 @@ __all__ = [
     "find_source",
     "frame_measures",
     "pack_study",
+    "read_columns",
 ]

@@ -1,6 +1,6 @@
 """What a study leaves on disk: row types (their fields are the CSV columns), recorder."""
 
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
 from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_manifest
@@ -13,6 +13,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -38,6 +39,7 @@ __all__ = [
     "EventRow",
     "FrameRow",
     "GazeRow",
+    "ImageRow",
     "Interrupted",
     "Machine",
     "Manifest",
@@ -46,6 +48,7 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
+    "TaskRow",
     "TimingRow",
     "TrialRow",
     "access_of",

@@ -1,4 +1,4 @@
-"""What is written of each frame: the rows of ``frames.csv`` and ``gaze.csv``."""
+"""What is written of frames: the rows of ``frames.csv``, ``gaze.csv`` and ``images.csv``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from vrcomfort.geometry import Gaze, Pose, View
 from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
-from vrcomfort.records.rows import Cell
+from vrcomfort.records.rows import Cell, FlatRow
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
@@ -54,6 +54,27 @@ class GazeRow:
 
 
 @dataclass(frozen=True)
+class ImageRow(FlatRow):
+    """What both eyes' images of a frame were, for some of the frames: hashes of their pixels.
+
+    Parameters
+    ----------
+    trial
+        0 in training.
+    left_hash, right_hash
+        16 hexadecimal digits each; see `vrcomfort.render.image_hash`.
+    """
+
+    FILE: ClassVar[str] = "images.csv"
+    session_s: float
+    xr_time_ns: int
+    trial: int
+    left_hash: str
+    right_hash: str
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class FrameRow:
     """One frame as it was shown.
 
@@ -86,6 +107,8 @@ class FrameRow:
         Whether the avatar was turned at once, as it is in a playback again.
     gaze
         Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
+    image
+        Its row of ``images.csv``, likewise; None where the images were not hashed.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -115,6 +138,7 @@ class FrameRow:
     snap_turn: bool = False
     resumed: int = 0
     gaze: GazeRow | None = None
+    image: ImageRow | None = None
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:

@@ -50,7 +50,7 @@ class Manifest:
     Parameters
     ----------
     exposure_s
-        What was shown: the protocol's, or the override.
+        How long an exposure was shown at most: the protocol's longest, or the override.
     clamps
         Every clamp that touched the stimulus, one sentence each.
     earlier_runs
@@ -75,6 +75,9 @@ class Manifest:
         Where the machine's clock stood earlier than before, one sentence each.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
+    ended
+        What ended the session before its time (``by``: participant, rating, score), whether the
+        session or the study (``ends``), and the ``reason``; else None.
     """
 
     participant: str
@@ -100,6 +103,7 @@ class Manifest:
     missed_questions: list[str] = field(default_factory=list)
     withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
+    ended: dict[str, str] | None = None
 
     def write(self, folder: Path, access: Access = OWNER) -> None:
         """Write ``manifest.json`` as a whole; it is on the disk at return.
@@ -114,7 +118,7 @@ class Manifest:
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol
-        overridden = self.exposure_s != protocol.exposure_s
+        overridden = self.exposure_s != protocol.longest_s
         return {
             "schema_version": SCHEMA_VERSION,
             "participant": self.participant,
@@ -148,6 +152,7 @@ class Manifest:
             "missed_questions": self.missed_questions,
             "withdrawals_undone": self.withdrawals_undone,
             "memory": self.memory,
+            "ended": self.ended,
         }
 
 
@@ -155,7 +160,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "withdrawals_undone", "memory",
+    "withdrawals_undone", "memory", "ended",
 )  # fmt: skip
 
 

@@ -11,12 +11,13 @@ from typing import Literal, TypeAlias
 
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
     EventRow,
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
     cell_text,
@@ -26,7 +27,7 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow,)
+OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, TaskRow)
 """Their files appear with their first rows."""
 
 SYNC_EVERY_S = 0.5
@@ -34,7 +35,7 @@ SYNC_EVERY_S = 0.5
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
-_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, EventRow)
+_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, EventRow)
 
 
 class RowFiles:
@@ -165,7 +166,7 @@ class RowFiles:
                 self._close_descriptors()
 
     def _append(self, row: Row) -> None:
-        for each in _with_gaze(row):
+        for each in _with_others(row):
             try:
                 if each.FILE not in self._files:  # a file that not every session has
                     self._open(type(each))
@@ -212,8 +213,11 @@ class RowFiles:
         self._files.clear()
 
 
-def _with_gaze(row: Row) -> Iterable[Row]:
-    return (row, row.gaze) if isinstance(row, FrameRow) and row.gaze is not None else (row,)
+def _with_others(row: Row) -> Iterable[Row]:
+    """Return a row, with those of other files that a frame brings."""
+    if not isinstance(row, FrameRow):
+        return (row,)
+    return [each for each in (row, row.gaze, row.image) if each is not None]
 
 
 def _read(file: Path) -> str:

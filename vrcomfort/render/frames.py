@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime
+from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
 from vrcomfort.geometry import Gaze
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 
@@ -57,6 +57,10 @@ class RenderedFrame:
         Wall time of this call.
     gpu_times
         Those of earlier frames that have arrived; None where the GPU is not timed.
+    hashed
+        Whether its images are being hashed.
+    image_hashes
+        Those of earlier frames that have arrived, where images are hashed.
     """
 
     eyes: tuple[moderngl.Texture, moderngl.Texture]
@@ -67,3 +71,5 @@ class RenderedFrame:
     passes: tuple[str, ...]
     cpu_ms: float
     gpu_times: tuple[GpuTime, ...] | None = None
+    hashed: bool = False
+    image_hashes: tuple[ImageHash, ...] = ()

@@ -18,7 +18,7 @@ from typing import Literal, NamedTuple
 
 import moderngl
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime
+from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
@@ -30,6 +30,7 @@ from vrcomfort.render.condition_passes import ConditionPasses, Drawn
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
 from vrcomfort.render.head_step import HeadStep
+from vrcomfort.render.image_hash import ImageHasher
 from vrcomfort.render.plan import PlannedPass, plan_passes
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.warm_up import looks_around
@@ -70,6 +71,9 @@ class StereoRenderer:
     on_eye
         Called after each eye (0 left, 1 right) of each frame with its textures, where `render` is
         not told otherwise.
+    hash_every
+        The images of every so many frames are hashed, the first of each `begin` among them; 0: of
+        none.
     """
 
     def __init__(
@@ -81,8 +85,12 @@ class StereoRenderer:
         near_m: float = NEAR_M,
         eyes: Literal[1, 2] = 2,
         on_eye: Callable[[int, EyeImages], None] | None = None,
+        hash_every: int = 0,
     ) -> None:
         self.size_px = size_px
+        self._hash_every = hash_every
+        self._hasher: ImageHasher | None = None
+        self._drawn = 0
         self._eyes = eyes
         self.ctx = ctx
         self._samples = samples
@@ -105,6 +113,7 @@ class StereoRenderer:
         self.drain()
         passes.forget()
         self._before = None
+        self._drawn = 0
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
 
@@ -157,10 +166,25 @@ class StereoRenderer:
         """
         on_eye = on_eye or self._on_eye
         if self._timer is None:
-            return self._draw(frame, scene_time_s, on_eye)
+            return self._hashed(frame, self._draw(frame, scene_time_s, on_eye))
         with self._timer.frame(frame.index):
             rendered = self._draw(frame, scene_time_s, on_eye)
-        return replace(rendered, gpu_times=self._timer.arrived())
+        return self._hashed(frame, replace(rendered, gpu_times=self._timer.arrived()))
+
+    def _hashed(self, frame: Frame, rendered: RenderedFrame) -> RenderedFrame:
+        """Begin to hash a frame's images if it is its turn; add the hashes that have arrived."""
+        if not self._hash_every:
+            return rendered
+        hasher = self._get_hasher()
+        hashed = self._drawn % self._hash_every == 0
+        if hashed:
+            hasher.take(frame.index, rendered.eyes)
+        self._drawn += 1
+        return replace(rendered, hashed=hashed, image_hashes=hasher.arrived())
+
+    def _get_hasher(self) -> ImageHasher:
+        self._hasher = self._hasher or ImageHasher(self.ctx)
+        return self._hasher
 
     def _draw(
         self,
@@ -217,6 +241,17 @@ class StereoRenderer:
     def drain_times(self) -> tuple[GpuTime, ...]:
         """Return the GPU times that are still on their way (this waits for the GPU)."""
         return () if self._timer is None else self._timer.drain()
+
+    def hash_now(self, frame_index: int) -> ImageHash:
+        """Return the hashes of the images that were drawn last (this waits for the GPU)."""
+        maps = self._built().tone_maps
+        hasher = self._get_hasher()
+        hasher.take(frame_index, (maps[0].target, maps[-1].target))
+        return hasher.drain()[-1]
+
+    def drain_hashes(self) -> tuple[ImageHash, ...]:
+        """Return the hashes of images that are still on their way (this waits for the GPU)."""
+        return () if self._hasher is None else self._hasher.drain()
 
     def release(self) -> None:
         """Let go of everything on the GPU; `begin` may follow."""

@@ -13,6 +13,7 @@ from vrcomfort.report.answers import answer
 from vrcomfort.report.courses import analyse_courses
 from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.further_answers import further_answers
+from vrcomfort.report.gaze_and_head import look_at
 from vrcomfort.report.page import render_page
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
 from vrcomfort.report.records import records
@@ -99,7 +100,8 @@ def build_report(
         made if absent.
         Tables and figures of an earlier report that this one does not have are removed.
     forms
-        In which figures are written; PNG and PDF take most of the time of a small report.
+        In which figures are written; none: no figure is drawn, and the page has none. They take
+        most of the time of a small report.
     memory
         The most that reading frames may take; 512 MB without it.
     cluster
@@ -121,18 +123,27 @@ def build_report(
     results["labels"] |= {
         name: name for name in courses.conditions if name not in results["labels"]
     }
+    names = [condition["name"] for condition in results["conditions"]]
+    looked = look_at(study, chosen, names, memory)
+    results["gaze_and_head"] = plain(looked.results) if chosen.gaze_and_head else None
+    results["quality"]["reading"] += looked.notes
     results["date"] = _today()
     words = Vocabulary.of(results)
-    left = [
-        residuals_of(scored, chosen, results["tests"], outcome["name"])
-        for outcome in results["outcomes"]
-    ]
-    figures = draw_figures(study, results, scored, left, courses, words)
+    figures: dict[str, Drawing] = {}
+    if forms:
+        left = [
+            residuals_of(scored, chosen, results["tests"], outcome["name"])
+            for outcome in results["outcomes"]
+        ]
+        figures = draw_figures(study, results, scored, left, courses, looked, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
-        "index.html": render_page(results, figures, words),
+        "index.html": render_page(results, figures, words, [f for f in FORMS if f in forms]),
         "reproduce.R": r_script(),
-        **{f"tables/{name}": text for name, text in all_tables(results, scored, courses).items()},
+        **{
+            f"tables/{name}": text
+            for name, text in all_tables(results, scored, courses, looked).items()
+        },
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]

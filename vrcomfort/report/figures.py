@@ -27,16 +27,19 @@ from vrcomfort.report.courses.events import of_leaving, of_threshold
 from vrcomfort.report.courses.survival_figure import survival_figure
 from vrcomfort.report.estimation import estimation_figure
 from vrcomfort.report.flow_figure import flow_figure
+from vrcomfort.report.gaze_and_head import gaze_and_head_figures
 from vrcomfort.report.group_figure import group_figure
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.palette import colour_of, marker_of
 from vrcomfort.report.residual_figure import residual_figure
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.report.symptoms import recovery_course
+from vrcomfort.report.z_scores import z_score_figure
 
 if TYPE_CHECKING:
     from vrcomfort.report.courses import Courses
     from vrcomfort.report.exposures import Exposures
+    from vrcomfort.report.gaze_and_head import Looked
     from vrcomfort.report.residuals import Residuals
     from vrcomfort.report.study_data import StudyData
     from vrcomfort.report.vocabulary import Vocabulary
@@ -51,6 +54,7 @@ def draw_figures(
     scored: Exposures,
     residuals: list[Residuals],
     courses: Courses,
+    looked: Looked,
     words: Vocabulary,
 ) -> dict[str, Drawing]:
     """Return name → drawing of every figure that the data allow."""
@@ -70,6 +74,8 @@ def draw_figures(
     drawn["exposures"] = exposure_figure(list(study.trials), results, words)
     drawn["residuals"] = residual_figure(residuals, words)
     drawn |= _course_figures(results, courses, words)
+    drawn |= gaze_and_head_figures(looked, words)
+    drawn["standardised"] = z_score_figure(results["z_scores"], words)
     return {
         name: drawing
         for name, drawing in drawn.items()

@@ -24,6 +24,7 @@ def further_methods(results: Results) -> list[Method]:
         *_preferences(results),
         *_correlations(results),
         *_agreement(results),
+        *_z_scores(results),
         *_aligned_ranks(results),
         *_marginal_means(results),
     ]
@@ -159,4 +160,16 @@ def _agreement(results: Results) -> list[Method]:
         "Intraclass correlations are those of Shrout & Fleiss (1979), of people with a score on "
         "every occasion: (2,1) counts differences between occasions as error, (3,1) does not.",
         ("shrout_1979",),
+    )]  # fmt: skip
+
+
+def _z_scores(results: Results) -> list[Method]:
+    if not results["z_scores"]:
+        return []
+    return [Method(
+        "Standardised scores",
+        "z scores are scores minus their person’s mean over all exposures, over that person’s "
+        "standard deviation. Standard errors over values, as Mantiuk et al. (2011) print them, "
+        "take a person’s scores for independent; those over people do not.",
+        ("mantiuk_2011",),
     )]  # fmt: skip

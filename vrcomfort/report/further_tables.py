@@ -22,6 +22,7 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
             for found in results["anova"]
             for effect in found.get("aligned_ranks", ())
         ],
+        "z_scores": results["z_scores"],
         "kruskal_wallis": [_kruskal_wallis(row) for row in results["kruskal_wallis"]],
     }
 

@@ -42,6 +42,7 @@ from vrcomfort.report.withdrawals import (
     sequences,
     why_not,
 )
+from vrcomfort.report.z_scores import standardised
 from vrcomfort.stats.means import RESAMPLES, SEED
 
 if TYPE_CHECKING:
@@ -125,6 +126,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "tests": tests,
         "comparisons": comparisons,
         **more,
+        "z_scores": standardised(scored, plan, conditions),
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
         "smallest_effects": smallest_effects(plan, tests),
         "descriptives": describe_all(scored, plan, conditions, compared),

@@ -14,6 +14,7 @@ from vrcomfort.report.courses import Courses
 from vrcomfort.report.courses.tables import course_tables
 from vrcomfort.report.exposures import Exposures, column_of
 from vrcomfort.report.further_tables import further_tables
+from vrcomfort.report.gaze_and_head import Looked
 
 Row = dict[str, Any]
 
@@ -23,7 +24,7 @@ _FORMULA = re.compile(r"[=+\-@\t\r\n]")
 _NUMBER = re.compile(r"[+-]?\d+(\.\d*)?([eE][+-]?\d+)?")
 
 
-def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, str]:
+def all_tables(results: Row, scored: Exposures, courses: Courses, looked: Looked) -> dict[str, str]:
     """Return file name → CSV text."""
     columns = ["participant", "session", "position", "condition", "scene", "early"]
     weights = results["weights"]
@@ -51,12 +52,14 @@ def all_tables(results: Row, scored: Exposures, courses: Courses) -> dict[str, s
         "carry_over": (results["counterbalancing"] or {}).get("carry_over", []),
         "stimulus_time": results["stimulus_time"],
         "movement": results["movement"],
+        **_gaze_and_head(looked),
         "frame_measures": results["frame_measures"],
         "straight_lined": results["answering"]["straight_lined"],
         "anova": [row for found in results["anova"] for row in _flat_anova(found)],
         "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
         "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
         "withdrawals": results["withdrawals"]["list"],
+        "early_endings": results["withdrawals"]["early_endings"],
         "left_out": results["participants"]["left_out"],
         "in_some_tests": results["participants"]["in_some_tests"],
         "t_tests": [
@@ -98,6 +101,15 @@ def model_columns(results: Row, scored: Exposures) -> dict[str, list[Any]]:
 
 def _or_none(values: pd.Series) -> list[Any]:
     return [None if pd.isna(value) else value for value in values]
+
+
+def _gaze_and_head(looked: Looked) -> dict[str, list[Row]]:
+    return {
+        "gaze_and_head": looked.exposures,
+        "gaze_zones": looked.zones,
+        "fixations": looked.fixations,
+        "head_spectra": looked.spectra,
+    }
 
 
 def _whole(value: float | None) -> int | None:

@@ -8,8 +8,8 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime
-from vrcomfort.records import FrameRow, GazeRow, Row
+from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.records import FrameRow, GazeRow, ImageRow, Row
 from vrcomfort.session.interfaces import RenderedFrame
 from vrcomfort.session.timing import TrialTiming, missed_refreshes
 
@@ -22,6 +22,7 @@ class _Waiting(NamedTuple):
 
     row: partial[FrameRow]
     gaze: GazeRow | None
+    image: partial[ImageRow] | None
 
 
 class RowWriter(Protocol):
@@ -54,6 +55,7 @@ class FrameLog:
         self._waiting: OrderedDict[int, _Waiting] = OrderedDict()
         self._focus: dict[int, FocusSample] = {}
         self._gpu_ms: dict[int, float] = {}
+        self._hashes: dict[int, ImageHash] = {}
         self._offset_ns = 0
         self._last_ns = last_ns
         self.times_gpu = self.focus_follows_gaze = False
@@ -102,14 +104,16 @@ class FrameLog:
             snap_turn=frame.snap_turn,
         )
         gaze = None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze)
-        self._waiting[frame.index] = _Waiting(row, gaze)
+        hashed = rendered is not None and rendered.hashed
+        image = partial(ImageRow, session_s, time_ns, trial) if hashed else None
+        self._waiting[frame.index] = _Waiting(row, gaze, image)
         if rendered is None:
             self.take(())
             return
         if rendered.cpu_ms is not None:
             self.timing.cpu.add(rendered.cpu_ms)
         self.times_gpu = rendered.gpu_times is not None
-        self.take(rendered.focus_samples, rendered.gpu_times or ())
+        self.take(rendered.focus_samples, rendered.gpu_times or (), rendered.image_hashes)
 
     def add_hidden(self, frame: Frame) -> None:
         """Take a frame that nobody sees: it has no row, and its time is no exposure."""
@@ -140,8 +144,14 @@ class FrameLog:
         self._last_ns = time_ns
         return time_ns
 
-    def take(self, samples: Iterable[FocusSample], times: Iterable[GpuTime] = ()) -> None:
+    def take(
+        self,
+        samples: Iterable[FocusSample],
+        times: Iterable[GpuTime] = (),
+        hashes: Iterable[ImageHash] = (),
+    ) -> None:
         """Give what arrived to its rows and write every row that need not wait longer."""
+        self._hashes.update((each.frame_index, each) for each in hashes)
         self._focus.update((sample.frame_index, sample) for sample in samples)
         for time in times:
             self._gpu_ms[time.frame_index] = time.gpu_ms
@@ -153,22 +163,31 @@ class FrameLog:
             self._write(index)
 
     def _is_whole(self, index: int) -> bool:
+        if self._waiting[index].image is not None and index not in self._hashes:
+            return False
         return index in self._focus and (not self.times_gpu or index in self._gpu_ms)
 
-    def finish(self, samples: Iterable[FocusSample] = (), times: Iterable[GpuTime] = ()) -> None:
+    def finish(
+        self,
+        samples: Iterable[FocusSample] = (),
+        times: Iterable[GpuTime] = (),
+        hashes: Iterable[ImageHash] = (),
+    ) -> None:
         """Write all rows that wait; what has not come for them is blank."""
         self.timing.seen.end()
-        self.take(samples, times)
+        self.take(samples, times, hashes)
         while self._waiting:
             self._write(next(iter(self._waiting)))
         self._focus.clear()
         self._gpu_ms.clear()
+        self._hashes.clear()
 
     def _write(self, index: int) -> None:
-        (row, gaze), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
-        sample = self._focus.pop(index, None)
+        (row, gaze, of_image), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
+        sample, known = self._focus.pop(index, None), self._hashes.pop(index, None)
+        image = of_image(known.left, known.right) if known and of_image else None
         if sample is None:
-            self._recorder.write(row(gpu_ms=gpu_ms, gaze=gaze))
+            self._recorder.write(row(gpu_ms=gpu_ms, gaze=gaze, image=image))
             return
         if gaze and self.focus_follows_gaze:
             gaze = replace(gaze, hit_m=float(sample.focus_raw_m))
@@ -176,6 +195,7 @@ class FrameLog:
             row(
                 gpu_ms=gpu_ms,
                 gaze=gaze,
+                image=image,
                 focus_m=float(sample.focus_m),
                 focus_raw_m=float(sample.focus_raw_m),
                 rays_m=tuple(map(float, sample.rays_m)),

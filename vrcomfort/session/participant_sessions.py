@@ -73,20 +73,23 @@ class ParticipantSessions:
         for number in numbers:
             ran.append(number)
             status, note = self._session(number)
-            if status != "completed":
+            if status not in {"completed", "ended"}:
                 break
         study, participant = self.context.study, self.context.participant
         if status == "withdrawn":
             set_status(study, participant, "withdrawn", f"session {ran[-1]}: {note}")
             return self._outcome(status, ran, note)
         if status == "aborted":
-            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted")
+            why = "" if note == STOPPED else f": {note}"
+            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted{why}")
             return self._outcome(status, ran, note)
         complete = completed_sessions(study, participant)
         all_done = len(complete) == len(self.context.sequence.sessions)
         status_now = "completed" if all_done else "enrolled"
-        set_status(study, participant, status_now)
-        return self._outcome(status_now, ran)
+        set_status(
+            study, participant, status_now, f"session {ran[-1]} ended: {note}" if note else ""
+        )
+        return self._outcome(status_now, ran, note)
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
         name, warnings = self.context.sequence.name, tuple(self.notices)
@@ -106,6 +109,7 @@ class ParticipantSessions:
             events = EventLog(context, number, recorder)
             if context.screen is not None:
                 context.screen.notice = events.note
+                context.screen.each_frame = context.steering.look
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder, access)
             try:
@@ -187,11 +191,12 @@ def _kept(
     try:
         status, note = flow.run()
         recorder.sync()  # first: a session that is completed has all of its rows
-    except KeyboardInterrupt:
-        status, note = ("withdrawn", "") if writer.withdrawn else ("aborted", STOPPED)
+    except KeyboardInterrupt as stop:
+        early = writer.ended_early
+        status, note = ("aborted", str(stop) or STOPPED) if early is None else (early, "")
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
-            writer.close("withdrawn" if writer.withdrawn else "aborted")
+            writer.close(writer.ended_early or "aborted")
         raise
     writer.close(status)
     return status, note

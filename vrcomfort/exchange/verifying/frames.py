@@ -62,7 +62,7 @@ def _check_order(row: RecordedRow, frames: Frames, found: Verified) -> None:
 
 
 def _attempt(row: RecordedRow, attempts: Sequence[RecordedRow]) -> tuple[int, int] | None:
-    for each in attempts:
+    for each in reversed(attempts):  # one that was redone ends when the next begins
         if each["start_s"] - _EPSILON_S <= row["session_s"] <= each["end_s"] + _EPSILON_S:
             return each["trial"], each["attempt"]
     return None
@@ -97,10 +97,10 @@ def check_counts(
             found.fault(trial.file, f"{message}; restore the file that was changed", trial.line)
 
 
-def check_gaze(
-    rows: Iterable[RecordedRow], frames: Frames, found: Verified, *, every_frame: bool
+def check_times(
+    rows: Iterable[RecordedRow], frames: Frames, found: Verified, *, every_frame: bool = False
 ) -> None:
-    """Check that gaze has the times of the frames, in order.
+    """Check that gaze, or hashes of images, have the times of frames, in order.
 
     Parameters
     ----------

@@ -11,18 +11,20 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.answers import check_answers, check_places
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.exchange.verifying.frames import check_counts, check_gaze, read_frames
+from vrcomfort.exchange.verifying.frames import check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.rows import read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
+    OVER,
     EventRow,
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -40,11 +42,12 @@ class Recorded:
     answers: Sequence[RecordedRow]
     ratings: Sequence[RecordedRow]
     events: Sequence[RecordedRow]
+    tasks: Sequence[RecordedRow] = ()
     attempts: Mapping[int, Sequence[RecordedRow]] = field(default_factory=dict)
 
     def all(self) -> Iterable[Sequence[RecordedRow]]:
         """Return the rows of each file."""
-        return self.trials, self.timing, self.answers, self.ratings, self.events
+        return self.trials, self.timing, self.answers, self.ratings, self.events, self.tasks
 
 
 def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
@@ -62,7 +65,10 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     _check_whose(manifest, recorded, found)
     _check_trials(recorded, manifest, found)
     _check_ratings(recorded, manifest, found)
-    whole = manifest["status"] in {"completed", "withdrawn"} and not manifest.get("earlier_runs")
+    _check_tasks(recorded, manifest, found)
+    whole = manifest["status"] in {"completed", "ended", "withdrawn"} and not manifest.get(
+        "earlier_runs"
+    )
     check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
@@ -70,7 +76,9 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     check_counts(recorded.trials, frames, found, not_recorded=_not_recorded(recorded.events))
     if (folder / GazeRow.FILE).exists():
         alone = not manifest.get("earlier_runs")
-        check_gaze(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
+        check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
+    if (folder / ImageRow.FILE).exists():
+        check_times(read(folder, ImageRow, version, found), frames, found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
 
@@ -84,7 +92,13 @@ def _read(folder: Path, version: int, found: Verified) -> Recorded:
     for row in trials:
         attempts.setdefault(row["trial"], []).append(row)
     return Recorded(
-        trials, rows(TimingRow), rows(QuestionnaireRow), rows(RatingRow), rows(EventRow), attempts
+        trials,
+        rows(TimingRow),
+        rows(QuestionnaireRow),
+        rows(RatingRow),
+        rows(EventRow),
+        rows(TaskRow) if (folder / TaskRow.FILE).exists() else (),
+        attempts,
     )
 
 
@@ -106,7 +120,7 @@ def _check_manifest(
     if finished is None:
         message = f"says {status} and not when (`finished_at`)"
         found.fault(file, f"{message}; restore the manifest from a copy")
-    end = {"completed": "session_end", "withdrawn": "withdrawn"}.get(status)
+    end = {"completed": "session_end", "ended": "ended", "withdrawn": "withdrawn"}.get(status)
     if end is not None and events and end not in names:
         message = f"says {status}, and events.csv has no event `{end}`"
         found.fault(file, f"{message}; restore the file that was changed")
@@ -203,8 +217,26 @@ def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verif
         elif not inside and row["trial"] != open_trial:
             message = f"was asked at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
-        if (row["response"] is None) != (row["missed"] == 1):
+        if (row["response"] is None) != (row["missed"] != 0):
             message = f"missed is {row['missed']}, and the response {row['response']}"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+
+
+def _check_tasks(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
+    """Check that each row of a task is of an attempt that was shown, and lies in it."""
+    begun = manifest.get("under_way") or {}
+    attempts = {(row["trial"], row["attempt"]): row for row in recorded.trials}
+    for row in recorded.tasks:
+        trial = attempts.get((row["trial"], row["attempt"]))
+        if trial is None:
+            if (row["trial"], row["attempt"]) != (begun.get("trial"), begun.get("attempt")):
+                message = f"trials.csv has no attempt {row['attempt']} at trial {row['trial']}"
+                found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+        elif row["condition"] != trial["condition"]:
+            message = f"condition is {row['condition']}, and trials.csv, line {trial.line}, says"
+            found.fault(row.file, f"{message} {trial['condition']}; {_RESTORE}", row.line)
+        elif not trial["start_s"] - _EPSILON_S <= row["onset_s"] <= trial["end_s"] + _EPSILON_S:
+            message = f"began at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
 
 
@@ -239,7 +271,7 @@ def check_order(
             if row[column] != wanted:
                 message = f"trial {number} is planned with {column} {wanted}, not {row[column]}"
                 found.fault(file, f"{message}; {_RESTORE}", line)
-        if row["status"] == "completed":
+        if row["status"] in OVER:
             done.add(number)
     lacking = sorted(set(range(1, len(planned) + 1)) - done)
     if completed and lacking:

@@ -16,6 +16,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
 from vrcomfort.report.plan.data_files import DataFiles
 from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
+from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
 from vrcomfort.settings.locate import locate
@@ -23,7 +24,7 @@ from vrcomfort.settings.locate import locate
 Side = Literal["two-sided", "greater", "less"]
 FigureName = Literal[
     "paired", "subscales", "symptoms", "recovery", "flow", "exposures", "residuals", "ratings",
-    "survival",
+    "survival", "gaze", "head", "standardised",
 ]  # fmt: skip
 TrialMeasure = Literal[
     "frames", "dropped", "dropped_percent", "missed_refreshes", "length_s", "live_s", "frozen_s",
@@ -150,6 +151,8 @@ class Plan(Settings):
     preferences: tuple[Preferred, ...] = ()
     agreement: tuple[Agreed, ...] = ()
     """Intraclass correlations."""
+    z_scores: tuple[str, ...] = ()
+    """Outcomes that are standardised within each person as well."""
     families: tuple[Family, ...] = ()
     """Outcomes in no family are not adjusted."""
 
@@ -170,6 +173,8 @@ class Plan(Settings):
     """Fixed effects of the model of all available data, the most wanted first."""
     covariates: tuple[str, ...] = ()
     """Columns of participants.csv with numbers, added to the mixed model."""
+    gaze_and_head: GazeAndHead | None = None
+    """How gaze and head motion are analysed; None: they are not."""
     smallest_effect_power: Annotated[float, Field(ge=0.1, le=0.99)] | None = None
     """Say which effect the primary tests would have found with this power, at their number of
     pairs; None: do not."""

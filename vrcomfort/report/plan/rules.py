@@ -20,6 +20,7 @@ def problems(plan: Plan, instruments: Iterable[Instrument] | None = None) -> Ite
     yield from repeated(("outcomes",), plan.outcomes)
     yield from repeated(("mixed_model",), plan.mixed_model)
     yield from repeated(("covariates",), plan.covariates)
+    yield from repeated(("z_scores",), plan.z_scores)
     yield from repeated(("figures",), plan.figures)
     yield from _named_twice(plan)
     yield from _outcomes(plan, known)
@@ -98,6 +99,7 @@ def _of_designs(plan: Plan) -> Iterator[Problem]:
           for i, each in enumerate(plan.correlations) for key in ("x", "y")),
         *((("equivalence", i, "outcome"), each.outcome) for i, each in enumerate(plan.equivalence)),
         *((("agreement", i, "outcome"), each.outcome) for i, each in enumerate(plan.agreement)),
+        *((("z_scores", i), name) for i, name in enumerate(plan.z_scores)),
     ]  # fmt: skip
     for path, name in named:
         if plan.outcomes and name not in plan.outcomes:

@@ -1,0 +1,131 @@
+"""Figures of gaze and head motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.ticker import FuncFormatter
+
+from vrcomfort.report.canvas import INK, Drawing, canvas, lines
+from vrcomfort.report.gaze_and_head.exposures import WHOLE
+from vrcomfort.report.gaze_and_head.results import EVERYBODY
+from vrcomfort.report.palette import colour_of, marker_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from vrcomfort.report.gaze_and_head.results import Looked
+    from vrcomfort.report.vocabulary import Vocabulary
+    from vrcomfort.stats.gaze import Map
+
+_DASHES = ("-", "--", ":", "-.")
+_SHOWN = ("yaw_deg", "head_z_m")
+_TITLES = {"yaw_deg": "Yaw, deg²/Hz", "head_z_m": "Forwards and back, m²/Hz"}
+_MAP_COLOURS = "magma"
+_DECADES_SHOWN = 1e8
+"""Of densities: what is smaller than the largest by more than this is rounding."""
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+MOST_MAPS = 6
+
+
+def gaze_and_head_figures(found: Looked, words: Vocabulary) -> dict[str, Drawing]:
+    """Return name → drawing of what there is."""
+    drawn = {}
+    if found.zones:
+        drawn["gaze_zones"] = _zones(found, words)
+    if found.maps:
+        maps = {words.condition(name): shown for name, shown in found.maps.items()}
+        drawn["gaze_maps"] = _maps("gaze-maps", maps, "to the right of the head’s axis, °")
+    if found.viewpoints:
+        maps = {each.scene: each.map for each in found.viewpoints}
+        drawn["gaze_fixations"] = _maps("gaze-fixations", maps, "to the right of the middle, °")
+    if found.spectra:
+        drawn["head_spectra"] = _spectra(found, words)
+    return drawn
+
+
+def _zones(found: Looked, words: Vocabulary) -> Drawing:
+    """Draw a curve for each situation, and of each event's time; all situations together in ink."""
+    events = list(dict.fromkeys(row["during"] for row in found.zones))
+    situations = list(dict.fromkeys(row["situation"] for row in found.zones))
+    with canvas("gaze-zones", 6.6, 3.6) as (figure, drawing):
+        axes = figure.add_subplot()
+        for place, situation in enumerate(situations):
+            of_all = situation == EVERYBODY
+            label = "all" if of_all else lines(words.condition(situation), 28)
+            for dash, event in enumerate(events):
+                mine = [
+                    r for r in found.zones if (r["situation"], r["during"]) == (situation, event)
+                ]
+                axes.plot(
+                    [r["zone"] for r in mine], [100 * r["share"] for r in mine],
+                    _DASHES[dash % len(_DASHES)], ms=3.5, lw=2.2 if of_all else 1.4,
+                    marker="" if of_all else marker_of(place),
+                    color=INK if of_all else colour_of(place),
+                    label=label if event == WHOLE else f"{label}, {lines(event, 28)}",
+                )  # fmt: skip
+        axes.set(xlabel="height of the zone / height of the image", ylabel="time inside, %",
+                 ylim=(0, 102), xlim=(0, None))  # fmt: skip
+        axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    return drawing
+
+
+def _maps(name: str, maps: dict[str, Map], across: str) -> Drawing:
+    """Draw maps side by side, with one scale of brightness."""
+    names = list(maps)[:MOST_MAPS]
+    columns = min(3, len(names))
+    rows = -(-len(names) // columns)
+    brightest = max(float(maps[each].share.max()) for each in names)
+    with canvas(name, 2.3 * columns + 0.5, 2.7 * rows + 0.3) as (figure, drawing):
+        panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+        for axes in panels[len(names) :]:
+            axes.set_axis_off()
+        for axes, title in zip(panels, names, strict=False):
+            _map(axes, maps[title], brightest)
+            axes.set_title(lines(title, 24))
+        figure.supxlabel(across, fontsize=9)
+        figure.supylabel("up, °", fontsize=9)
+    return drawing
+
+
+def _map(axes: Axes, shown: Map, brightest: float) -> None:
+    left, right = shown.azimuth_deg[[0, -1]]
+    low, high = shown.elevation_deg[[0, -1]]
+    half = (shown.azimuth_deg[1] - left) / 2
+    extent = (left - half, right + half, low - half, high + half)
+    axes.imshow(
+        shown.share, origin="lower", extent=extent, cmap=_MAP_COLOURS, vmin=0, vmax=brightest
+    )
+
+
+def _spectra(found: Looked, words: Vocabulary) -> Drawing:
+    situations = list(dict.fromkeys(row["situation"] for row in found.spectra))
+    with canvas("head-spectra", 6.8, 3.2) as (figure, drawing):
+        for axes, signal in zip(figure.subplots(1, len(_SHOWN)), _SHOWN, strict=True):
+            for place, situation in enumerate(situations):
+                mine: list[dict[str, Any]] = [
+                    r for r in found.spectra if (r["situation"], r["signal"]) == (situation, signal)
+                ]
+                axes.loglog(
+                    [r["frequency_hz"] for r in mine],
+                    [r["density"] or None for r in mine],
+                    color=colour_of(place),
+                    label=lines(words.condition(situation), 24),
+                )
+            top = max((r["density"] for r in found.spectra if r["signal"] == signal), default=1.0)
+            axes.set(
+                xlabel="frequency, Hz", title=_TITLES[signal],
+                ylim=(top / _DECADES_SHOWN, 3 * top) if top else None,
+            )  # fmt: skip
+            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+            axes.yaxis.set_major_formatter(FuncFormatter(_power_of_ten))
+            axes.minorticks_off()
+        figure.axes[0].legend(frameon=False, loc="upper right")
+    return drawing
+
+
+def _power_of_ten(value: float, _: int) -> str:
+    """Return a tick's label; the style of the report has no formulae."""
+    power = str(round(np.log10(value))) if value > 0 else ""
+    return f"10{power.translate(_SUPERSCRIPTS)}" if power else ""

@@ -1,0 +1,183 @@
+"""The gaze and the head of an exposure, as its frames have them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vrcomfort.csv_table import CsvTable
+from vrcomfort.recordings import Memory, find_source, read_columns
+from vrcomfort.records.frame_rows import CUT
+from vrcomfort.rotations import rotate
+from vrcomfort.stats.gaze import angles_deg
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+_POSE = ("x_m", "y_m", "z_m", "qx", "qy", "qz", "qw")
+_HEAD = tuple(f"head_{part}" for part in _POSE)
+_AVATAR = tuple(f"avatar_{part}" for part in _POSE)
+_SIDES = ("left", "right", "up", "down")
+_FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _SIDES)
+_FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid", *_HEAD,
+           *_AVATAR, *_FOV)  # fmt: skip
+_GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
+_ROUNDING_S = 1e-6
+_FORWARD = (0.0, 0.0, -1.0)
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What was recorded of n frames in which the head's pose was known.
+
+    Parameters
+    ----------
+    time_s, session_s, seconds
+        (n,) display time, session time, and period of each frame.
+    cuts
+        (n,) where a frame, or one left out before it, has nothing to do with the one before.
+    head
+        (n, 5) position in the stage in metres, yaw (to the right, without jumps) and pitch in
+        degrees.
+    place, forward
+        (n, 3) position of the head in the world, and where it faces.
+    half_widths
+        (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
+    in_head, in_world
+        (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
+    """
+
+    time_s: Floats
+    session_s: Floats
+    seconds: Floats
+    cuts: NDArray[np.bool_]
+    head: Floats
+    place: Floats
+    forward: Floats
+    half_widths: Floats
+    in_head: Floats | None
+    in_world: Floats | None
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Return (n,) where the gaze was known."""
+        if self.in_world is None:
+            return np.zeros(self.time_s.shape, dtype=bool)
+        return np.isfinite(self.in_world[:, 0])
+
+
+def read_motion(
+    frames: Path, trials: list[dict[str, str]], memory: Memory | None = None
+) -> list[Motion | None]:
+    """Return the frames of each of a session's trials, their last attempts; None without any.
+
+    Raises
+    ------
+    InputError
+        If a recording is damaged, with its place.
+    """
+    memory = memory or Memory()
+    table = read_columns(find_source(frames), _FRAMES, memory)
+    gaze_file = frames.with_name("gaze.csv")
+    gaze = None
+    if gaze_file.is_file():
+        gaze = _aligned(table["xr_time_ns"], read_columns(find_source(gaze_file), _GAZE, memory))
+    return [_motion(table, gaze, trial) for trial in trials]
+
+
+def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> Floats:
+    """Return (n, 3) directions at the frames' times; NaN where not valid."""
+    found = np.full((len(time_ns), 3), np.nan)
+    known = gaze["valid"] == 1
+    directions = np.column_stack([gaze[f"direction_{axis}"] for axis in "xyz"])[known]
+    place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
+    there = place < len(time_ns)
+    there[there] = time_ns[place[there]] == gaze["xr_time_ns"][known][there]
+    found[place[there]] = directions[there]
+    return found
+
+
+def _motion(table: dict[str, Floats], gaze: Floats | None, trial: dict[str, str]) -> Motion | None:
+    start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
+    at = table["session_s"]
+    mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
+    cuts_so_far = np.cumsum(np.asarray(table["discontinuity"] == CUT))
+    known = np.isfinite(np.column_stack([table[name] for name in _HEAD])).all(axis=1)
+    mine = mine & known & (table["head_valid"] != 0)
+    if mine.sum() < 2:
+        return None
+    part = {name: values[mine] for name, values in table.items()}
+    cuts = cuts_so_far[mine]
+    position, turns = _pose(part, _HEAD)
+    forward = rotate(turns, np.broadcast_to(_FORWARD, position.shape))
+    yaw, pitch = angles_deg(forward)
+    carried, carrying = _avatar(part)
+    directions = None if gaze is None else gaze[mine]
+    back = turns * [-1.0, -1.0, -1.0, 1.0]
+    return Motion(
+        time_s=part["xr_time_ns"] / 1e9,
+        session_s=part["session_s"],
+        seconds=part["period_ns"] / 1e9,
+        cuts=np.append(True, np.diff(cuts) > 0),
+        head=np.column_stack([position, np.unwrap(yaw, period=360.0), pitch]),
+        place=carried + rotate(carrying, position),
+        forward=rotate(carrying, forward),
+        half_widths=_half_widths(part),
+        in_head=None if directions is None else rotate(back, directions),
+        in_world=None if directions is None else rotate(carrying, directions),
+    )
+
+
+def _pose(part: dict[str, Floats], names: tuple[str, ...]) -> tuple[Floats, Floats]:
+    """Return (n, 3) positions and (n, 4) orientations."""
+    columns = np.column_stack([part[name] for name in names])
+    return columns[:, :3], columns[:, 3:]
+
+
+def _avatar(part: dict[str, Floats]) -> tuple[Floats, Floats]:
+    """Return where the stage is in the world; where that was not recorded, it is the world."""
+    position, turns = _pose(part, _AVATAR)
+    known = np.asarray(np.isfinite(np.column_stack([position, turns])).all(axis=1))
+    unknown = ~known[:, None]
+    return np.where(unknown, 0.0, position), np.where(unknown, [0.0, 0.0, 0.0, 1.0], turns)
+
+
+def _half_widths(part: dict[str, Floats]) -> Floats:
+    """Return half of an eye's image in tangents, the mean of both eyes: their frusta are askew."""
+    tangents = {name: np.tan(part[name]) for name in _FOV}
+    half = [
+        sum(tangents[f"{eye}_fov_{high}_rad"] - tangents[f"{eye}_fov_{low}_rad"]
+            for eye in ("left", "right")) / 4
+        for low, high in (("left", "right"), ("down", "up"))
+    ]  # fmt: skip
+    return np.column_stack(half)
+
+
+def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, float]]:
+    """Return begin and end, in session time, of a session's events of a name.
+
+    Parameters
+    ----------
+    otherwise_s
+        How long one lasts that says nothing, or 0 s.
+
+    Raises
+    ------
+    InputError
+        If the events are damaged, with their place.
+    """
+    file = session / "events.csv"
+    if not file.is_file():
+        return []
+    table = CsvTable.read(file, appended=True)
+    table.require(("onset_s", "duration_s", "name"))
+    table.require_numbers(("onset_s", "duration_s"))
+    begun = [(float(row["onset_s"]), float(row["duration_s"] or 0)) for row in table.dicts()
+             if row["name"] == name]  # fmt: skip
+    return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
