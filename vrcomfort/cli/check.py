@@ -95,6 +95,9 @@ def _check(
     found = _Checked(notes=list(_notes(protocol)))
     try:
         found.faults += _of_design(protocol)
+        if misplaced := _of_places(protocol):
+            found.faults += misplaced
+            return found  # neither rehearsed nor drawn: nobody can stand there
         advance(0, f"rehearsing {name} without pictures")
         found.lengths = _rehearsed(protocol)
         if draw:
@@ -104,6 +107,13 @@ def _check(
     except InputError as error:
         found.faults += [error.alone, *error.others]
     return found
+
+
+def _of_places(protocol: Protocol) -> list[InputError]:
+    from vrcomfort.scene.load import load_scene
+    from vrcomfort.session.standing import place_faults
+
+    return list(place_faults(protocol, load_scene))
 
 
 def _of_design(protocol: Protocol) -> Iterator[InputError]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vrcomfort.cli.playback import shipped_walk
+from vrcomfort.cli.playback import PlaybackSetup
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Pose, focal_length_px, yaw_pitch_roll
 from vrcomfort.protocol import Protocol
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
     from vrcomfort.render.stimulus_size import Moment, StimulusSize
     from vrcomfort.render.visibility import Fault, Seen
+    from vrcomfort.scene.camera_path import CameraPath
     from vrcomfort.scene.data import Scene
 
 PROBE_WIDTH_PX = 160
@@ -76,26 +78,40 @@ def moments_of(
 ) -> list[Moment]:
     """Return moments of the walk that ships with a scene; without one, of a look around its start.
 
-    A moment is a frame at the headset's rate, and the one before.
+    A moment is a frame at the headset's rate, and the one before. Who does not walk (in a view with
+    a path, or without locomotion) looks as on that walk, and is carried along the path.
     """
-    from vrcomfort.headset.playback import PlaybackHeadset
+    from vrcomfort.session.standing import stand
 
+    view = protocol.view(name)
+    standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
     try:
-        walk = shipped_walk(name)
+        playback = PlaybackSetup(size_px, protocol.headset.ipd_m, refresh_hz=refresh_hz)
+        headset = playback(view.scene, standing.scene)
     except InputError:
-        return list(_around(protocol, scene.spawn, size_px, refresh_hz, count))
-    headset = PlaybackHeadset(
-        walk,
-        image_size_px=size_px,
-        refresh_hz=refresh_hz,
-        ipd_m=protocol.headset.ipd_m,
-        spawn=scene.spawn,
-        loop=False,
-    )
-    frames = list(headset.frames())
+        spawn = standing.scene.spawn
+        moments = list(_around(protocol, spawn, size_px, refresh_hz, count))
+        return [_carried(pair, standing.path, refresh_hz) for pair in moments]
+    length_s = protocol.length_s(name) if standing.path else headset.trace_s
+    frames = list(islice(headset.frames(), int(length_s * refresh_hz + 1e-6) + 1))
     places = np.linspace(1, len(frames) - 1, count).astype(int)
     moments = [(frames[place - 1], frames[place]) for place in places]
-    return [pair for pair in moments if not (pair[1].discontinuity or pair[1].snap_turn)]
+    return [
+        _carried(pair, standing.path, refresh_hz)
+        for pair in moments
+        if not (pair[1].discontinuity or pair[1].snap_turn)
+    ]
+
+
+def _carried(moment: Moment, path: CameraPath | None, refresh_hz: float) -> Moment:
+    """Return a moment along a path, whose time its first frame's index tells."""
+    if path is None:
+        return moment
+    before, now = (
+        replace(frame, avatar_pose=path.moved(frame.index / refresh_hz) @ frame.avatar_pose)
+        for frame in moment
+    )
+    return before, now
 
 
 LOOK_M_PER_S, LOOK_DEG_PER_S = 1.4, 30.0

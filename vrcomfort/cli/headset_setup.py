@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     class LiveHeadset(Headset, Shape):
         """A headset on somebody's head, or a window before them."""
 
-        def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
+        def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
             """Put the participant on `spawn`."""
 
 
@@ -53,7 +53,7 @@ class HeadsetSetup:
         from vrcomfort.scene.floors import Floors
 
         del scene_name
-        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable))
+        self.headset.place(spawn=scene.spawn, floors=Floors(scene.walkable), on_foot=scene.on_foot)
         return self.headset
 
 

@@ -41,17 +41,19 @@ class PlaybackSetup:
     def __call__(self, scene_name: str, scene: Scene) -> PlaybackHeadset:
         """Return the headset, at the start of its trace in `scene`."""
         if self._headset is None:
-            self._headset = self.standing_in(scene_name, scene.spawn)
+            self._headset = self.standing_in(scene_name, scene.spawn, on_foot=scene.on_foot)
         else:
-            self._headset.place(self._trace(scene_name), spawn=scene.spawn)
+            self._headset.place(self._trace(scene_name, scene.on_foot), spawn=scene.spawn)
         return self._headset
 
-    def standing_in(self, scene_name: str, spawn: Pose | None = None) -> PlaybackHeadset:
+    def standing_in(
+        self, scene_name: str, spawn: Pose | None = None, *, on_foot: bool = True
+    ) -> PlaybackHeadset:
         """Return a new headset, as it is at the start of a session that begins in this scene."""
         from vrcomfort.headset.playback import PlaybackHeadset
 
         return PlaybackHeadset(
-            self._trace(scene_name),
+            self._trace(scene_name, on_foot),
             image_size_px=self.size_px,
             refresh_hz=self.refresh_hz,
             ipd_m=self.ipd_m,
@@ -59,8 +61,10 @@ class PlaybackSetup:
             real_time=self.real_time,
         )
 
-    def _trace(self, scene_name: str) -> Trace:
-        return self.trace or shipped_walk(scene_name)
+    def _trace(self, scene_name: str, on_foot: bool) -> Trace:
+        """Return what the head does; of somebody who does not walk, without their locomotion."""
+        trace = self.trace or shipped_walk(scene_name)
+        return trace if on_foot else replace(trace, avatar=None, snap_turns=None)
 
 
 def shipped_walk(scene_name: str) -> Trace:

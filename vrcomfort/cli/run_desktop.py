@@ -65,5 +65,6 @@ def _settings(
         layout="one_eye" if one_eye else "side_by_side",
         ipd_m=protocol.headset.ipd_m,
         walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
+        teleport_m=protocol.locomotion.step_at_once_m,
     )
     return given if size_px is None else replace(given, image_size_px=size_px)

@@ -81,6 +81,7 @@ def openxr_setup(
             refresh_hz=refresh_hz,
             walking_speed_m_s=protocol.locomotion.walking_speed_m_s,
             snap_turn_deg=protocol.locomotion.snap_turn_deg,
+            teleport_m=protocol.locomotion.step_at_once_m,
         )
         before_wait = rehearsal.before_frame if rehearsal else None
         headset = owned.enter_context(

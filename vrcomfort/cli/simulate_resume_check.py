@@ -85,4 +85,5 @@ class ResumeCheck:
         """What a manifest would say of the headset, by the scene that comes first."""
         from vrcomfort.session import headset_facts
 
-        return [headset_facts(self._playback.standing_in(name)) for name in self._protocol.scenes]
+        scenes = [self._protocol.view(name).scene for name in self._protocol.scenes]
+        return [headset_facts(self._playback.standing_in(scene)) for scene in scenes]

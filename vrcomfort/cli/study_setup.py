@@ -65,6 +65,7 @@ class StudySetup:
         self._seed = seed
         protocol.shown_s(exposure_s)  # refuses a longer one before anything is made
         self._exposure_s = exposure_s
+        _require_places(protocol)
         self._group_readable = group_readable
         self._durability = durability
         self._rendering: tuple[StereoRenderer, Machine] | None = None
@@ -146,6 +147,14 @@ class StudySetup:
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")
         return headset.panel
+
+
+def _require_places(protocol: Protocol) -> None:
+    """Raise `InputError` where a view names a place that its scene does not have."""
+    from vrcomfort.session.standing import place_faults
+
+    for fault in place_faults(protocol):
+        raise fault
 
 
 def _load_scene(source: str) -> Scene:

@@ -13,7 +13,7 @@ _SAFE_DETAILS = {
     "answer", "exposure", "training", "timing_flag", "frames_not_recorded", "blur_limited",
     "questionnaire_missed", "questionnaire_resumed", "session_resumed", "session_state",
     "recentered", "refresh_rate_changed", "window_focus", "frame_discarded", "tracking_lost",
-    "tracking_found", "unfocused",
+    "tracking_found", "unfocused", "pause", "questionnaire_skipped",
 }  # fmt: skip
 """Events whose details the program writes, and that hold no path, date or typed text."""
 

@@ -59,6 +59,7 @@ class DesktopSettings:
     ipd_m: float = MEAN_IPD_M
     eye_height_m: float = 1.6
     walking_speed_m_s: float = WALKING_SPEED_M_S
+    teleport_m: float | None = None
 
     @property
     def window_size_px(self) -> tuple[int, int]:
@@ -96,7 +97,9 @@ class DesktopHeadset:
         self._settings = settings or DesktopSettings()
         self._painter = EyePainter(ctx)
         self._pace = _Pace(self.refresh_hz)
-        self._locomotion = Locomotion(self._settings.walking_speed_m_s)
+        self._locomotion = Locomotion(
+            self._settings.walking_speed_m_s, teleport_m=self._settings.teleport_m
+        )
         self._panels: list[WindowPanel] = []
         self._pointer: WindowPanel | None = None
         self._points = False
@@ -106,6 +109,7 @@ class DesktopHeadset:
         self._next_index = 0
         self._cut = True
         self._paused = self._in_scene = False
+        self._on_foot = True
         self._focused = window.focused
 
     @property
@@ -141,10 +145,14 @@ class DesktopHeadset:
         eyes = np.array([0.0, self._settings.eye_height_m, 0.0])
         return Pose(eyes, yaw_pitch_roll(self._yaw_rad, self._pitch_rad, 0.0))
 
-    def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
-        """Put the participant on `spawn`, looking straight ahead; they walk on `floors`."""
+    def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
+        """Put the participant on `spawn`, looking straight ahead; they walk on `floors`.
+
+        Where nobody is `on_foot`, keys and mouse turn the head alone.
+        """
         self._yaw_rad = self._pitch_rad = 0.0
-        self._locomotion.send(spawn=spawn, floors=floors or Floors())
+        self._on_foot = on_foot
+        self._locomotion.send(spawn=spawn, floors=floors or Floors(), on_foot=on_foot)
         self._locomotion.arrive(self.head_pose)
         self._cut = True
 
@@ -238,10 +246,11 @@ class DesktopHeadset:
             return  # nobody walks blindly
         self._pitch_rad = _within(self._pitch_rad + keys.look_up_rad, STEEPEST_RAD)
         wish = wish_of(Inputs(keys=keys))
-        if self._window.looks_aside:
+        if self._window.looks_aside or not self._on_foot:
             self._yaw_rad = _within(self._yaw_rad + keys.turn_rad, FURTHEST_RAD)
             wish = wish.without_turn()
         self._locomotion.step(self.head_pose, wish, passed_s)
+        self._cut |= self._locomotion.teleported
 
     def _views(self, head: Pose) -> tuple[View, View]:
         half = np.array([self._settings.ipd_m / 2, 0.0, 0.0])

@@ -68,17 +68,28 @@ class Locomotion:
     snap_turn_deg
         The thumb-stick turns by this angle at once, each time that it leaves its middle; None
         turns smoothly.
+    teleport_m
+        A push to walk goes so far at once, and no further until the next; None walks on.
 
     Attributes
     ----------
     avatar
         world-from-stage.
+    teleported
+        Whether the last `step` was a teleport: where the participant was before means nothing.
     """
 
     def __init__(
-        self, speed_m_s: float = WALKING_SPEED_M_S, *, snap_turn_deg: float | None = None
+        self,
+        speed_m_s: float = WALKING_SPEED_M_S,
+        *,
+        snap_turn_deg: float | None = None,
+        teleport_m: float | None = None,
     ) -> None:
         self._speed_m_s = speed_m_s
+        self._teleport_m = teleport_m
+        self._pushed, self._on_foot = True, True
+        self.teleported = False
         self._snap_turn_rad = None if snap_turn_deg is None else np.radians(snap_turn_deg)
         # Who comes with the stick held aside does not turn by that.
         self._stick_aside = True
@@ -87,9 +98,15 @@ class Locomotion:
         self._torso_rad = 0.0
         self.avatar = Pose()
 
-    def send(self, *, spawn: Pose, floors: Floors) -> None:
-        """Choose where the participant will `arrive`, and on which floors they walk there."""
-        self._spawn, self._floors = spawn, floors
+    def send(self, *, spawn: Pose, floors: Floors, on_foot: bool = True) -> None:
+        """Choose where the participant will `arrive`, and on which floors they walk there.
+
+        Parameters
+        ----------
+        on_foot
+            False where controls neither move nor turn them.
+        """
+        self._spawn, self._floors, self._on_foot = spawn, floors, on_foot
 
     def arrive(self, head: Pose) -> bool:
         """Put the floor point below `head` (stage-from-head) and its heading where they were sent.
@@ -103,7 +120,7 @@ class Locomotion:
         if spawn is None:
             return False
         self._torso_rad = _yaw_rad(spawn)
-        self._stick_aside = True
+        self._stick_aside = self._pushed = True
         self.avatar = spawn @ floor_under(head).inverse()
         return True
 
@@ -122,16 +139,28 @@ class Locomotion:
         bool
             True where the stick has turned the stage at once.
         """
+        self.teleported = False
+        if not self._on_foot:
+            return False
         seconds = min(duration_s, LONGEST_S)
         snap_rad = self._snap_rad(wish)
         smooth_rad = wish.turn_rate * TURNING_SPEED_RAD_S * seconds
         stick_rad = smooth_rad if self._snap_turn_rad is None else snap_rad
         self._turn(head, wish.turn_rad + stick_rad)
         length = np.hypot(wish.right, wish.forward)
-        if length > 1e-9:
+        walk_m = self._way_m(seconds, pushed=length > 1e-9)
+        if walk_m:
             wanted = np.array([wish.right, wish.forward]) / length
-            self._walk(head, self._world_from_torso(wanted), self._speed_m_s * seconds)
+            self._walk(head, self._world_from_torso(wanted), walk_m)
         return snap_rad != 0
+
+    def _way_m(self, seconds: float, *, pushed: bool) -> float:
+        """Return how far a push to walk leads in this frame."""
+        before, self._pushed = self._pushed, pushed
+        if self._teleport_m is None:
+            return self._speed_m_s * seconds if pushed else 0.0
+        self.teleported = pushed and not before
+        return self._teleport_m if self.teleported else 0.0
 
     def _snap_rad(self, wish: Wish) -> float:
         """Return the snap turn to the left that begins now, or 0."""

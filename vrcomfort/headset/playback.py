@@ -131,6 +131,11 @@ class PlaybackHeadset:
         left, right = self._trace.eyes
         return float(np.linalg.norm(right.positions[0] - left.positions[0]))
 
+    @property
+    def trace_s(self) -> float:
+        """Return how long the trace is."""
+        return float(self._trace.time_ns[-1] - self._trace.time_ns[0]) / SECOND_NS
+
     def place(self, trace: Trace | None = None, *, spawn: Pose | None = None) -> None:
         """Put the participant elsewhere: the next `frames` start `trace` there.
 

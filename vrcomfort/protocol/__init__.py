@@ -4,6 +4,7 @@ from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, Motion
 from vrcomfort.protocol.load import load_protocol, parse_protocol
 from vrcomfort.protocol.model import Ask, Protocol, Ratings, Simulation, Unfocused
 from vrcomfort.protocol.order import Allocation, Covariate, Group, Order, Sequence, Trial
+from vrcomfort.protocol.views import View
 
 __all__ = [
     "Allocation",
@@ -21,6 +22,7 @@ __all__ = [
     "Simulation",
     "Trial",
     "Unfocused",
+    "View",
     "load_protocol",
     "parse_protocol",
 ]

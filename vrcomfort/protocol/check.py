@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, repeated, reserved
@@ -30,19 +31,30 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from group_problems(protocol)
     yield from _simulation(protocol)
     yield from _ratings(protocol)
+    yield from _locomotion(protocol)
     yield from _visibility(protocol)
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
     shipped = sorted(path.stem for path in data_folder("scenes").glob("*.glb"))
-    for index, scene in enumerate(protocol.scenes):
+    yield from view_problems(protocol, shipped)
+    views = [view.name for view in protocol.views]
+    named: list[tuple[Path, str, list[str]]] = [
+        (("scenes", index), scene, [*shipped, *views])
+        for index, scene in enumerate(protocol.scenes)
+        if scene not in views
+    ]
+    named += [
+        (("views", index, "scene"), view.scene, shipped)
+        for index, view in enumerate(protocol.views)
+    ]
+    for path, scene, known in named:
         if scene.endswith((".glb", ".gltf")):
             where = (protocol.file.parent / scene) if protocol.file else None
             if where is not None and not where.is_file():
-                yield Problem(("scenes", index), f"there is no scene file {where}")
-        elif scene not in shipped:
-            hint = did_you_mean(scene, shipped)
-            yield Problem(("scenes", index), f"there is no scene `{scene}`; {hint}")
+                yield Problem(path, f"there is no scene file {where}")
+        elif scene not in known:
+            yield Problem(path, f"there is no scene `{scene}`; {did_you_mean(scene, known)}")
 
 
 def _conditions(protocol: Protocol) -> list[str]:
@@ -54,6 +66,9 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     for name in effects.condition_effects:
         path: Path = ("simulation", "condition_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
+    for name in effects.task_effects:
+        path = ("simulation", "task_effects", name)
+        yield from _named_key(path, "condition", _conditions(protocol))
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 
@@ -64,10 +79,35 @@ def _named_key(path: Path, kind: str, known: Iterable[str]) -> Iterator[Problem]
 
 
 def _ratings(protocol: Protocol) -> Iterator[Problem]:
-    ratings = protocol.ratings
-    if ratings and ratings.every_s + ratings.timeout_s > protocol.exposure_s:
-        message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
-        yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
+    for index, ratings in enumerate(protocol.ratings):
+        path: Path = ("ratings", index)
+        if ratings.every_s + ratings.timeout_s > protocol.longest_s:
+            message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
+            yield Problem(path, f"{message}; shorten them, or remove [[ratings]]")
+        if ratings.jitter_s > ratings.every_s / 2:
+            message = "two questions could change places: `jitter_s` is more than half of `every_s`"
+            yield Problem((*path, "jitter_s"), f"{message}; make it smaller")
+        for key in sorted({"stop_in_a_row", "stop_ends"} & ratings.model_fields_set):
+            if ratings.stop_at is None:
+                message = f"`{key}` does nothing without `stop_at`; remove it or add that"
+                yield Problem((*path, key), message)
+    yield from repeated(("ratings",), [each.instrument for each in protocol.ratings])
+
+
+_NEEDS_MODE = {
+    "teleport_m": ("teleport",),
+    "walking_speed_m_s": ("walk",),
+    "snap_turn_deg": ("walk", "teleport"),
+}
+"""Keys of [locomotion] that do nothing in other modes."""
+
+
+def _locomotion(protocol: Protocol) -> Iterator[Problem]:
+    walks = protocol.locomotion
+    for key in sorted(walks.model_fields_set & _NEEDS_MODE.keys()):
+        if walks.mode not in _NEEDS_MODE[key]:
+            message = f'`{key}` does nothing with mode = "{walks.mode}"; remove it or change that'
+            yield Problem(("locomotion", key), message)
 
 
 def _visibility(protocol: Protocol) -> Iterator[Problem]:

@@ -6,18 +6,21 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
-from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
+from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.locate import locate
+from vrcomfort.settings.schema import or_one_table
+from vrcomfort.tasks import AnyTask, TaskSettings
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
@@ -55,11 +58,22 @@ class Visibility(Settings):
 class Locomotion(Settings):
     """How participants move through a scene."""
 
+    mode: Literal["walk", "teleport", "off"] = "walk"
+    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each time that
+    they are pushed, by `teleport_m` at once. `off`: controls neither move nor turn anybody. Along
+    the path of a view nobody walks."""
+    teleport_m: Annotated[float, Field(ge=0.1, le=100)] = 2.0
+    """How far a teleport goes; not through walls, and no higher than a step."""
     walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
     """Total speed, stairs included: climbing takes from the horizontal part."""
     snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
     """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
     it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
+
+    @property
+    def step_at_once_m(self) -> float | None:
+        """Return how far a teleport goes, None where nobody teleports."""
+        return self.teleport_m if self.mode == "teleport" else None
 
 
 class Ask(Settings):
@@ -87,10 +101,18 @@ class Ratings(Settings):
     """A shipped instrument with one question by name, or a TOML file of one."""
     every_s: Seconds = 60.0
     """From one question to the next."""
+    jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
+    """Each question comes up to so much sooner or later, drawn from the study's seed."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
+    missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
+    """What the column `missed` has then; 0 is an answer."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """An answer this high ends the exposure and the participant's study."""
+    """The stop rule: answers this high end what `stop_ends` says."""
+    stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
+    """So many of an exposure's answers, one after the other; missed ones do not count."""
+    stop_ends: Literal["exposure", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `study`: the participant's study."""
 
 
 class Simulation(Settings):
@@ -126,6 +148,14 @@ class Simulation(Settings):
     """Chance of withdrawing at any one question, per unit of sickness."""
     missed_rating: Probability = 0.05
     """Chance that a rating is missed."""
+    reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
+    """Median time in which they point at what a task wants; half of it, where they missed it."""
+    reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
+    """Standard deviation of the logarithm of that time."""
+    aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
+    """Spread of where they point, along each axis."""
+    task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
+    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 
 
 class Protocol(Settings):
@@ -140,7 +170,7 @@ class Protocol(Settings):
     participants: Annotated[int, Field(ge=1, le=10_000)] | None = None
     """Planned number of participants."""
     exposure_s: Annotated[float, Field(ge=0.001, le=14_400)]
-    """Up to four hours."""
+    """How long a trial is, up to four hours; views may have lengths of their own."""
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     break_s: Rest = 0.0
@@ -154,7 +184,9 @@ class Protocol(Settings):
     """While a menu of the headset's is in front, the participant sees the scene and cannot stop:
     `pause` counts no exposure then, `flag` counts it and flags the trial."""
     scenes: Annotated[tuple[str, ...], Field(min_length=1)]
-    """Shipped scenes by name, or .glb/.gltf files relative to the protocol file."""
+    """Shipped scenes by name, .glb/.gltf files relative to the protocol file, or names of views."""
+    views: tuple[View, ...] = ()
+    """Scenes from a place, along a path, or for a time of their own."""
     conditions: tuple[Condition, ...] = ()
     """Ways of rendering; or `factors`."""
     factors: tuple[Factor, ...] = ()
@@ -169,8 +201,13 @@ class Protocol(Settings):
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     """What is asked, and when."""
-    ratings: Ratings | None = None
-    """A question that is asked again and again during exposure."""
+    ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
+    """Questions that are asked again and again during exposure, one at a time: where two are due,
+    the second waits for the answer to the first."""
+    tasks: tuple[AnyTask, ...] = ()
+    """What participants do during an exposure (docs/tasks.md)."""
+    task: Word | None = None
+    """Name of the task of every exposure whose trial and condition name none."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()
@@ -180,9 +217,16 @@ class Protocol(Settings):
     simulation: Simulation = Simulation()
     """How simulated participants feel."""
 
+    @field_validator("ratings", mode="before")
+    @classmethod
+    def _one_table(cls, value: Any) -> Any:
+        """Take the single [ratings] table of earlier protocols."""
+        return (value,) if isinstance(value, dict) else value
+
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
+    _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
         """Return an instrument that this asks, by its name; loading made sure that it is there."""
@@ -193,6 +237,11 @@ class Protocol(Settings):
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or whole.language) or whole
         return replace(worded, items=worded.asked)
+
+    def task_of(self, trial: Trial) -> TaskSettings | None:
+        """Return what is done in a trial: what it names itself, its condition, or the protocol."""
+        name = trial.task or self.condition(trial.condition).task or self.task
+        return None if name in (None, NO_TASK) else self._tasks[name]
 
     @property
     def own_instruments(self) -> dict[str, str]:
@@ -221,7 +270,7 @@ class Protocol(Settings):
         return InputError(message, file=self._file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
-        """Return how long each exposure is shown: as the protocol says, or shortened.
+        """Return how long an exposure is shown at most: as the protocol says, or shortened.
 
         Raises
         ------
@@ -229,15 +278,29 @@ class Protocol(Settings):
             If `shortened_s` is longer, or no time: what people were told is never exceeded.
         """
         if shortened_s is None:
-            return self.exposure_s
-        if not 0 < shortened_s <= self.exposure_s:
+            return self.longest_s
+        if not 0 < shortened_s <= self.longest_s:
             raise InputError(
                 f"an exposure of {shortened_s:g} s cannot be shown: protocol {self.name} has "
-                f"exposures of {self.exposure_s:g} s, which can only be shortened; for longer ones "
+                f"exposures of {self.longest_s:g} s, which can only be shortened; for longer ones "
                 "change exposure_s in a copy of the protocol",
                 file=self._file,
             )
         return shortened_s
+
+    def length_s(self, scene: str) -> float:
+        """Return how long an exposure to a scene, or to a view, lasts."""
+        return self.view(scene).exposure_s or self.exposure_s
+
+    @property
+    def longest_s(self) -> float:
+        """Return the length of the longest exposure."""
+        return max(self.length_s(scene) for scene in self.scenes)
+
+    def view(self, scene: str) -> View:
+        """Return the view of that name; of a whole scene, one that changes nothing."""
+        named = (view for view in self.views if view.name == scene)
+        return next(named, View.model_construct(name=scene, scene=scene))
 
     def condition(self, name: str) -> Condition:
         """Return the condition called `name`; loading made sure that trials name real ones."""
@@ -249,5 +312,6 @@ class Protocol(Settings):
 
     def scene_source(self, scene: str) -> str:
         """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""
+        scene = self.view(scene).scene
         is_file = scene.endswith((".glb", ".gltf"))
         return str(self._file.parent / scene) if is_file and self._file is not None else scene

@@ -20,17 +20,19 @@ from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
+    OVER,
     EventRow,
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TrialRow,
     cell_text,
     csv_line,
 )
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
-_TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted")
+_TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted", "skipped")
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Interrupted:
     Parameters
     ----------
     done
-        Exposures that need not be shown again: up to the last one that was completed.
+        Exposures that need not be shown again: up to the last one that was completed or skipped.
     attempts
         trial → how often it was begun.
     session_s, xr_time_ns
@@ -52,7 +54,7 @@ class Interrupted:
     answered
         (trial or None, timepoint, instrument) → names of the items that have a row.
     last_trial
-        The trial that ended last, if it was not aborted; else None.
+        The trial that ended last, if it was not aborted or skipped; else None.
     ended_by
         What ended the participant's study in that trial: ``withdrawn`` or ``stopped``; else None.
     exposure_ended_s_ago
@@ -109,7 +111,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
         attempts[begun["trial"]] = begun["attempt"]
     last_trial, ended_by = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
-        done=max((row["trial"] for row in trials if row["status"] == "completed"), default=0),
+        done=max((row["trial"] for row in trials if row["status"] in OVER), default=0),
         attempts=attempts,
         session_s=end_s,
         xr_time_ns=frames.last_ns,
@@ -129,10 +131,15 @@ def _last_trial(
 ) -> tuple[int | None, str | None]:
     """Return the trial that ended last, and what ended the study in it.
 
-    None for one that was aborted, or whose withdrawal was undone: it is shown again.
+    None for one that was aborted, or whose withdrawal was undone (it is shown again), and for one
+    that an operator has skipped (nothing is owed to it).
     """
     last = trials[-1] if trials else None
-    if last is None or last["status"] == "aborted" or (last["trial"], last["attempt"]) in undone:
+    if (
+        last is None
+        or last["status"] in {"aborted", "skipped"}
+        or (last["trial"], last["attempt"]) in undone
+    ):
         return None, None
     if begun and (begun["trial"], begun["attempt"]) != (last["trial"], last["attempt"]):
         return None, None  # the next exposure had begun: nothing was owed to this one
@@ -202,7 +209,7 @@ def _checked_trials(
         if row["trial"] > done + 1:
             raise row.fault(f"trial {done + 1} was not completed before", "trial")
         seen.add(attempt)
-        done = max(done, row["trial"] if row["status"] == "completed" else 0)
+        done = max(done, row["trial"] if row["status"] in OVER else 0)
         yield row
 
 
@@ -245,6 +252,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         RatingRow: ("onset_s", "latency_s"),
         EventRow: ("onset_s", "duration_s"),
     }
+    if (folder / TaskRow.FILE).exists():
+        columns = {**columns, TaskRow: ("onset_s", "reaction_s")}
     for row_type, parts in columns.items():
         for row in _of(whose, read_rows(folder, row_type)):
             yield sum(row[part] or 0.0 for part in parts)

@@ -50,7 +50,7 @@ class Manifest:
     Parameters
     ----------
     exposure_s
-        What was shown: the protocol's, or the override.
+        How long an exposure was shown at most: the protocol's longest, or the override.
     clamps
         Every clamp that touched the stimulus, one sentence each.
     earlier_runs
@@ -114,7 +114,7 @@ class Manifest:
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol
-        overridden = self.exposure_s != protocol.exposure_s
+        overridden = self.exposure_s != protocol.longest_s
         return {
             "schema_version": SCHEMA_VERSION,
             "participant": self.participant,

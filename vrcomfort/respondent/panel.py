@@ -167,11 +167,13 @@ class PanelRespondent:
         instrument = form.instrument
         answers: list[int | None] = [None] * len(instrument.items)
         index = 0
-        while index < len(instrument.items):
-            index += self._question(instrument, index, answers, heard)
-        while (wrong := self._review(instrument, answers)) is not None:
-            self._question(instrument, wrong, answers, heard)
-        self._hide()
+        try:
+            while index < len(instrument.items):
+                index += self._question(instrument, index, answers, heard)
+            while (wrong := self._review(instrument, answers)) is not None:
+                self._question(instrument, wrong, answers, heard)
+        finally:  # an operator may end it anywhere
+            self._hide()
 
     def _question(
         self, instrument: Instrument, index: int, answers: list[int | None], heard: Heard

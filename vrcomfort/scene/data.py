@@ -6,6 +6,7 @@ Indices into the scene's lists are plain integers; `None` or -1 means "there is 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose, rotation_matrix
 from vrcomfort.scene.animation import Animation, sample_all
+from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.skinning import Bending, Skin, Skins, bent
 
 Float32: TypeAlias = NDArray[np.float32]
@@ -322,6 +324,12 @@ class Scene:
     walkable: tuple[WalkableArea, ...] = ()
     warnings: tuple[str, ...] = ()
     skins: tuple[Skin, ...] = ()
+    viewpoints: Mapping[str, Pose] = field(default_factory=dict)
+    """Other places to start from, as `spawn`, by name."""
+    paths: Mapping[str, CameraPath] = field(default_factory=dict)
+    """Ways along which a participant can be carried, by name."""
+    on_foot: bool = True
+    """False where controls do not move the participant, who is carried or stands."""
 
     @cached_property
     def all_skins(self) -> Skins:

@@ -15,6 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from vrcomfort.geometry import FARTHEST_M, Pose, axis_angle
+from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.scene.data import (
     Environment,
     Hand,
@@ -28,11 +29,13 @@ from vrcomfort.scene.data import (
 from vrcomfort.settings import (
     Problem,
     Settings,
+    Word,
     did_you_mean,
     first_problem,
     parse_settings,
     read_text,
 )
+from vrcomfort.settings.camera_path import PathPoints
 
 Finite = Annotated[float, Field(ge=-FARTHEST_M, le=FARTHEST_M)]
 Share = Annotated[float, Field(ge=0, le=1)]
@@ -97,6 +100,13 @@ class Spawn(Settings):
     """Point on the floor, metres."""
     yaw_deg: Finite = 0.0
     """Turned to the left from -Z."""
+
+
+class SceneryPath(Settings):
+    """A way along which a participant is carried."""
+
+    points: PathPoints
+    """Floor points with times."""
 
 
 class Ramp(Settings):
@@ -190,6 +200,10 @@ class SideCar(Settings):
     """Point lights."""
     spawn: Spawn | None = None
     """Where participants begin."""
+    viewpoints: dict[Word, Spawn] = Field(default_factory=dict)
+    """Other places to begin at, which views of protocols name."""
+    paths: dict[Word, SceneryPath] = Field(default_factory=dict)
+    """Ways along which participants are carried, which views of protocols name."""
     walkable: tuple[Walkable, ...] = ()
     """Pieces of floor."""
     nodes: dict[str, NodeSettings] = Field(default_factory=dict)
@@ -217,7 +231,15 @@ def apply_side_car(scene: Scene, stand_ins: dict[str, tuple[int, ...]], path: Pa
         spawn=_spawn(side_car.spawn) if side_car.spawn else scene.spawn,
         walkable=tuple(area.floor() for area in side_car.walkable) or scene.walkable,
         nodes=_nodes(scene.nodes, side_car.nodes, stand_ins),
+        viewpoints=_viewpoints(side_car),
+        paths=_paths(side_car),
     )
+
+
+def places_of(scene: Scene, path: Path) -> Scene:
+    """Return a scene, such as an empty one, with the places that a side-car names."""
+    side_car = read_side_car(path)
+    return replace(scene, viewpoints=_viewpoints(side_car), paths=_paths(side_car))
 
 
 def read_side_car(path: Path) -> SideCar:
@@ -297,6 +319,14 @@ def _rgb(color: Color) -> Rgb:
 
 def _spawn(spawn: Spawn) -> Pose:
     return Pose(np.array(spawn.position), axis_angle([0.0, 1.0, 0.0], np.radians(spawn.yaw_deg)))
+
+
+def _viewpoints(side_car: SideCar) -> dict[str, Pose]:
+    return {name: _spawn(place) for name, place in side_car.viewpoints.items()}
+
+
+def _paths(side_car: SideCar) -> dict[str, CameraPath]:
+    return {name: CameraPath(path.points) for name, path in side_car.paths.items()}
 
 
 def _nodes(

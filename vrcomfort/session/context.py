@@ -17,6 +17,7 @@ from vrcomfort.session.interfaces import (
     Watchdog,
 )
 from vrcomfort.session.panel_screen import PanelScreen
+from vrcomfort.session.steering import Steering
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +33,7 @@ class SessionContext:
     seed
         Of the study.
     exposure_s
-        How long an exposure is shown: the protocol's time, or less.
+        How long an exposure is shown at most: the protocol's longest, or less.
     screen
         Where questions are asked in the headset, None where they are asked elsewhere.
     ipd_measured_m
@@ -41,6 +42,8 @@ class SessionContext:
         When rows are safe from a power cut.
     watchdog
         Closes the records where the headset's runtime hangs.
+    steering
+        What operators want.
     """
 
     protocol: Protocol
@@ -60,8 +63,13 @@ class SessionContext:
     durability: Durability
     progress: ProgressCallback
     watchdog: Watchdog
+    steering: Steering
 
     @property
     def stretch(self) -> float:
-        """Return the protocol's seconds for each shown second."""
-        return self.protocol.exposure_s / self.exposure_s
+        """Return the protocol's seconds for each shown second of the longest exposure."""
+        return self.protocol.longest_s / self.exposure_s
+
+    def shown_s(self, scene: str) -> float:
+        """Return how long a trial is shown: as its scene or view says, or shortened."""
+        return min(self.protocol.length_s(scene), self.exposure_s)

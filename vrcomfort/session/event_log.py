@@ -39,9 +39,13 @@ class EventLog:
         if happened.name == "unfocused":
             self.tell("notice", TrialPlace(), 0, 0, happened.detail)
 
-    def event_soon(self, name: str, *, detail: str = "") -> None:
-        """Write a moment between two frames: nothing waits for the disk."""
-        self.recorder.write_soon(self._event(name, None, detail))
+    def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now, between two frames: nothing waits for the disk."""
+        self.recorder.write_soon(self._event(name, start_s, detail))
+
+    def now_s(self) -> float:
+        """Return the session clock."""
+        return self.context.clock.now_s()
 
     def _event(self, name: str, start_s: float | None, detail: str) -> EventRow:
         now_s = self.context.clock.now_s()

@@ -11,10 +11,13 @@ from typing import Literal
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
+from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
+from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -50,11 +53,14 @@ class Stimulus:
         0 in training.
     duration_s
         What is shown.
+    stretch
+        The protocol's seconds for each shown second.
     """
 
     trial: int
     condition: str
     duration_s: float
+    stretch: float = 1.0
 
 
 @dataclass
@@ -65,32 +71,42 @@ class FrameLoop:
     headset: Headset
     events: EventLog
     log: FrameLog
+    path: CameraPath | None = None
+    """Along which the participant is carried, from the beginning of training and exposure."""
     elapsed_s: float = 0.0
     """Seconds of the exposure that have been shown."""
+    felt_s: float = 0.0
+    """The same in the protocol's time."""
 
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
-        self._rating: tuple[Stimulus, RatingSchedule] | None = None
+        self._rating: tuple[Stimulus, RatingSchedules] | None = None
         self._cut_unseen = self._snap_unseen = False
+        self._was_paused = self._back_at_start = False
+        self._task: TaskRun | None = None
 
     def show(
         self,
         stimulus: Stimulus,
         *,
-        schedule: RatingSchedule | None = None,
+        schedule: RatingSchedules | None = None,
+        task: TaskRun | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
         """Show frames for `stimulus.duration_s`, as counted by their display times.
 
         Raises
         ------
-        Withdrew, StopRule
-            If the participant or a rating ends the exposure. Everything shown is logged.
+        Withdrew, StopRule, Skipped, Redone
+            If the participant, a rating or an operator ends the exposure. Everything shown is
+            logged.
         """
-        self.elapsed_s = 0.0
+        self.elapsed_s = self.felt_s = 0.0
+        self._back_at_start = self.path is not None
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
+        self._task = task
         try:
             with collector_at_rest():
                 return self._run(stimulus, schedule, progress)
@@ -101,37 +117,49 @@ class FrameLoop:
                 self.log.finish(renderer.drain(), self._late_times(), hashes)
             finally:  # a disk that refuses a frame may yet take a rating
                 self._close_rating()
+                self._finish_task()
 
     def abandon(self) -> None:
         """Write all rows that wait, from another thread, while the loop's own hangs."""
         self.log.finish()
         self._close_rating()
+        self._finish_task()
+
+    def _finish_task(self) -> None:
+        task, self._task = self._task, None
+        if task is not None:
+            task.finish()
 
     def _close_rating(self) -> None:
         open_rating, self._rating = self._rating, None
         if open_rating is not None and (rated := open_rating[1].close()):
-            self._record(*open_rating, rated)
+            self._record(open_rating[0], *rated)
 
     def _run(
         self,
         stimulus: Stimulus,
-        schedule: RatingSchedule | None,
+        schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
-        for frame in self._frames:
+        for unsteered in self._frames:
             self._note_events()
+            frame = self._steered(unsteered)
             if not self._counts(frame, stimulus):
                 shown_ns += 0 if before is None else frame.period_ns  # the last one that counted
                 before = None
-                self.context.respondent.endure(self.elapsed_s * self.context.stretch)
+                self.context.respondent.endure(self.felt_s)
                 continue
             passed_ns = 0 if before is None else seen_between_ns(before, frame)
             shown_ns += passed_ns
             before_s, before = self.elapsed_s, frame
             self.elapsed_s = shown_ns / 1e9
+            self.felt_s = self.elapsed_s * stimulus.stretch
             self.context.clock.advance(self.elapsed_s - before_s)
-            self._draw(frame, stimulus)
+            shown = self._carried(frame)
+            if self._task is not None:
+                self._task.step(shown, self.headset, self.elapsed_s, self._scene_time_s(frame))
+            self._draw(shown, stimulus)
             if schedule and (passed_ns - frame.period_ns) / 1e9 > FREEZE_S:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
@@ -140,6 +168,7 @@ class FrameLoop:
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
                 self.elapsed_s = stimulus.duration_s
+                self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
 
@@ -148,11 +177,26 @@ class FrameLoop:
         if frame.paused:  # nobody sees it
             self.headset.submit(frame, None)
             self.log.add_hidden(frame)
+            self.context.steering.desk.see(frame, None, self.log.timing)
             return False
         if frame.unfocused and self.context.protocol.unfocused == "pause":
-            self._draw(frame, stimulus)
+            self._draw(self._carried(frame), stimulus)
             return False
         return True
+
+    def _steered(self, frame: Frame) -> Frame:
+        """Hear the operators; return the frame as it is to be shown: to nobody while paused."""
+        steering, period_s = self.context.steering, frame.period_ns / 1e9
+        try:
+            steering.look()
+        except (Skipped, Redone):
+            self.context.clock.advance(period_s)  # the last frame was seen for its period
+            raise
+        was_paused, self._was_paused = self._was_paused, steering.paused
+        if steering.paused:
+            self.context.clock.advance(period_s)
+            return replace(frame, paused=True)
+        return replace(frame, discontinuity=True) if was_paused else frame
 
     def _late_times(self) -> Sequence[GpuTime]:
         return self.context.renderer.drain_times() if self.log.times_gpu else ()
@@ -161,10 +205,14 @@ class FrameLoop:
         for event in self.headset.take_events():
             self.events.note(event)
 
-    def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
+    def _scene_time_s(self, frame: Frame) -> float:
+        """Return the time of the scene's animations, which begins with its first frame."""
         if self._scene_start_ns is None:
             self._scene_start_ns = frame.predicted_display_time_ns
-        scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
+        return (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
+
+    def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
+        scene_time_s = self._scene_time_s(frame)
         rendered = None
         if frame.should_render:
             rendered = self.context.renderer.render(self._with_unseen_jumps(frame), scene_time_s)
@@ -173,6 +221,15 @@ class FrameLoop:
             self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+        self.context.steering.desk.see(frame, rendered, self.log.timing)
+
+    def _carried(self, frame: Frame) -> Frame:
+        """Return a frame where the path has taken the participant, by shown time."""
+        if self.path is None:
+            return frame
+        jump, self._back_at_start = self._back_at_start, False
+        avatar = self.path.moved(self.elapsed_s) @ frame.avatar_pose
+        return replace(frame, avatar_pose=avatar, discontinuity=frame.discontinuity or jump)
 
     def _with_unseen_jumps(self, frame: Frame) -> Frame:
         """Tell the renderer of jumps in frames that the runtime did not want drawn."""
@@ -186,18 +243,16 @@ class FrameLoop:
             snap_turn=frame.snap_turn or snap,
         )
 
-    def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
-        felt_s = self.elapsed_s * self.context.stretch
-        self.context.respondent.endure(felt_s)
-        if schedule and (rated := schedule.update(felt_s, self.context.clock.now_s())):
-            self._record(stimulus, schedule, rated)
-            schedule.check(rated)
+    def _listen(self, stimulus: Stimulus, schedule: RatingSchedules | None) -> None:
+        self.context.respondent.endure(self.felt_s)
+        if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
+            self._record(stimulus, *rated)
+            rated[0].check(rated[1])
 
-    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
-        stretch, now_s = self.context.stretch, self.context.clock.now_s()
-        felt_s = self.elapsed_s * stretch
-        for missed in schedule.missed_while_frozen(felt_s, now_s, stretch):
-            self._record(stimulus, schedule, missed)
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedules) -> None:
+        now_s = self.context.clock.now_s()
+        for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
+            self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
         self.events.recorder.write_soon(
@@ -210,6 +265,7 @@ class FrameLoop:
                 latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,
                 response=rated.response,
-                missed=int(rated.response is None),
+                missed=schedule.missed_code if rated.response is None else 0,
             )
         )
+        self.context.steering.desk.rated(self.felt_s, rated.response)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -16,11 +18,14 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Step
+from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
-from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of
+from vrcomfort.session.standing import stand
+from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
@@ -37,6 +42,8 @@ class _Ending:
     start_s: float
     status: str = "aborted"
     abort_code: str | None = "error"
+    reason: Withdrew | StopRule | None = None
+    """Why the participant's study ends with it."""
 
     @property
     def ended_the_study(self) -> bool:
@@ -72,7 +79,10 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._steering = context.steering
+        self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
+        self._task: TaskRun | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -84,6 +94,7 @@ class SessionFlow:
         """
         self._begin()
         try:
+            self._steering.await_start()
             self._everything()
         except (Withdrew, StopRule) as reason:
             self._manifest.close("withdrawn")  # first: whatever fails now, it is known
@@ -118,6 +129,10 @@ class SessionFlow:
             self._events.event("session_start")
         self._respondent.start_session(self._events.session)
         self._manifest.open()
+        self._steering.attach(self._events, self._context.screen)
+        shown = tuple((place.scene, place.condition or "") for place in self._places)
+        name, who = self._context.sequence.name, self._context.participant
+        self._steering.desk.open(SessionOrder(who, self._events.session, name, shown))
 
     def _everything(self) -> None:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
@@ -166,28 +181,59 @@ class SessionFlow:
             if ask.wait_s:
                 self._rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
-            interview.hold(after_withdrawal=after_withdrawal)
+            self._missed(interview.hold(after_withdrawal=after_withdrawal))
 
     def _rest(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
         clock = self._context.clock
         start_s = clock.now_s()
+        paused_s = 0.0
+        self._steering.begin("rest", f"rest of {duration_s:g} s")
         try:
-            while (left_s := duration_s - (clock.now_s() - start_s)) > 1e-6:
+            while (left_s := duration_s - (clock.now_s() - start_s - paused_s)) > 1e-6:
                 self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
-                if not self._respondent.resting(left_s):
-                    clock.wait(min(left_s, REST_SLICE_S))
+                paused_s += self._rest_a_moment(left_s)
             self._respondent.rest(duration_s)
+        except Skipped:
+            self._respondent.rest(clock.now_s() - start_s)
         finally:
             self._events.event("rest", start_s)
 
+    def _rest_a_moment(self, left_s: float) -> float:
+        """Let a slice of a rest pass; return how much of it was paused."""
+        clock = self._context.clock
+        self._steering.look()
+        before_s, paused = clock.now_s(), self._steering.paused
+        if not self._respondent.resting(left_s):
+            clock.wait(min(left_s, REST_SLICE_S))
+        return clock.now_s() - before_s if paused else 0.0
+
     def _trial(self, place: TrialPlace) -> None:
-        """Expose, write the trial's row whatever happens, and ask how it was."""
+        """Expose, again where an operator wants it so, and ask how it was."""
+        while (ending := self._attempt(place)).abort_code == "redone":
+            self._redone[place.trial or 0] += 1
+        if ending.status != "skipped":
+            self._ask_about(place, ending.reason)
+
+    def _ask_about(self, place: TrialPlace, reason: Withdrew | StopRule | None) -> None:
+        """Ask how an exposure was; raise the reason if the participant's study ends with it."""
+        if reason is None:
+            self._ask("after_trial", place)
+            return
+        self._events.event("exposure_stopped", detail=str(reason))
+        try:
+            self._ask("after_trial", place, after_withdrawal=True)
+        except Withdrew as refusal:
+            self._events.event("questionnaire_refused", detail=str(refusal))
+        raise reason
+
+    def _attempt(self, place: TrialPlace) -> _Ending:
+        """Expose, and write the trial's row whatever happens."""
         ending = _Ending(self._context.clock.now_s())
         self._log.start_trial()
         self._open_trial = place, ending, None
         try:
-            reason = self._expose(place, ending)
+            ending.reason = self._expose(place, ending)
         except KeyboardInterrupt:
             ending.abort_code = ending.abort_code if ending.ended_the_study else "operator"
             raise
@@ -201,22 +247,14 @@ class SessionFlow:
         self._manifest.end_exposure(place.trial or 0)
         if ending.abort_code == "headset_ended":
             raise headset_ended("in the middle of an exposure")
-        if reason is None:
-            self._ask("after_trial", place)
-            return
-        self._events.event("exposure_stopped", detail=str(reason))
-        try:
-            self._ask("after_trial", place, after_withdrawal=True)
-        except Withdrew as refusal:
-            self._events.event("questionnaire_refused", detail=str(refusal))
-        raise reason
+        return ending
 
     def _expose(self, place: TrialPlace, ending: _Ending) -> Withdrew | StopRule | None:
         """Show a trial; return the reason if the participant's study ends with it."""
         loop = self._enter(place)
         self._open_trial = place, ending, loop
         try:
-            if place.trial == 1:
+            if place.trial == 1 and not self._redone[1]:
                 self._train(loop, place, ending)
             ending.start_s = self._context.clock.now_s()
             self._manifest.begin_exposure(**self._identity(place, ending.start_s))
@@ -225,14 +263,24 @@ class SessionFlow:
             ending.status, ending.abort_code = "withdrawn", "participant"
             return reason
         except StopRule as reason:
+            if reason.ends == "exposure":
+                ending.status, ending.abort_code = "completed", "rating"
+                self._events.event("exposure_ended", detail=str(reason))
+                return None
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
+        except Skipped:
+            ending.status, ending.abort_code = "skipped", "operator"
+            return None
+        except Redone:
+            ending.abort_code = "redone"
+            return None
         except BaseException as error:
             if (how := _ended_by(error)) is not None:  # and then something failed
                 ending.status, ending.abort_code = how
             raise
         finally:
-            self._respondent.end_exposure(loop.elapsed_s * self._context.stretch)
+            self._respondent.end_exposure(loop.felt_s)
         if result == "completed":
             ending.status, ending.abort_code = "completed", None
         else:
@@ -243,52 +291,97 @@ class SessionFlow:
         context, protocol = self._context, self._context.protocol
         if context.screen is not None:
             context.screen.show_loading()
-        scene = context.load_scene(protocol.scene_source(place.scene))
-        headset = context.headset_for(place.scene, scene)
+        scene, view = (
+            context.load_scene(protocol.scene_source(place.scene)),
+            protocol.view(place.scene),
+        )
+        standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
+        headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
+        self._steering.use(headset)
         condition = protocol.condition(place.condition or "")
-        context.renderer.begin(scene, condition)
+        self._task = self._task_in(place, standing.scene)
+        context.renderer.begin(self._task.drawn if self._task else scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
-        return FrameLoop(context, headset, self._events, self._log)
+        return FrameLoop(context, headset, self._events, self._log, standing.path)
+
+    def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
+        """Return what is done in a trial, ready to begin."""
+        number = place.trial or 0
+        trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
+        settings = self._context.protocol.task_of(trial)
+        if settings is None:
+            return None
+        known = self._identity(place, 0.0)
+        return TaskRun(
+            self._context,
+            self._events,
+            place,
+            settings,
+            scene,
+            attempt=known["attempt"],
+            resumed=bool(known["resumed"]),
+        )
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
         duration_s = self._context.protocol.training_s / self._context.stretch
         if not duration_s:
             return
+        while self._train_once(loop, place, ending, duration_s):
+            pass
+
+    def _train_once(
+        self, loop: FrameLoop, place: TrialPlace, ending: _Ending, duration_s: float
+    ) -> bool:
+        """Show the first scene; return whether an operator wants it once more."""
         start_s = self._context.clock.now_s()
-        stimulus = Stimulus(0, place.condition or "", duration_s)
+        self._steering.begin("training", f"training in {place.scene}")
+        stimulus = Stimulus(0, place.condition or "", duration_s, self._context.stretch)
         try:
             loop.show(stimulus, progress=self._watch("training", place, duration_s))
+        except (Redone, Skipped) as wish:
+            return isinstance(wish, Redone)
         finally:
             self._log.start_trial()  # its frames are not the exposure's
             ending.start_s = self._context.clock.now_s()
             self._events.event("training", start_s, detail=_shown(place))
+        return False
 
     def _show(self, loop: FrameLoop, place: TrialPlace) -> str:
         protocol, number = self._context.protocol, place.trial or 0
-        condition, full_s = place.condition or "", protocol.exposure_s
+        condition, full_s = place.condition or "", protocol.length_s(place.scene)
+        shown_s = self._context.shown_s(place.scene)
         self._respondent.start_exposure(
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
-        ratings = protocol.ratings
-        schedule = (
-            RatingSchedule(
-                ratings, protocol.instrument(ratings.instrument), self._respondent, full_s
-            )
-            if ratings
-            else None
-        )
+        schedule = self._ratings(number, full_s)
         start_s = self._context.clock.now_s()
+        attempt = self._attempts_before(number) + 1
+        words = f"exposure {number} of {len(self._places)}, attempt {attempt}: {_shown(place)}"
+        self._steering.begin("exposure", words)
         try:
             return loop.show(
-                Stimulus(number, condition, self._context.exposure_s),
+                Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
-                progress=self._watch("exposure", place, self._context.exposure_s),
+                task=self._task,
+                progress=self._watch("exposure", place, shown_s),
             )
         finally:
             self._events.event("exposure", start_s, detail=_shown(place))
             self._note_clamps(place)
+
+    def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
+        """Return when what is asked during an exposure; times that were drawn are an event."""
+        context = self._context
+        if not context.protocol.ratings:
+            return None
+        person = int.from_bytes(hashlib.sha256(context.participant.encode()).digest()[:4])
+        key = context.seed, person, self._events.session, number
+        schedules = schedules_of(context.protocol, self._respondent, full_s, *key)
+        if any(each.jitter_s for each in context.protocol.ratings):
+            self._events.event("ratings_planned", detail=schedules.planned)
+        return schedules
 
     def _note_clamps(self, place: TrialPlace) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
@@ -301,7 +394,6 @@ class SessionFlow:
 
     def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:
         """Return what is known of a trial's row when the exposure begins."""
-        before = self._interrupted.attempts if self._interrupted else {}
         return {
             "participant": self._context.participant,
             "session": self._events.session,
@@ -311,9 +403,14 @@ class SessionFlow:
             "condition": place.condition or "",
             "scene": place.scene,
             "start_s": start_s,
-            "attempt": before.get(place.trial or 0, 0) + 1,
+            "attempt": self._attempts_before(place.trial or 0) + 1,
             "resumed": int(self._interrupted is not None),
         }
+
+    def _attempts_before(self, trial: int) -> int:
+        """Return how often a trial was begun, but for the attempt under way."""
+        before = self._interrupted.attempts if self._interrupted else {}
+        return before.get(trial, 0) + self._redone[trial]
 
     def _write_trial(self, place: TrialPlace, ending: _Ending) -> None:
         trial = TrialRow(
@@ -347,7 +444,7 @@ def _ended_by(error: BaseException) -> tuple[str, str] | None:
     while reason is not None:
         if isinstance(reason, Withdrew):
             return "withdrawn", "participant"
-        if isinstance(reason, StopRule):
+        if isinstance(reason, StopRule) and reason.ends == "study":
             return "stopped", "rating"
         reason = reason.__context__
     return None

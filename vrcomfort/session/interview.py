@@ -8,6 +8,7 @@ from vrcomfort.records import QuestionnaireRow
 from vrcomfort.respondent import Form
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.steering import Redone, Skipped
 
 
 class Interview:
@@ -39,17 +40,43 @@ class Interview:
         self._order = {item.name: n for n, item in enumerate(whole.items, start=1)}
         self._rows: dict[str, QuestionnaireRow] = {}
 
-    def hold(self, *, after_withdrawal: bool) -> None:
-        """Let the respondent answer.
+    def hold(self, *, after_withdrawal: bool) -> list[str]:
+        """Let the respondent answer, again where an operator wants it so.
+
+        Returns
+        -------
+        list of str
+            A sentence about the items that an operator has skipped; none where all were asked.
 
         Raises
         ------
         Withdrew
             If the participant stops at a question.
         """
-        self._tell()
         form = Form(self._instrument, self._ask.timepoint, after_withdrawal)
-        self._context.respondent.ask(form, self._heard)
+        while True:
+            words = f"questionnaire {self._ask.instrument} ({self._ask.timepoint})"
+            self._context.steering.begin("questionnaire", words)
+            self._tell()
+            try:
+                self._context.respondent.ask(form, self._heard)
+            except Redone:
+                continue
+            except Skipped:
+                return self._skipped()
+            return []
+
+    def _skipped(self) -> list[str]:
+        names = [item.name for item in self._instrument.items if item.name not in self._rows]
+        if not names:
+            return []
+        ask, trial = self._ask, self._place.trial
+        detail = f"{ask.timepoint} {ask.instrument}: {', '.join(names)}"
+        self._events.event("questionnaire_skipped", detail=detail)
+        whole = len(self._order)
+        of = f"of trial {trial}" if trial else "of the session"
+        what = f"{len(names)} of {whole} items of {ask.instrument} ({ask.timepoint}) {of}"
+        return [f"{what} are missed: skipped by an operator"]
 
     def _heard(self, item: str, response: int | None, took_s: float) -> None:
         self._context.clock.advance(took_s)
@@ -65,6 +92,7 @@ class Interview:
         detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
         self._events.event("answer", detail=detail)
         self._tell()
+        self._context.steering.look()
 
     def _row(
         self, item: str, response: int | None, answered_s: float, asked_s: float

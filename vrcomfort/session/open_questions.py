@@ -41,7 +41,7 @@ class OpenQuestions:
             if not form.items:
                 continue
             if (reason := self._too_late(ask)) is None:
-                self._go_on(ask, place, form, after_withdrawal=after_withdrawal)
+                missed += self._go_on(ask, place, form, after_withdrawal=after_withdrawal)
             else:
                 missed.append(self._miss(ask, form, place, reason))
         return missed
@@ -70,7 +70,7 @@ class OpenQuestions:
 
     def _go_on(
         self, ask: Ask, place: TrialPlace, form: Instrument, *, after_withdrawal: bool
-    ) -> None:
+    ) -> list[str]:
         whole = len(self.context.protocol.form(ask).items)
         what = f"{ask.timepoint} {ask.instrument}: {len(form.items)} of {whole} items were open"
         gap = f"{self._gap_s:.0f} s after the exposure"
@@ -78,7 +78,7 @@ class OpenQuestions:
         if len(form.items) == whole and (left_s := ask.wait_s - (self._gap_s or 0.0)) > 0:
             self.rest(left_s)
         interview = Interview(self.context, self.events, ask, place, form)
-        interview.hold(after_withdrawal=after_withdrawal)
+        return interview.hold(after_withdrawal=after_withdrawal)
 
     def _miss(self, ask: Ask, form: Instrument, place: TrialPlace, reason: str) -> str:
         names = ", ".join(item.name for item in form.items)

@@ -78,6 +78,8 @@ class PanelScreen:
     ----------
     notice
         Called with what happens to the headset while a question is open; None leaves it to others.
+    each_frame
+        Called before each frame that passes while a question is open.
     """
 
     def __init__(self, headset: PanelHeadset) -> None:
@@ -86,7 +88,9 @@ class PanelScreen:
         self._panel: Panel | None = None
         self._picture: Picture | None = None
         self._hand = 1
+        self._resting: Picture | None = None
         self.notice: Callable[[HeadsetEvent], None] | None = None
+        self.each_frame: Callable[[], None] = lambda: None
 
     @property
     def quad(self) -> Quad | None:
@@ -98,8 +102,16 @@ class PanelScreen:
         """Return whether a question is open that the session waits for."""
         return self._frames is not None
 
+    def rest_on(self, words: str | None) -> None:
+        """Show words wherever nothing else is shown, or no longer."""
+        nothing_else = self._picture is self._resting
+        self._resting = None if words is None else words_picture(words)
+        if nothing_else:
+            self.show(None)
+
     def show(self, picture: Picture | None) -> None:
         """Show a picture, or take the panel away."""
+        picture = self._resting if picture is None else picture
         self._picture = picture
         if picture is not None:
             if self._panel is None:
@@ -162,8 +174,9 @@ class PanelScreen:
         Raises
         ------
         RuntimeLostError
-            If the headset ends the session while a question is open.
+            If the headset ends the session while a question is open. And what `each_frame` raises.
         """
+        self.each_frame()
         self._pass_frame()
 
     def _pass_frame(self) -> Frame:
@@ -209,7 +222,12 @@ def before(head: Pose) -> Quad:
     return Quad(place, (WIDTH_M, WIDTH_M * SIZE_PX[1] / SIZE_PX[0]))
 
 
-@lru_cache(maxsize=1)
 def loading_picture() -> Picture:
     """Return what stands there while a scene is loaded and its shaders are compiled."""
-    return Painter().draw(Page("", "Loading …", ()), None)
+    return words_picture("Loading …")
+
+
+@lru_cache(maxsize=4)
+def words_picture(words: str) -> Picture:
+    """Return a panel with nothing but words on it."""
+    return Painter().draw(Page("", words, ()), None)

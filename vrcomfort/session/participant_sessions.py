@@ -80,7 +80,8 @@ class ParticipantSessions:
             set_status(study, participant, "withdrawn", f"session {ran[-1]}: {note}")
             return self._outcome(status, ran, note)
         if status == "aborted":
-            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted")
+            why = "" if note == STOPPED else f": {note}"
+            set_status(study, participant, "enrolled", f"session {ran[-1]} aborted{why}")
             return self._outcome(status, ran, note)
         complete = completed_sessions(study, participant)
         all_done = len(complete) == len(self.context.sequence.sessions)
@@ -106,6 +107,7 @@ class ParticipantSessions:
             events = EventLog(context, number, recorder)
             if context.screen is not None:
                 context.screen.notice = events.note
+                context.screen.each_frame = context.steering.look
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder, access)
             try:
@@ -187,8 +189,8 @@ def _kept(
     try:
         status, note = flow.run()
         recorder.sync()  # first: a session that is completed has all of its rows
-    except KeyboardInterrupt:
-        status, note = ("withdrawn", "") if writer.withdrawn else ("aborted", STOPPED)
+    except KeyboardInterrupt as stop:
+        status, note = ("withdrawn", "") if writer.withdrawn else ("aborted", str(stop) or STOPPED)
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
             writer.close("withdrawn" if writer.withdrawn else "aborted")

@@ -10,6 +10,7 @@ from vrcomfort.session.enrolment import Enrolment
 from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
+    NoDesk,
     NoWatchdog,
     ProgressCallback,
     Renderer,
@@ -18,6 +19,7 @@ from vrcomfort.session.interfaces import (
 from vrcomfort.session.interfaces import silent as no_progress
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
+from vrcomfort.session.steering import Steering
 
 
 def run(
@@ -33,6 +35,7 @@ def run(
     ipd_measured_m: float | None = None,
     durability: Durability = "each_row",
     watchdog: Watchdog | None = None,
+    steering: Steering | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
     """Run the sessions that an enrolment has chosen.
@@ -51,6 +54,8 @@ def run(
         When rows are safe from a power cut; "session_end" is for what can be simulated again.
     watchdog
         Closes the records where the headset's runtime hangs.
+    steering
+        Hears the operators; without it, nobody steers but by Ctrl-C.
 
     Returns
     -------
@@ -83,6 +88,7 @@ def run(
         durability=durability,
         progress=progress,
         watchdog=watchdog or NoWatchdog(),
+        steering=steering or Steering(NoDesk()),
     )
     enrolment.interrupted.check_memory(respondent)  # before anything is written
     interrupted = enrolment.interrupted.take_up(context.sequence)

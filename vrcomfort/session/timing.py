@@ -134,6 +134,11 @@ class TrialTiming:
     gpu: Durations = field(default_factory=Durations)
 
     @property
+    def frozen_so_far_s(self) -> float:
+        """Return for how long the picture stood still."""
+        return self.seen.frozen_s
+
+    @property
     def dropped_percent(self) -> float | None:
         """Return the share of dropped frames, None without frames."""
         return round(100 * self.dropped / self.frames, 2) if self.frames else None

@@ -62,7 +62,7 @@ def _check_order(row: RecordedRow, frames: Frames, found: Verified) -> None:
 
 
 def _attempt(row: RecordedRow, attempts: Sequence[RecordedRow]) -> tuple[int, int] | None:
-    for each in attempts:
+    for each in reversed(attempts):  # one that was redone ends when the next begins
         if each["start_s"] - _EPSILON_S <= row["session_s"] <= each["end_s"] + _EPSILON_S:
             return each["trial"], each["attempt"]
     return None

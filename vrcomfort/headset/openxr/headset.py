@@ -71,7 +71,11 @@ class OpenXrHeadset:
         self._events: list[HeadsetEvent] = []
         self._xr = Connection(ctx, settings, mirror, self._events.append)
         self._panels = Panels(self._xr.panel_canvas)
-        walks = Locomotion(settings.walking_speed_m_s, snap_turn_deg=settings.snap_turn_deg)
+        walks = Locomotion(
+            settings.walking_speed_m_s,
+            snap_turn_deg=settings.snap_turn_deg,
+            teleport_m=settings.teleport_m,
+        )
         self._where = ParticipantPose(self._xr, walks, self._events.append, self._panels.relocate)
         self._presence = Presence(self._xr.lifecycle, settings.patience_s, self._events.append)
         self._wait_frame = native("xrWaitFrame")
@@ -207,9 +211,12 @@ class OpenXrHeadset:
         """Put the pointer there, in front of all panels, or take it away."""
         self._panels.point(quad)
 
-    def place(self, *, spawn: Pose, floors: Floors | None = None) -> None:
-        """Put the floor point and heading of the participant on `spawn`, next frame."""
-        self._where.send(spawn, floors or Floors())
+    def place(self, *, spawn: Pose, floors: Floors | None = None, on_foot: bool = True) -> None:
+        """Put the floor point and heading of the participant on `spawn`, next frame.
+
+        Where nobody is `on_foot`, thumb-sticks neither move nor turn them.
+        """
+        self._where.send(spawn, floors or Floors(), on_foot=on_foot)
 
     def recenter(self) -> None:
         """Make the floor point and heading of the head the stage's origin; nothing else moves."""

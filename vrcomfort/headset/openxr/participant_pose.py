@@ -53,9 +53,9 @@ class ParticipantPose:
         """Return world-from-stage."""
         return self._locomotion.avatar
 
-    def send(self, spawn: Pose, floors: Floors) -> None:
+    def send(self, spawn: Pose, floors: Floors, *, on_foot: bool = True) -> None:
         """Choose where the participant will be with the next frame, and where they walk there."""
-        self._locomotion.send(spawn=spawn, floors=floors)
+        self._locomotion.send(spawn=spawn, floors=floors, on_foot=on_foot)
 
     def update(self, time_ns: int) -> bool:
         """Locate the participant at `time_ns`; return True where poses jump."""
@@ -95,6 +95,7 @@ class ParticipantPose:
         if in_scene:
             head = self.tracking.head
             self.snap_turned = self._locomotion.step(head, wish_of(inputs), passed_s)
+            return self._locomotion.teleported
         return False
 
     def recenter(self) -> None:

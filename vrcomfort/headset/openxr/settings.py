@@ -34,6 +34,8 @@ class OpenXrSettings:
         Total speed of walking by thumb-stick.
     snap_turn_deg
         By which the other thumb-stick turns at once; None turns smoothly.
+    teleport_m
+        How far a push of the first thumb-stick goes at once; None walks.
     """
 
     application: str = "vrcomfort"
@@ -46,3 +48,4 @@ class OpenXrSettings:
     patience_s: float = 600.0
     walking_speed_m_s: float = WALKING_SPEED_M_S
     snap_turn_deg: float | None = None
+    teleport_m: float | None = None

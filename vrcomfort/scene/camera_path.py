@@ -1,0 +1,100 @@
+"""Where a participant is carried, and when: a smooth way through timed floor points."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from vrcomfort.geometry import Array, Pose, axis_angle
+from vrcomfort.settings.camera_path import PathPoint
+
+_SAME_PLACE_M = 1e-9
+
+
+class CameraPath:
+    """A way through floor points that reaches each at its time.
+
+    Positions and headings are monotone cubic interpolants (Fritsch & Butland 1984): speed has no
+    jumps, and between two points nothing lies outside the box that they span, so that a path that
+    its points keep in a room stays in it. Headings turn the shorter way round.
+
+    Parameters
+    ----------
+    points
+        At least two, times rising from 0.
+    """
+
+    def __init__(self, points: Sequence[PathPoint]) -> None:
+        self._times_s = np.array([point.time_s for point in points])
+        positions = np.array([point.position for point in points])
+        self._knots = np.column_stack([positions, np.unwrap(_yaws_rad(points, positions))])
+        self._slopes = _monotone_slopes(self._times_s, self._knots)
+
+    @property
+    def duration_s(self) -> float:
+        """Return when the last point is reached."""
+        return float(self._times_s[-1])
+
+    def pose(self, time_s: float) -> Pose:
+        """Return world-from-floor at a time: before the first and after the last it stands."""
+        x, y, z, yaw_rad = self._values(np.array([time_s]))[0]
+        return Pose(np.array([x, y, z]), axis_angle([0.0, 1.0, 0.0], float(yaw_rad)))
+
+    def moved(self, time_s: float) -> Pose:
+        """Return what takes the pose at time 0 to that at a time."""
+        return self.pose(time_s) @ self.pose(0.0).inverse()
+
+    def positions(self, times_s: Array) -> Array:
+        """Return the (n, 3) floor points at (n,) times."""
+        return self._values(times_s)[:, :3]
+
+    def _values(self, times_s: Array) -> Array:
+        """Return (n, 4) x, y, z and yaw: cubic Hermite between points."""
+        knots_s = self._times_s
+        times_s = np.clip(times_s, 0.0, self.duration_s)
+        left = np.clip(np.searchsorted(knots_s, times_s, side="right") - 1, 0, len(knots_s) - 2)
+        step_s = (knots_s[left + 1] - knots_s[left])[:, None]
+        u = (times_s - knots_s[left])[:, None] / step_s
+        near, far = self._knots[left], self._knots[left + 1]
+        leave, arrive = self._slopes[left] * step_s, self._slopes[left + 1] * step_s
+        found: Array = near + u * (
+            leave
+            + u * (3 * (far - near) - 2 * leave - arrive)
+            + u**2 * (2 * (near - far) + leave + arrive)
+        )
+        return found
+
+
+def _monotone_slopes(times_s: Array, values: Array) -> Array:
+    """Return (n, k) slopes at the points: 0 where a value turns back, else a harmonic mean.
+
+    Fritsch & Butland (1984), SIAM J. Sci. Stat. Comput. 5, Eq. 5; at both ends the straight way.
+    """
+    steps = np.diff(times_s)[:, None]
+    ways = np.diff(values, axis=0) / steps
+    before, after = ways[:-1], ways[1:]
+    first, second = steps[:-1] + 2 * steps[1:], 2 * steps[:-1] + steps[1:]
+    goes_on = before * after > 0
+    safe_before, safe_after = np.where(goes_on, before, 1.0), np.where(goes_on, after, 1.0)
+    mean = (first + second) / (first / safe_before + second / safe_after)
+    return np.vstack([ways[:1], np.where(goes_on, mean, 0.0), ways[-1:]])
+
+
+def _yaws_rad(points: Sequence[PathPoint], positions: Array) -> Array:
+    """Return the (n,) headings: those written, else towards the next point that is elsewhere."""
+    ahead_rad: list[float] = []
+    last_rad = 0.0
+    for before, after in pairwise(positions):
+        way = after - before
+        if np.hypot(way[0], way[2]) > _SAME_PLACE_M:
+            last_rad = float(np.arctan2(-way[0], -way[2]))
+        ahead_rad.append(last_rad)
+    ahead_rad.append(last_rad)
+    return np.array(
+        [
+            ahead if point.yaw_deg is None else np.radians(point.yaw_deg)
+            for point, ahead in zip(points, ahead_rad, strict=True)
+        ]
+    )

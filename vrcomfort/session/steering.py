@@ -1,0 +1,272 @@
+"""What an operator may ask of a running session, and what comes of it.
+
+A wish names the step that it was meant for: what was meant for a step that is over is refused. All
+that was asked, and all that was refused, is in ``events.csv``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Protocol, runtime_checkable
+
+from vrcomfort.respondent import Withdrew
+from vrcomfort.session.interfaces import Command, OperatedStep, OperatorDesk, StepKind
+
+IDLE_S = 0.02
+"""So long a moment is in which nothing is to be done."""
+
+READY = "Welcome. It begins in a moment."
+PAUSED = "A short pause. It goes on in a moment."
+"""What stands in the headset meanwhile."""
+
+
+class Skipped(Exception):  # noqa: N818 - a decision of the operator, not an error
+    """The operator ends the step here."""
+
+
+class Redone(Exception):  # noqa: N818
+    """The operator wants the step from its beginning."""
+
+
+class AbortedByOperator(KeyboardInterrupt):
+    """The operator ends the session, as Ctrl-C does; the message is the reason."""
+
+
+_ALWAYS = {"note", "abort", "withdraw", "withdraw_surely", "withdraw_not"}
+_TIMED = _ALWAYS | {"pause", "go_on", "skip", "recentre"}
+ALLOWED: Mapping[StepKind, frozenset[str]] = {
+    "session": frozenset(_ALWAYS),
+    "ready": frozenset(_ALWAYS | {"start", "recentre"}),
+    "training": frozenset(_TIMED | {"redo"}),
+    "exposure": frozenset(_TIMED | {"redo", "rate"}),
+    "questionnaire": frozenset(_ALWAYS | {"skip", "redo", "recentre", "answer", "confirm"}),
+    "rest": frozenset(_TIMED),
+}
+"""What can be asked for in which step."""
+
+_ENTRIES = {"answer", "confirm", "rate"}
+
+NEEDS_TEXT = {"note": "a note", "abort": "the reason"}
+
+
+@runtime_checkable
+class Recentring(Protocol):
+    """A headset that can be given a new straight ahead."""
+
+    def recenter(self) -> None:
+        """Make the floor point and heading of the head the origin."""
+
+
+class Events(Protocol):
+    """Where events go: the log of one session."""
+
+    def now_s(self) -> float:
+        """Return the session clock."""
+
+    def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
+        """Write an event that ends now, without waiting."""
+
+
+class Idle(Protocol):
+    """Shows words while nothing else is shown."""
+
+    def rest_on(self, words: str | None) -> None:
+        """Show them, or no longer."""
+
+    def next_frame(self) -> None:
+        """Let a frame pass."""
+
+
+def nothing_asked(command: Command) -> str:
+    """Refuse an answer where nobody waits for one from a console."""
+    return f"nothing is asked that is answered on a console; {command.action} has no meaning now"
+
+
+class Steering:
+    """Hears the operators; the session asks it once a frame, and never waits for it.
+
+    Parameters
+    ----------
+    desk
+        Where operators are.
+
+    Attributes
+    ----------
+    desk
+        The same.
+    step
+        The one under way.
+    paused
+        Whether its clock stands still.
+    entries
+        Answers that operators have entered, for whoever asked the question.
+    entry_fault
+        Returns why such an answer cannot be taken, blank where it can; set by whoever asks.
+    """
+
+    def __init__(self, desk: OperatorDesk) -> None:
+        self.desk = desk
+        self.step = OperatedStep(0, "session", "")
+        self.entries: deque[Command] = deque()
+        self.entry_fault: Callable[[Command], str] = nothing_asked
+        self._events: Events | None = None
+        self._screen: Idle | None = None
+        self._headset: object = None
+        self._paused_at_s: float | None = None
+        self._leaving = self._started = False
+
+    @property
+    def paused(self) -> bool:
+        """Whether the clock of the step stands still."""
+        return self._paused_at_s is not None
+
+    @property
+    def asked_to_withdraw(self) -> bool:
+        """Whether a withdrawal was asked for, and not yet whether it is meant."""
+        return self._leaving
+
+    def attach(self, events: Events, screen: Idle | None = None) -> None:
+        """Steer this session from now on."""
+        self._events, self._screen = events, screen
+        self._headset, self._started, self._leaving = None, False, False
+
+    def use(self, headset: object) -> None:
+        """Take note of the headset that is worn."""
+        self._headset = headset
+
+    def begin(self, kind: StepKind, words: str) -> None:
+        """Take note that a step begins: what was meant for the one before is stale now."""
+        self._end_pause()
+        self.entries.clear()
+        self.step = OperatedStep(self.step.number + 1, kind, words)
+        self.desk.begin(self.step)
+
+    def await_start(self) -> None:
+        """Wait until an operator starts the session, where operators do.
+
+        Raises
+        ------
+        Withdrew, AbortedByOperator
+            If they end it instead.
+        """
+        if not self.desk.starts_sessions:
+            return
+        self.begin("ready", "waiting for the start")
+        self._rest_on(READY)
+        try:
+            while not self._started:
+                self.look()
+                self.idle()
+        finally:
+            self._rest_on(None)
+
+    def idle(self) -> None:
+        """Let a moment pass in which nothing is to be done."""
+        if self._screen is not None:
+            self._screen.next_frame()
+        else:
+            time.sleep(IDLE_S)
+
+    def look(self) -> None:
+        """Do what was asked for since the last call; returns at once.
+
+        Raises
+        ------
+        Skipped, Redone, Withdrew, AbortedByOperator
+            If that ends the step, the participant's study or the session.
+        """
+        while (command := self.desk.next_command()) is not None:
+            refusal = self._refusal(command)
+            self._note(command, refusal)
+            self.desk.reply(command, refusal)
+            if not refusal:
+                self._do(command)
+
+    def _refusal(self, command: Command) -> str:
+        """Return why a wish is not granted, in a sentence; blank where it is."""
+        action, step = command.action, self.step
+        if action not in frozenset().union(*ALLOWED.values()):
+            return f"there is no action {action[:40]!r}"
+        if command.step != step.number and action != "note":
+            here = f"now it is step {step.number}, {step.words}"
+            return f"{action} was meant for step {command.step}, which is over; {here}"
+        if action not in ALLOWED[step.kind]:
+            return f"{action} has no meaning in this step: {step.words}"
+        if action in NEEDS_TEXT and not command.text.strip():
+            return f"{action} needs {NEEDS_TEXT[action]}; enter it"
+        return self._refusal_of_state(command)
+
+    def _refusal_of_state(self, command: Command) -> str:
+        action = command.action
+        if action == "pause" and self.paused:
+            return "it is paused already"
+        if action == "go_on" and not self.paused:
+            return "nothing is paused"
+        if action in {"withdraw_surely", "withdraw_not"} and not self._leaving:
+            return "nobody has asked for a withdrawal, or it was taken back"
+        if action in _ENTRIES:
+            return self.entry_fault(command)
+        if action == "recentre" and not isinstance(self._headset, Recentring):
+            return "this headset cannot be recentred"
+        return ""
+
+    def _note(self, command: Command, refusal: str) -> None:
+        words = f"{command.operator}, step {command.step}"
+        if command.step == self.step.number:
+            words = f"{words} ({self.step.words})"
+        if refusal:
+            detail = f"{words}, {command.action}: {refusal}"
+            self._write("operator_refused", detail=detail)
+            return
+        said = command.text
+        if command.action in {"answer", "rate"}:
+            value = "rather not say" if command.value is None else f"{command.value:g}"
+            said = f"{said} {value}".strip()
+        detail = f"{words}: {said}" if said else words
+        self._write(f"operator_{command.action}", detail=detail)
+
+    def _write(self, name: str, start_s: float | None = None, *, detail: str) -> None:
+        if self._events is not None:
+            self._events.event_soon(name, start_s, detail=detail)
+
+    def _do(self, command: Command) -> None:
+        """Do what an operator wants, which has been found to have a meaning."""
+        said = f": {command.text}" if command.text else ""
+        match command.action:
+            case "start":
+                self._started = True
+            case "pause":
+                self._paused_at_s = self._events.now_s() if self._events else 0.0
+                self._rest_on(PAUSED)
+            case "go_on":
+                self._end_pause()
+            case "skip":
+                raise Skipped
+            case "redo":
+                raise Redone
+            case "recentre":
+                if isinstance(self._headset, Recentring):
+                    self._headset.recenter()
+            case "abort":
+                raise AbortedByOperator(f"stopped by {command.operator}{said}")
+            case "withdraw" | "withdraw_not":
+                self._leaving = command.action == "withdraw"
+                self.desk.ask_whether_to_withdraw(asked=self._leaving)
+            case "withdraw_surely":
+                self._leaving = False
+                self.desk.ask_whether_to_withdraw(asked=False)
+                raise Withdrew(f"withdrawn by {command.operator}{said}")
+            case "answer" | "confirm" | "rate":
+                self.entries.append(command)
+
+    def _end_pause(self) -> None:
+        began_s, self._paused_at_s = self._paused_at_s, None
+        if began_s is not None:
+            self._rest_on(None)
+            self._write("pause", began_s, detail=self.step.words)
+
+    def _rest_on(self, words: str | None) -> None:
+        if self._screen is not None:
+            self._screen.rest_on(words)
