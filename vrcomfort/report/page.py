@@ -61,7 +61,7 @@ def render_page(
             shown_above=_shown_above(results, figures),
             digits=DIGITS,
             correlations=METHODS,
-        ordinal_title=ordinal_title,
+            ordinal_title=ordinal_title,
             answers=answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
             several=max(per_condition, default=0) > 1,
