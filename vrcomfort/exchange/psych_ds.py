@@ -82,7 +82,7 @@ _MEANINGS: Mapping[str, str] = {
     "order": "Place in the presentation, from 1",
     "onset_s": "When it began, or was asked, on the session's clock, in seconds",
     "latency_s": "Seconds until the rating came; blank where it was missed",
-    "missed": "1 where no rating came in time",
+    "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
     "task": "What was done during the exposure, as the protocol names it",
     "kind": "Of a row of a task: target, shot, sample or (the whole) trial",
     "number": "Counts the rows of one kind in an attempt, from 1",

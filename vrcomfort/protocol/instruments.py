@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.model import Ask, Protocol
+from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import KeyPath, Problem
 
@@ -39,8 +40,8 @@ def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Pr
 def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
     for index, ask in enumerate(protocol.questionnaires):
         yield ("questionnaires", index, "instrument"), ask.instrument
-    if protocol.ratings is not None:
-        yield ("ratings", "instrument"), protocol.ratings.instrument
+    for index, ratings in enumerate(protocol.ratings):
+        yield ("ratings", index, "instrument"), ratings.instrument
 
 
 def instrument_problems(
@@ -59,6 +60,11 @@ def instrument_problems(
         if found and ask.compares:
             yield from _compared(("questionnaires", index), ask, found)
     yield from _of_ratings(protocol, instruments)
+    whens: dict[str, set[str]] = {}
+    for ask in protocol.questionnaires:
+        if ask.instrument in instruments:
+            whens.setdefault(ask.instrument, set()).add(ask.when)
+    yield from rise_problems(protocol.stop, whens, instruments)
 
 
 def _compared(path: KeyPath, ask: Ask, instrument: Instrument) -> Iterator[Problem]:
@@ -95,16 +101,17 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
 
 
 def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
-    ratings = protocol.ratings
-    found = instruments.get(ratings.instrument) if ratings else None
-    if ratings is None or found is None:
-        return
-    if len(found.asked) != 1:
-        message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
-        yield Problem(("ratings", "instrument"), f"{message}: ask it in [[questionnaires]]")
-        return
-    answers = found.asked[0].answers
-    if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
-        message = f"the {found.short} goes from {answers.low} to {answers.high}"
-        hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
-        yield Problem(("ratings", "stop_at"), f"{message}; {hint}")
+    for index, ratings in enumerate(protocol.ratings):
+        path: KeyPath = ("ratings", index)
+        found = instruments.get(ratings.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
+            yield Problem((*path, "instrument"), f"{message}: ask it in [[questionnaires]]")
+            continue
+        answers = found.asked[0].answers
+        if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
+            message = f"the {found.short} goes from {answers.low} to {answers.high}"
+            hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
+            yield Problem((*path, "stop_at"), f"{message}; {hint}")

@@ -80,9 +80,15 @@ def _by_name(
         for ask in protocol.questionnaires
     ]
     changes: dict[str, object] = {"questionnaires": tuple(asks)}
-    if protocol.ratings is not None:
-        name = instruments[protocol.ratings.instrument].name
-        changes["ratings"] = protocol.ratings.model_copy(update={"instrument": name})
+    rises = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.stop.score_rise
+    )
+    changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
+    changes["ratings"] = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.ratings
+    )
     named = protocol.model_copy(update=changes)
     named._instruments = {each.name: each for each in instruments.values()}
     named._tasks = dict(tasks)

@@ -6,19 +6,21 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.locate import locate
+from vrcomfort.settings.schema import or_one_table
 from vrcomfort.tasks import AnyTask, TaskSettings
 
 Probability = Annotated[float, Field(ge=0, le=1)]
@@ -104,10 +106,19 @@ class Ratings(Settings):
     """A shipped instrument with one question by name, or a TOML file of one."""
     every_s: Seconds = 60.0
     """From one question to the next."""
+    jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
+    """Each question comes up to so much sooner or later, drawn from the study's seed."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
+    missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
+    """What the column `missed` has then; 0 is an answer."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """An answer this high ends the exposure and the participant's study."""
+    """The stop rule: answers this high end what `stop_ends` says."""
+    stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
+    """So many of an exposure's answers, one after the other; missed ones do not count."""
+    stop_ends: Literal["exposure", "session", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `session`: the participant may come back
+    for the next. `study`: the participant's study."""
 
 
 class Simulation(Settings):
@@ -200,12 +211,17 @@ class Protocol(Settings):
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     """What is asked, and when."""
-    ratings: Ratings | None = None
-    """A question that is asked again and again during exposure."""
+    ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
+    """Questions that are asked again and again during exposure, one at a time: where two are due,
+    the second waits for the answer to the first."""
     tasks: tuple[AnyTask, ...] = ()
     """What participants do during an exposure (docs/tasks.md)."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
+    stop: Stopping = Stopping()
+    """What ends a session, or somebody's study."""
+    exposure_ends: Literal["time", "task"] = "time"
+    """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()
@@ -214,6 +230,12 @@ class Protocol(Settings):
     """How participants move."""
     simulation: Simulation = Simulation()
     """How simulated participants feel."""
+
+    @field_validator("ratings", mode="before")
+    @classmethod
+    def _one_table(cls, value: Any) -> Any:
+        """Take the single [ratings] table of earlier protocols."""
+        return (value,) if isinstance(value, dict) else value
 
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)

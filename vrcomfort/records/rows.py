@@ -89,7 +89,8 @@ class TrialRow(FlatRow):
         completed, withdrawn (by the participant), stopped (by the stop rule), skipped (by an
         operator: the session went on after it), or aborted.
     abort_code
-        Blank, or participant, rating, operator, redone (an operator had it begun again),
+        Blank, or what ended it early: participant, rating (of a completed trial: the protocol's
+        rule ended the exposure alone), operator, redone (an operator had it begun again),
         headset_ended, runtime_lost, error, or killed (the
         program ended without a word; the row was written when the session was resumed).
     attempt
@@ -160,7 +161,7 @@ class QuestionnaireRow(FlatRow):
 
 @dataclass(frozen=True)
 class RatingRow(FlatRow):
-    """One rating during exposure; `missed` is 1 where none came in time."""
+    """One rating during exposure; `missed` is 0, or the schedule's code (1) where none came."""
 
     FILE: ClassVar[str] = "ratings.csv"
     participant: str

@@ -120,10 +120,9 @@ def _loader(protocol: Protocol) -> LoadScene:
 
 def _rate_hz(protocol: Protocol) -> float:
     """Return how many frames a second are enough to meet everything that falls due."""
-    ratings = protocol.ratings
     often = [
         20 / min(map(protocol.length_s, protocol.scenes)),
-        4 / ratings.timeout_s if ratings else 0.0,
+        *(4 / ratings.timeout_s for ratings in protocol.ratings),
     ]
     return max(_LEAST_HZ, *often)
 

@@ -15,7 +15,8 @@ from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.interfaces import Finishing
+from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import seen_between_ns
@@ -36,7 +37,7 @@ def collector_at_rest() -> Iterator[None]:
             gc.unfreeze()
 
 
-Ending = Literal["completed", "headset_ended"]
+Ending = Literal["completed", "task_done", "headset_ended"]
 
 FREEZE_S = 0.5
 """A picture that stands still for longer is a freeze: what fell due in it was missed. After a
@@ -81,7 +82,7 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
-        self._rating: tuple[Stimulus, RatingSchedule] | None = None
+        self._rating: tuple[Stimulus, RatingSchedules] | None = None
         self._cut_unseen = self._snap_unseen = False
         self._was_paused = self._back_at_start = False
         self._task: TaskRun | None = None
@@ -90,7 +91,7 @@ class FrameLoop:
         self,
         stimulus: Stimulus,
         *,
-        schedule: RatingSchedule | None = None,
+        schedule: RatingSchedules | None = None,
         task: TaskRun | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
@@ -133,12 +134,12 @@ class FrameLoop:
     def _close_rating(self) -> None:
         open_rating, self._rating = self._rating, None
         if open_rating is not None and (rated := open_rating[1].close()):
-            self._record(*open_rating, rated)
+            self._record(open_rating[0], *rated)
 
     def _run(
         self,
         stimulus: Stimulus,
-        schedule: RatingSchedule | None,
+        schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
@@ -164,6 +165,9 @@ class FrameLoop:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
+            if self._is_done(self._task):
+                self.context.clock.advance(frame.period_ns / 1e9)
+                return "task_done"
             # The next frame would lie more than half outside.
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
@@ -171,6 +175,10 @@ class FrameLoop:
                 self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
+
+    def _is_done(self, task: Finishing | None) -> bool:
+        """Return whether the exposure ends because nothing is left to do in it."""
+        return task is not None and task.done and self.context.protocol.exposure_ends == "task"
 
     def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
         """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""
@@ -243,16 +251,16 @@ class FrameLoop:
             snap_turn=frame.snap_turn or snap,
         )
 
-    def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
+    def _listen(self, stimulus: Stimulus, schedule: RatingSchedules | None) -> None:
         self.context.respondent.endure(self.felt_s)
         if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
-            self._record(stimulus, schedule, rated)
-            schedule.check(rated)
+            self._record(stimulus, *rated)
+            rated[0].check(rated[1])
 
-    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedules) -> None:
         now_s = self.context.clock.now_s()
         for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
-            self._record(stimulus, schedule, missed)
+            self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
         self.events.recorder.write_soon(
@@ -265,7 +273,7 @@ class FrameLoop:
                 latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,
                 response=rated.response,
-                missed=int(rated.response is None),
+                missed=schedule.missed_code if rated.response is None else 0,
             )
         )
         self.context.steering.desk.rated(self.felt_s, rated.response)

@@ -68,6 +68,11 @@ class Interview:
                 return self._skipped()
             return []
 
+    @property
+    def answers(self) -> dict[str, int | None]:
+        """Return item → answer, of what was asked here."""
+        return {item: row.response for item, row in self._rows.items()}
+
     def _compared(self) -> tuple[str, ...]:
         """Return the conditions that answers mean.
 
