@@ -107,7 +107,8 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     folders = [tmp_path_factory.mktemp("played") for _ in range(2)]
     for folder in folders:
         options = ("--frames", 4, "--size", "64x80", "--refresh-hz", 10, "--quiet")
-        vrcomfort("play", walk, "--scene", "temple", *options, "--out", folder)
+        film = ("--video", folder / "video.mp4")
+        vrcomfort("play", walk, "--scene", "temple", *options, *film, "--out", folder)
     return folders
 
 

@@ -6,14 +6,9 @@ import numpy as np
 import pytest
 
 from vrcomfort.frame import ImageHash
-from vrcomfort.gpu.gl import LATENCY, create_context
+from vrcomfort.gpu.gl import LATENCY
 from vrcomfort.render.image_hash import ImageHasher, image_hash
 from vrcomfort.render.output import read_rgb8
-
-
-@pytest.fixture(scope="module")
-def ctx():
-    return create_context()
 
 
 def picture(size_px, seed):

@@ -54,7 +54,7 @@ def rows(file: Path) -> list[dict[str, str]]:
 
 
 def test_a_study_of_the_first_version_is_reported(study, vrcomfort, tmp_path):
-    succeeds(vrcomfort, "report", study, "--out", tmp_path / "report")
+    succeeds(vrcomfort, "report", study, "--figures", "none", "--out", tmp_path / "report")
     results = json.loads((tmp_path / "report" / "results.json").read_text())
     assert results
 
@@ -62,7 +62,7 @@ def test_a_study_of_the_first_version_is_reported(study, vrcomfort, tmp_path):
 def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
     frames = study / "sub-P01/ses-1/frames.csv"
     assert len(read_trace(frames)) == len(rows(frames))
-    words = ("--scene", "temple", "--out", tmp_path / "played", "--no-video")
+    words = ("--scene", "temple", "--out", tmp_path / "played")
     succeeds(vrcomfort, "play", frames, *words, "--size", "64x80", "--frames", "3")
     assert len(rows(tmp_path / "played" / "frames.csv")) == 3
 

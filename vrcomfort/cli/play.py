@@ -1,9 +1,10 @@
-"""`play`: pictures along a head trace."""
+"""`play`: pictures along a head trace, and recorded sessions shown again."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, cast
 
 import typer
 
@@ -11,20 +12,29 @@ from vrcomfort.cli.condition_choice import pick_condition
 from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.options import (
     ConditionOption,
-    Out,
     ProtocolOption,
     Quiet,
     RefreshRate,
-    SceneOption,
-    Size,
+    output_option,
     parse_size,
 )
-from vrcomfort.cli.outputs import output_folder
+from vrcomfort.cli.outputs import output_file, output_folder
+from vrcomfort.cli.play_session import ReplayOptions, play_session
 from vrcomfort.cli.play_trace import WRITTEN, play_trace
 from vrcomfort.cli.playback import open_trace
 from vrcomfort.cli.terminal import console
-from vrcomfort.errors import spare
+from vrcomfort.errors import InputError, spare
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.protocol.quality_levels import Quality
+
+
+class Level(StrEnum):
+    """Levels of quality, as options have them."""
+
+    FAST = "fast"
+    BALANCED = "balanced"
+    ACCURATE = "accurate"
+    REFERENCE = "reference"
 
 
 def register(app: typer.Typer) -> None:
@@ -33,46 +43,156 @@ def register(app: typer.Typer) -> None:
 
 
 def play(
-    trace: Annotated[Path, typer.Argument(metavar="TRACE", help="Head trace or frames.csv.")],
-    scene: SceneOption,
-    out: Out,
+    source: Annotated[
+        Path,
+        typer.Argument(
+            metavar="TRACE|SESSION",
+            help="Head trace or frames.csv; or a session's folder, STUDY/sub-P01/ses-1.",
+        ),
+    ],
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME|FILE.glb",
+            help="For a trace: a shipped scene, or any glTF 2.0 file. A session knows its own.",
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        output_option("--out", help="Folder for numbered pictures; earlier ones are replaced."),
+    ] = None,
+    video: Annotated[
+        Path | None, output_option("--video", help="FILE.mp4; an earlier one is replaced.")
+    ] = None,
     protocol: ProtocolOption = None,
     condition: ConditionOption = None,
+    quality: Annotated[
+        Level | None, typer.Option(help="Draw at this level of quality, whatever was shown.")
+    ] = None,
+    beside: Annotated[
+        str | None,
+        typer.Option(metavar="CONDITION", help="Session: draw another condition beside."),
+    ] = None,
     trial: Annotated[
-        str | None, typer.Option(help="Only this trial of a recorded frames.csv.")
+        str | None, typer.Option(help="Only this trial; 0 is training.", show_default=False)
+    ] = None,
+    from_s: Annotated[
+        float | None, typer.Option("--from", metavar="S", help="Session: only from session_s on.")
+    ] = None,
+    to_s: Annotated[
+        float | None, typer.Option("--to", metavar="S", help="Session: only up to session_s.")
+    ] = None,
+    show: Annotated[str, typer.Option(metavar="gaze,ratings", help="Session: draw these in.")] = "",
+    eye: Annotated[
+        str | None,
+        typer.Option(
+            metavar="left|right|both", help="Session: without it both, and left with --beside."
+        ),
     ] = None,
     gaze: Annotated[
         Path | None,
         typer.Option(help="Where the eyes looked (gaze.csv); the one beside a frames.csv is used."),
     ] = None,
-    size: Size = "640x800",
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="WxH", help="Pixels of one eye's image: the session's, or 640x800 of a trace."
+        ),
+    ] = None,
     frames: Annotated[
         int | None,
-        typer.Option(help="So many frames (a short trace loops); without it, all once.", min=1),
+        typer.Option(
+            help="Trace: so many frames (a short one loops); without it, all once.", min=1
+        ),
     ] = None,
     refresh_hz: RefreshRate = None,
-    video: Annotated[bool, typer.Option(help="Also write video.mp4.")] = True,
     quiet: Quiet = False,
 ) -> None:
-    """Play a head trace through a scene: one side-by-side picture per frame, and frames.csv.
+    """Show a recorded session again, or play a head trace through a scene.
 
+    A session is drawn from its own files: conditions, scenes, cuts and dropped frames are those
+    that were shown, and its images are compared with the hashes that were recorded (images.csv).
+    Both eyes stand side by side; a trace's folder gets frames.csv, too.
+
+    - `vrcomfort play my_study/sub-P01/ses-1 --trial 1 --video seen.mp4`
+    - `vrcomfort play my_study/sub-P01/ses-1 --beside dof_off --show gaze,ratings --video both.mp4`
+    - `vrcomfort play my_study/sub-P01/ses-1 --from 65 --to 70 --quality reference --out pictures`
     - `vrcomfort play walk.csv --scene temple --frames 300 --size 320x400 --out played`
-    - `vrcomfort play my_study/sub-P01/ses-1/frames.csv --trial 1 --scene temple --out replay`
     """
+    of_traces = {
+        "--scene": scene, "--gaze": gaze, "--frames": frames, "--refresh-hz": refresh_hz,
+    }  # fmt: skip
+    of_sessions = {
+        "--beside": beside, "--from": from_s, "--to": to_s, "--show": show or None, "--eye": eye,
+    }  # fmt: skip
+    is_session = source.is_dir()
+    if is_session:
+        from vrcomfort.replay import require_session
+
+        require_session(source)
+        _refuse(of_traces, "a recorded session, which knows it")
+    else:
+        _refuse(of_sessions, "a head trace; give a session's folder")
+    _require_place(out, video)
+    level = None if quality is None else cast("Quality", quality.value)
+    size_px = None if size is None else parse_size(size)
+    if is_session:
+        options = ReplayOptions(
+            protocol,
+            condition,
+            beside,
+            level,
+            _trial_number(trial),
+            from_s,
+            to_s,
+            show,
+            eye,
+            size_px,
+        )
+        folder = None if out is None else output_folder(out)
+        film = None if video is None else output_file(video, source / "frames.csv")
+        play_session(source, options, out=folder, video=film, quiet=quiet)
+        return
+    if scene is None:
+        raise InputError("a head trace needs a scene to play in: --scene temple, for example")
     study, shown = pick_condition(protocol, condition)
-    played = open_trace(trace, trial=trial, gaze=gaze)
+    shown = shown if level is None else shown.at_level(level)
+    played = open_trace(source, trial=trial, gaze=gaze)
     require_recorded_gaze([shown], played)
-    spare([trace, gaze], [out / name for name in WRITTEN])
+    if out is not None:
+        spare([source, gaze], [out / name for name in WRITTEN])
     count = play_trace(
         played,
         scene,
         shown,
-        size_px=parse_size(size),
+        size_px=size_px or (640, 800),
         ipd_m=study.headset.ipd_m if study else MEAN_IPD_M,
         frames=frames,
         refresh_hz=refresh_hz,
-        video=video,
-        out=output_folder(out),
+        video=None if video is None else output_file(video, source),
+        out=None if out is None else output_folder(out),
         quiet=quiet,
     )
-    console(quiet).print(f"{count} stereo frames: {out}")
+    places = ", ".join(str(each) for each in (out, video) if each is not None)
+    console(quiet).print(f"{count} stereo frames: {places}")
+
+
+def _refuse(options: dict[str, Any], what: str) -> None:
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(f"{name} means nothing for {what}")
+
+
+def _require_place(out: Path | None, video: Path | None) -> None:
+    if out is None and video is None:
+        raise InputError("nothing would be written; give --video FILE.mp4, or --out FOLDER")
+    if video is not None and video.suffix.lower() != ".mp4":
+        raise InputError("a video's name ends in .mp4; choose such a name", file=video)
+
+
+def _trial_number(text: str | None) -> int | None:
+    if text is None:
+        return None
+    if not text.isdecimal():
+        raise InputError(f"--trial {text!r} is no number of a trial; write 1, 2, … or 0 (training)")
+    return int(text)

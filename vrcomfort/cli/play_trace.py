@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from vrcomfort.records import Row
     from vrcomfort.traces.trace import Trace
 
-LOG, FILM, SETTINGS = WRITTEN = ("frames.csv", "video.mp4", "meta.json")
+LOG, SETTINGS = WRITTEN = ("frames.csv", "meta.json")
 """Files in the folder of results, beside the pictures."""
 
 
@@ -29,11 +29,13 @@ def play_trace(
     ipd_m: float,
     frames: int | None,
     refresh_hz: float | None,
-    video: bool,
-    out: Path,
+    video: Path | None,
+    out: Path | None,
     quiet: bool,
 ) -> int:
-    """Render a trace into `out`; return the number of frames.
+    """Render a trace; return the number of frames.
+
+    Pictures, ``frames.csv`` and ``meta.json`` go into `out`, the film to `video`.
 
     A trace without avatar poses is anchored at the scene's spawn point.
     """
@@ -54,27 +56,26 @@ def play_trace(
     )
     renderer = make_renderer(size_px)
     renderer.begin(scene, condition)
-    _write_settings(out, scene.name, condition, headset, renderer)
+    if out is not None:
+        _write_settings(out, scene.name, condition, headset, renderer)
     return _draw(headset, renderer, out, video=video, total=frames or len(trace), quiet=quiet)
 
 
-def _draw(headset: Any, renderer: Any, out: Path, *, video: bool, total: int, quiet: bool) -> int:
+def _draw(
+    headset: Any, renderer: Any, out: Path | None, *, video: Path | None, total: int, quiet: bool
+) -> int:
     from vrcomfort.render.output import VideoWriter, read_rgb8, side_by_side, write_png
+    from vrcomfort.replay.film import PICTURES, cleared
     from vrcomfort.session.frame_log import FrameLog
 
-    pictures = out / "frames"
-    pictures.mkdir(exist_ok=True)
-    for old in pictures.glob("[0-9]" * 6 + ".png"):
-        old.unlink()
-    film: Any = nullcontext()
-    if video:
-        film = VideoWriter(out / FILM, frames_per_s=headset.refresh_hz)
+    pictures = None if out is None else cleared(out / PICTURES)
     count, start_ns = 0, None
-    with (
-        _rows(out / LOG) as rows,
-        film,
-        progress_bar("drawn", total, quiet=quiet, unit="frames") as advance,
-    ):
+    with ExitStack() as owned:
+        rows: Any = _NoRows() if out is None else owned.enter_context(_rows(out / LOG))
+        film = None
+        if video is not None:
+            film = owned.enter_context(VideoWriter(video, frames_per_s=headset.refresh_hz))
+        advance = owned.enter_context(progress_bar("drawn", total, quiet=quiet, unit="frames"))
         log = FrameLog(rows)
         for frame in headset.frames():
             start_ns = frame.predicted_display_time_ns if start_ns is None else start_ns
@@ -82,14 +83,22 @@ def _draw(headset: Any, renderer: Any, out: Path, *, video: bool, total: int, qu
             rendered = renderer.render(frame, time_s)
             log.add(frame, rendered, trial=1, session_s=time_s)
             image = side_by_side(*map(read_rgb8, rendered.eyes))
-            write_png(pictures / f"{frame.index:06d}.png", image)
-            if video:
+            if pictures is not None:
+                write_png(pictures / f"{frame.index:06d}.png", image)
+            if film is not None:
                 film.write(image)
             headset.submit(frame, rendered.eyes)
             count += 1
             advance()
         log.finish(renderer.drain())
     return count
+
+
+class _NoRows:
+    """Where no log is wanted."""
+
+    def write(self, *rows: Row) -> None:
+        """Write nothing."""
 
 
 class _RowFile:

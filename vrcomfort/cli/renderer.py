@@ -42,13 +42,14 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
         gpu=facts["renderer"],
         driver=facts["version"],
         runtime="playback",
-        shaders=_shader_hashes(),
+        shaders=shader_hashes(),
         passes=passes,
         timing_trust=TimingTrust.LOCKSTEP,
     )
 
 
-def _shader_hashes() -> dict[str, str]:
+def shader_hashes() -> dict[str, str]:
+    """Return file → SHA-256 of the shaders."""
     folder = data_folder("shaders")
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     return {

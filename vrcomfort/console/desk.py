@@ -134,7 +134,7 @@ class ConsoleDesk:
         self._server, self._allowed, self._say = server, allowed, say
         self._pictures, self._now_s = pictures, now_s
         self._state: dict[str, Any] = {"kind": "state", "pictures": pictures is not None}
-        self._ratings: list[tuple[float, float | None]] = []
+        self._ratings: list[tuple[str, float, float | None]] = []
         self._lines: deque[str] = deque(maxlen=LINES)
         self._replies: deque[tuple[str, str]] = deque(maxlen=REPLIES)
         self._focus_m: float | None = None
@@ -214,9 +214,9 @@ class ConsoleDesk:
             self._next_picture_s = now_s + PICTURE_EVERY_S
             pictures.take(rendered.eyes)
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
         """Show a rating; None was missed."""
-        self._ratings.append((round(elapsed_s, 2), response))
+        self._ratings.append((instrument, round(elapsed_s, 2), response))
         self._publish()
 
     def next_command(self) -> Entered | None:

@@ -12,8 +12,8 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from vrcomfort.protocol.quality_levels import Quality, filled
-from vrcomfort.settings import Name, Settings
+from vrcomfort.protocol.quality_levels import Quality, filled, with_level
+from vrcomfort.settings import Name, Settings, Word
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
 """Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""
@@ -404,6 +404,8 @@ class Condition(Settings):
     """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
+    task: Word | None = None
+    """Name of what is done in exposures to it; `none` for nothing."""
     focus: Focus = Focus()
     """How the focus is found."""
     depth_of_field: DepthOfField | None = None
@@ -437,6 +439,10 @@ class Condition(Settings):
                 message = "`{name}` is named more than once; name each effect once"
                 raise PydanticCustomError("effect_twice", message, {"name": name})
         return (*value, *(name for name in EFFECTS if name not in value))
+
+    def at_level(self, level: Quality) -> Condition:
+        """Return the same condition, sampled as a level of `quality` says."""
+        return Condition.model_validate(with_level(self.model_dump(), level))
 
     @property
     def effects(self) -> dict[EffectName, Settings]:

@@ -103,6 +103,19 @@ def filled(condition: Any) -> Any:
     return {**condition, **effects}
 
 
+def with_level(condition: Mapping[str, Any], level: Quality) -> dict[str, Any]:
+    """Return the settings of a condition, all written out, as those of a level.
+
+    What the level decides takes the place of what the condition has; the rest stays.
+    """
+    effects = {}
+    for name in DIALLED:
+        if own := condition.get(name):
+            settings = quality_table().levels[level].settings(name, law=own.get("law"))
+            effects[name] = {**own, **_fitting(settings, own)}
+    return {**condition, **effects, "quality": level}
+
+
 def _filled_effect(level: Level, name: str, given: Any) -> Any:
     if isinstance(given, Mapping):
         law = given.get("law", LENSLESS_LAW)

@@ -75,6 +75,10 @@ def write_numbers(path: Path, **arrays: NDArray[np.generic]) -> None:
         np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
+_TICK_S = Fraction(1, 90_000)
+"""Of the times of frames in a video."""
+
+
 class VideoWriter:
     """Encodes frames as H.264; one thread, so that the same frames give the same bytes.
 
@@ -97,6 +101,7 @@ class VideoWriter:
         self._quality = quality
         self._container = av.open(str(path), "w")
         self._stream: av.VideoStream | None = None
+        self._written = 0
 
     def __enter__(self) -> Self:
         return self
@@ -109,12 +114,22 @@ class VideoWriter:
     ) -> None:
         self.close()
 
-    def write(self, image: Rgb8) -> None:
-        """Append a (height, width, 3) frame; all frames have the size of the first."""
+    def write(self, image: Rgb8, time_s: float | None = None) -> None:
+        """Append a (height, width, 3) frame; all frames have the size of the first.
+
+        Parameters
+        ----------
+        time_s
+            When it is seen, later than the frame before: times for all frames, or for none, which
+            then follow each other at the playback speed.
+        """
         even = np.ascontiguousarray(image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2])
         if self._stream is None:
             self._stream = self._open_stream(even.shape[1], even.shape[0])
         frame = av.VideoFrame.from_ndarray(even, format="rgb24")
+        seen_s = self._written / self._rate if time_s is None else time_s
+        frame.pts, frame.time_base = round(seen_s / _TICK_S), _TICK_S
+        self._written += 1
         self._container.mux(self._stream.encode(frame))
 
     def close(self) -> None:
@@ -129,6 +144,7 @@ class VideoWriter:
         stream.width, stream.height = width, height
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(self._quality), "preset": "veryfast"}
+        stream.codec_context.time_base = _TICK_S
         stream.codec_context.thread_count = 1
         stream.codec_context.thread_type = "NONE"
         return stream

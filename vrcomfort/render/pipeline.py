@@ -89,7 +89,7 @@ class StereoRenderer:
     ) -> None:
         self.size_px = size_px
         self._hash_every = hash_every
-        self._hasher = ImageHasher(ctx) if hash_every else None
+        self._hasher: ImageHasher | None = None
         self._drawn = 0
         self._eyes = eyes
         self.ctx = ctx
@@ -173,13 +173,18 @@ class StereoRenderer:
 
     def _hashed(self, frame: Frame, rendered: RenderedFrame) -> RenderedFrame:
         """Begin to hash a frame's images if it is its turn; add the hashes that have arrived."""
-        if self._hasher is None:
+        if not self._hash_every:
             return rendered
+        hasher = self._get_hasher()
         hashed = self._drawn % self._hash_every == 0
         if hashed:
-            self._hasher.take(frame.index, rendered.eyes)
+            hasher.take(frame.index, rendered.eyes)
         self._drawn += 1
-        return replace(rendered, hashed=hashed, image_hashes=self._hasher.arrived())
+        return replace(rendered, hashed=hashed, image_hashes=hasher.arrived())
+
+    def _get_hasher(self) -> ImageHasher:
+        self._hasher = self._hasher or ImageHasher(self.ctx)
+        return self._hasher
 
     def _draw(
         self,
@@ -236,6 +241,13 @@ class StereoRenderer:
     def drain_times(self) -> tuple[GpuTime, ...]:
         """Return the GPU times that are still on their way (this waits for the GPU)."""
         return () if self._timer is None else self._timer.drain()
+
+    def hash_now(self, frame_index: int) -> ImageHash:
+        """Return the hashes of the images that were drawn last (this waits for the GPU)."""
+        maps = self._built().tone_maps
+        hasher = self._get_hasher()
+        hasher.take(frame_index, (maps[0].target, maps[-1].target))
+        return hasher.drain()[-1]
 
     def drain_hashes(self) -> tuple[ImageHash, ...]:
         """Return the hashes of images that are still on their way (this waits for the GPU)."""

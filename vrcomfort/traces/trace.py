@@ -132,6 +132,11 @@ class Trace:
             raise InputError(f"the trace has no trial {name!r}; it has: {known}")
         return self._part(keep)
 
+    def between(self, first: int, end: int) -> Trace:
+        """Return the samples from `first` up to but without `end`; the first is a cut."""
+        rows = np.arange(len(self))
+        return self._part((rows >= first) & (rows < end))
+
     def _part(self, keep: NDArray[np.bool_]) -> Trace:
         # A gap left by samples that are not kept is a cut, like the start.
         after_gap = np.concatenate([[True], np.diff(np.flatnonzero(keep)) > 1])

@@ -203,29 +203,45 @@ function shape(tag, attributes, text = "") {
   return element;
 }
 
+// One curve per instrument; the ends of the curves are named.
 function showRatings() {
   const points = state.ratings;
-  const given = points.filter(([, value]) => value !== null);
-  const missed = points.length - given.length;
-  const words = given.map(([s, value]) => `${value} at ${clock(s)}`).join(", ");
-  const text = points.length ? `${words || "None answered"}${missed ? `; ${missed} missed` : ""}.` : "None yet.";
+  const names = [...new Set(points.map(([name]) => name))];
+  const words = names.map((name) => ratingWords(name, points.filter(([of]) => of === name))).join(" ");
+  const text = words || "None yet.";
   if (at("curve-words").textContent === text) return;
   put(at("curve-words"), text);
-  const longest = Math.max(60, ...points.map(([s]) => s));
-  const highest = Math.max(10, ...given.map(([, value]) => value));
-  const x = (s) => 30 + 360 * s / longest;
+  const longest = Math.max(60, ...points.map(([, s]) => s));
+  const highest = Math.max(10, ...points.map(([, , value]) => value || 0));
+  const x = (s) => 30 + 330 * s / longest;
   const y = (value) => 100 - 90 * value / highest;
-  const line = given.map(([s, value], n) => `${n ? "L" : "M"}${x(s)} ${y(value)}`).join(" ");
+  const curves = names.flatMap((name) => {
+    const own = points.filter(([of]) => of === name);
+    const given = own.filter(([, , value]) => value !== null);
+    const line = given.map(([, s, value], n) => `${n ? "L" : "M"}${x(s)} ${y(value)}`).join(" ");
+    const last = given[given.length - 1];
+    return [
+      shape("path", { d: line || "M0 0" }),
+      ...given.map(([, s, value]) => shape("circle", { cx: x(s), cy: y(value), r: 3 })),
+      ...own.filter(([, , value]) => value === null).map(([, s]) => shape("text", { x: x(s) - 3, y: 98 }, "×")),
+      ...(last ? [shape("text", { x: x(last[1]) + 5, y: y(last[2]) + 4 }, name)] : []),
+    ];
+  });
   at("curve").replaceChildren(
     shape("line", { x1: 30, y1: 100, x2: 390, y2: 100 }),
     shape("line", { x1: 30, y1: 10, x2: 30, y2: 100 }),
     shape("text", { x: 2, y: 14 }, String(highest)),
     shape("text", { x: 2, y: 104 }, "0"),
     shape("text", { x: 350, y: 116 }, clock(longest)),
-    shape("path", { d: line || "M0 0" }),
-    ...given.map(([s, value]) => shape("circle", { cx: x(s), cy: y(value), r: 3 })),
-    ...points.filter(([, value]) => value === null).map(([s]) => shape("text", { x: x(s) - 3, y: 98 }, "×")),
+    ...curves,
   );
+}
+
+function ratingWords(name, points) {
+  const given = points.filter(([, , value]) => value !== null);
+  const said = given.map(([, s, value]) => `${value} at ${clock(s)}`).join(", ") || "none answered";
+  const missed = points.length - given.length;
+  return `${name}: ${said}${missed ? `; ${missed} missed` : ""}.`;
 }
 
 function showFrames(frame) {

@@ -1,0 +1,21 @@
+"""Shows again what a participant saw: a recorded session, drawn from its own files."""
+
+from vrcomfort.replay.drawn import DrawnFrame, Wish, replay
+from vrcomfort.replay.hashes import Comparison
+from vrcomfort.replay.recorded import (
+    RecordedExposure,
+    RecordedSession,
+    read_session,
+    require_session,
+)
+
+__all__ = [
+    "Comparison",
+    "DrawnFrame",
+    "RecordedExposure",
+    "RecordedSession",
+    "Wish",
+    "read_session",
+    "replay",
+    "require_session",
+]

@@ -1,0 +1,219 @@
+"""Draws the frames of a recorded session again, in order and with the time that each was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
+from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.protocol import Condition
+from vrcomfort.replay.hashes import Comparison
+from vrcomfort.replay.recorded import RecordedExposure, RecordedSession
+
+
+class Drawer(Protocol):
+    """Draws frames of one scene under one condition at a time, as `render.pipeline` does."""
+
+    def begin(self, scene: Any, condition: Condition) -> None:
+        """Prepare a scene and a condition."""
+
+    def render(self, frame: Frame, scene_time_s: float) -> Any:
+        """Draw both eyes."""
+
+    def hash_now(self, frame_index: int) -> ImageHash:
+        """Return the hashes of the images that were drawn last."""
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is to be shown of a session.
+
+    Parameters
+    ----------
+    trial
+        Only this one; 0 is training, None is all that was seen.
+    from_s, to_s
+        Only frames of this time of the session.
+    instead
+        Condition of the session → the one that is drawn in its place.
+    beside
+        The condition that is drawn beside it, from the same frames.
+    """
+
+    trial: int | None = None
+    from_s: float = float("-inf")
+    to_s: float = float("inf")
+    instead: Mapping[str, Condition] = field(default_factory=dict)
+    beside: Condition | None = None
+
+    def wants(self, trial: int, session_s: float) -> bool:
+        """Return whether a frame is to be shown."""
+        return self.trial in {None, trial} and self.from_s <= session_s <= self.to_s
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnFrame:
+    """One frame that was drawn again.
+
+    Parameters
+    ----------
+    row
+        Of ``frames.csv``, from 0.
+    video_s
+        When it is seen in the replay; what was dropped before it is time, too.
+    trial
+        0 in training.
+    eyes, beside
+        Both eyes' textures, valid until the next frame; None without another condition.
+    focus_m
+        After the refocus law, as it was found when the frame was drawn again; None where nothing
+        needs a focus. It is that of some frames before.
+    equal
+        Whether both images have the recorded hashes; None where none are recorded.
+    """
+
+    row: int
+    frame: Frame
+    exposure: RecordedExposure
+    trial: int
+    session_s: float
+    video_s: float
+    missed_refreshes: int
+    eyes: tuple[Any, Any]
+    beside: tuple[Any, Any] | None
+    focus_m: float | None
+    equal: bool | None
+
+
+def replay(
+    session: RecordedSession,
+    wish: Wish,
+    *,
+    drawer: Drawer,
+    second: Drawer | None,
+    load_scene: Callable[[str], Any],
+    size_px: tuple[int, int],
+    comparison: Comparison,
+) -> Iterator[DrawnFrame]:
+    """Yield the frames of a session that are wished for, drawn again.
+
+    Each exposure is drawn from its start, also where only its end is shown: focus, and what moves,
+    have a history.
+
+    Parameters
+    ----------
+    second
+        Draws `wish.beside`.
+    comparison
+        Is told of each frame whose hashes are recorded, also of those that are not shown.
+    """
+    end_s = 0.0
+    for exposure in session.exposures:
+        last = last_wanted(session, exposure, wish)
+        if last is None:
+            continue
+        film = _Film(session, exposure, wish, size_px, comparison)
+        scene = load_scene(exposure.scene)
+        name = exposure.condition
+        drawer.begin(scene, wish.instead.get(name) or session.condition(name))
+        if second is not None and wish.beside is not None:
+            second.begin(scene, wish.beside)
+        for drawn in film.frames(drawer, second if wish.beside else None, scene, last):
+            yield replace(drawn, video_s=drawn.video_s + end_s)
+        end_s += film.length_s
+
+
+def last_wanted(session: RecordedSession, exposure: RecordedExposure, wish: Wish) -> int | None:
+    """Return the last row of an exposure that is to be shown; None where none is."""
+    for row in reversed(range(exposure.first, exposure.end)):
+        trial = exposure.trial if row >= exposure.shown else 0
+        if wish.wants(trial, float(session.session_s[row])):
+            return row
+    return None
+
+
+@dataclass
+class _Film:
+    """The frames of one exposure, and their time in the replay."""
+
+    session: RecordedSession
+    exposure: RecordedExposure
+    wish: Wish
+    size_px: tuple[int, int]
+    comparison: Comparison
+    length_s: float = 0.0
+    _shown_ns: int | None = None
+    _focus_m: float | None = None
+
+    def frames(
+        self, drawer: Drawer, second: Drawer | None, scene: Any, last: int
+    ) -> Iterator[DrawnFrame]:
+        exposure, session = self.exposure, self.session
+        headset = PlaybackHeadset(
+            session.trace.between(exposure.first, last + 1),
+            image_size_px=self.size_px,
+            spawn=scene.spawn,
+            loop=False,
+        )
+        start_ns = int(session.trace.time_ns[exposure.first])
+        cut = snap = False
+        for row, frame in enumerate(headset.frames(), start=exposure.first):
+            trial = exposure.trial if row >= exposure.shown else 0
+            session_s = float(session.session_s[row])
+            wanted = self.wish.wants(trial, session_s)
+            video_s = self._video_s(row, frame) if wanted else 0.0
+            if not session.drawn[row]:  # the picture before stood; jumps are seen with the next
+                cut, snap = cut or frame.discontinuity, snap or frame.snap_turn
+                continue
+            frame = replace(  # noqa: PLW2901
+                frame,
+                discontinuity=frame.discontinuity or cut,
+                snap_turn=frame.snap_turn or snap,
+            )
+            cut = snap = False
+            scene_time_s = (frame.predicted_display_time_ns - start_ns) / 1e9
+            rendered = drawer.render(frame, scene_time_s)
+            other = second.render(frame, scene_time_s).eyes if second else None
+            for sample in rendered.focus_samples:
+                self._focus_m = float(sample.focus_m)
+            equal = self._compare(row, frame, drawer)
+            if wanted:
+                yield DrawnFrame(
+                    row=row,
+                    frame=frame,
+                    exposure=exposure,
+                    trial=trial,
+                    session_s=session_s,
+                    video_s=video_s,
+                    missed_refreshes=int(session.missed_refreshes[row]),
+                    eyes=rendered.eyes,
+                    beside=other,
+                    focus_m=self._focus_m,
+                    equal=equal,
+                )
+
+    def _compare(self, row: int, frame: Frame, drawer: Drawer) -> bool | None:
+        recorded = self.session.hashes.get(int(self.session.trace.time_ns[row]))
+        if recorded is None or self.size_px != self.session.size_px:
+            return None
+        _, left, right = drawer.hash_now(frame.index)
+        return self.comparison.add(recorded, (left, right))
+
+    def _video_s(self, row: int, frame: Frame) -> float:
+        """Return when a frame is seen: after what was dropped, but not after what was hidden."""
+        now_ns, period_ns = frame.predicted_display_time_ns, frame.period_ns
+        if self._shown_ns is None:
+            video_s = 0.0
+        else:
+            passed_ns = now_ns - self._shown_ns
+            hidden = (
+                passed_ns > DROPPED_INTERVAL_PERIODS * period_ns
+                and not self.session.missed_refreshes[row]
+            )
+            stood_ns = period_ns if hidden or frame.discontinuity else passed_ns
+            video_s = self.length_s + (stood_ns - period_ns) / 1e9
+        self._shown_ns = now_ns
+        self.length_s = video_s + period_ns / 1e9
+        return video_s
