@@ -32,6 +32,9 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
+    if protocol.exposure_ends == "task" and not protocol.tasks:
+        message = "no exposure has a task that could end it; add [[tasks]], or remove this"
+        yield Problem(("exposure_ends",), message)
     yield from _visibility(protocol)
 
 

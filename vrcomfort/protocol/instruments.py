@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import KeyPath, Problem
 
@@ -57,6 +58,11 @@ def instrument_problems(
             hint = "leave `language` out, or translate it in a file of your own"
             yield Problem(("questionnaires", index, "language"), f"{message}; {hint}")
     yield from _of_ratings(protocol, instruments)
+    whens: dict[str, set[str]] = {}
+    for ask in protocol.questionnaires:
+        if ask.instrument in instruments:
+            whens.setdefault(ask.instrument, set()).add(ask.when)
+    yield from rise_problems(protocol.stop, whens, instruments)
 
 
 def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:

@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
@@ -111,8 +112,9 @@ class Ratings(Settings):
     """The stop rule: answers this high end what `stop_ends` says."""
     stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
     """So many of an exposure's answers, one after the other; missed ones do not count."""
-    stop_ends: Literal["exposure", "study"] = "study"
-    """`exposure`: the session goes on after its questions. `study`: the participant's study."""
+    stop_ends: Literal["exposure", "session", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `session`: the participant may come back
+    for the next. `study`: the participant's study."""
 
 
 class Simulation(Settings):
@@ -208,6 +210,10 @@ class Protocol(Settings):
     """What participants do during an exposure (docs/tasks.md)."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
+    stop: Stopping = Stopping()
+    """What ends a session, or somebody's study."""
+    exposure_ends: Literal["time", "task"] = "time"
+    """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()

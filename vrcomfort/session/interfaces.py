@@ -79,6 +79,14 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 """
 
 
+class Finishing(Protocol):
+    """What is done during an exposure and may end it."""
+
+    @property
+    def done(self) -> bool:
+        """Return whether nothing is left to do."""
+
+
 class Watchdog(Protocol):
     """Sees when the headset's runtime hangs, and can end the program then."""
 

@@ -66,6 +66,11 @@ class Interview:
                 return self._skipped()
             return []
 
+    @property
+    def answers(self) -> dict[str, int | None]:
+        """Return item → answer, of what was asked here."""
+        return {item: row.response for item, row in self._rows.items()}
+
     def _skipped(self) -> list[str]:
         names = [item.name for item in self._instrument.items if item.name not in self._rows]
         if not names:

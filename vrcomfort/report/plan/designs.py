@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from vrcomfort.report.measures import Limit
 from vrcomfort.settings import Name, Settings
@@ -51,6 +53,15 @@ class Preferred(Settings):
     """Values of the column."""
     none: tuple[str, ...] = ("none",)
     """Values that say that there is no preference; blank cells are missing."""
+
+
+class Ordinal(Settings):
+    """A single item, or another outcome of few values, whose order alone counts."""
+
+    outcome: str
+    """An item of a questionnaire, or an outcome of the plan."""
+    factors: Annotated[tuple[str, ...], Field(min_length=1)] = ("condition",)
+    """Columns as in the mixed model."""
 
 
 class Agreed(Settings):
