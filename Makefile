@@ -7,7 +7,8 @@ OUT ?= out
 help:
 	@echo "make demo    a complete simulated study, rendered and reported (out/demo)"
 	@echo "make test    the tests, but for the slow ones"
-	@echo "make test-slow   those: whole studies, rebuilt scenes, wheels, views through the lens"
+	@echo "make test-slow   those: whole studies, rebuilt scenes, wheels, views through the lens;"
+	@echo "                 and reports on odd data once more, with their figures"
 	@echo "make test-local  those of published data that may not be shipped (VRCOMFORT_REFERENCE_DATA=FOLDER)"
 	@echo "make explore     the property tests with other, and more, examples"
 	@echo "make runtime     find or make a system with a Monado runtime (OpenXR without a headset)"
@@ -31,6 +32,8 @@ test:
 test-slow:
 	@scripts/setup.sh --tests --browser
 	@$(BIN)/pytest -q -n 2 --dist load -m "slow and not monado and not needs_reference_data"
+	@$(BIN)/pytest -q -n 2 --dist load --draw tests/test_report_extremes.py tests/test_report_notices.py \
+		tests/test_report_plan.py tests/test_instruments_study.py
 
 test-local:
 	@scripts/setup.sh --tests

@@ -11,6 +11,7 @@ import moderngl
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support import drawn
 from tests.support.browser import find_browser
 from tests.support.openxr import fresh_monado
 from vrcomfort.cli import main
@@ -34,9 +35,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write the golden images instead of comparing"
     )
+    parser.addoption("--draw", action="store_true", help="draw the figures of all reports ")
     parser.addoption(
         "--extreme-cases", type=int, default=40, help="cases of each fuzz test of extremes"
     )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw where that is asked for."""
+    if config.getoption("--draw"):
+        drawn.FORMS.append("svg")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -6,9 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parent.parent
 
 
+@pytest.mark.slow
 def test_the_benchmarks_and_their_cases_are_made():
     shown = subprocess.run(
         [sys.executable, "-W", "error", "-m", "bench", "--help"],
@@ -21,6 +24,7 @@ def test_the_benchmarks_and_their_cases_are_made():
     assert "requires" in shown.stdout
 
 
+@pytest.mark.slow
 def test_a_side_of_the_comparison_draws_records_and_counts():
     scenes = ROOT / "scenes"
     wanted = {

@@ -84,7 +84,7 @@ def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> N
 
 
 def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
-    _, out, _ = run("plan", "carnegie_2015", "--json")
+    _, out, _ = run("plan", "carnegie_2015", "--size", "64x48", "--json")
     needed = {
         (row["scene"], row["condition"], row["name"]): row["needed"]
         for row in json.loads(out)["passes"]
@@ -324,7 +324,8 @@ def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> N
     ]
     file.write_text("\n".join(rows) + "\n", encoding="utf-8")
     before = file.read_bytes()
-    assert_refused(run("report", file, "--out", tmp_path), "descriptives.csv", "another --out")
+    options = ("--figures", "none", "--out", tmp_path)
+    assert_refused(run("report", file, *options), "descriptives.csv", "another --out")
     assert file.read_bytes() == before
     assert not (tmp_path / "index.html").exists()
 

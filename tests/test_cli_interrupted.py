@@ -71,6 +71,7 @@ def test_ctrl_c_is_answered_in_one_sentence(tmp_path: Path, name: str, words: tu
         assert stop(process) == (130, "", SENTENCE)
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
     words = ("smoke", "-n", 1, "--size", "16x16", "--out", tmp_path / "study")
     process = command("simulate", *words)
@@ -81,6 +82,7 @@ def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
     assert err.endswith(f"note: the same command goes on where this was stopped\n{SENTENCE}")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_shutdown_and_a_closed_terminal_end_a_session_as_ctrl_c_does(
     tmp_path: Path, number: signal.Signals
@@ -96,6 +98,7 @@ def test_a_shutdown_and_a_closed_terminal_end_a_session_as_ctrl_c_does(
     assert manifest["status"] == "aborted"
 
 
+@pytest.mark.slow
 def test_sigterm_and_sighup_of_one_shutdown_are_one_wish(tmp_path: Path):
     study = tmp_path / "study"
     process = command("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
@@ -106,6 +109,7 @@ def test_sigterm_and_sighup_of_one_shutdown_are_one_wish(tmp_path: Path):
     assert err.endswith(SENTENCE)
 
 
+@pytest.mark.slow
 def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
     """The window is shut: SIGHUP comes, and there is nothing left to write to."""
     study = tmp_path / "study"
@@ -125,6 +129,7 @@ def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
     assert manifest["status"] == "aborted"
 
 
+@pytest.mark.slow
 def test_what_is_ignored_from_the_start_stays_ignored(tmp_path: Path):
     """As with nohup, or in the background of a shell."""
 
@@ -142,6 +147,7 @@ def test_what_is_ignored_from_the_start_stays_ignored(tmp_path: Path):
     assert "completed" in out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_run_says_which_words_go_on(tmp_path: Path, number: signal.Signals, code: int):
     study = tmp_path / "my study"
@@ -159,6 +165,7 @@ def test_run_says_which_words_go_on(tmp_path: Path, number: signal.Signals, code
     assert "P01 (s1): session 1 recorded, completed" in goes_on.communicate(timeout=120)[0]
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_a_trade_off_ends_its_processes_without_a_word_of_theirs(tmp_path: Path):
     folders = ("--cache", tmp_path / "cache", "--out", tmp_path / "out")
     process = command("tradeoff", "--quick", "--quiet", "--jobs", 2, *folders)

@@ -56,6 +56,7 @@ def protocol(tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.slow
 def test_labels_in_brackets_are_shown_as_they_are(say, protocol: Path, tmp_path: Path) -> None:
     code, said = say("plan", protocol, "--size", "16x16")
     assert code == 0
@@ -65,11 +66,12 @@ def test_labels_in_brackets_are_shown_as_they_are(say, protocol: Path, tmp_path:
     code, said = say("simulate", protocol, "-n", 1, "--size", "16x16", "--out", folder)
     assert code == 0
     assert str(folder / "sub-P01") in said
-    code, said = say("report", folder, "--out", tmp_path / "[link=x] report")
+    code, said = say("report", folder, "--figures", "none", "--out", tmp_path / "[link=x] report")
     assert code == 0
     assert "[link=x] report" in said
 
 
+@pytest.mark.slow
 def test_a_session_in_the_terminal_shows_brackets(say, protocol: Path, tmp_path: Path) -> None:
     words = ("--participant", "P01", "--size", "16x16", "--out", tmp_path / "[/x]")
     stdin = "\n".join(["0"] * 16 + [""]) + "\n"
@@ -103,6 +105,7 @@ def test_names_in_brackets_in_a_refusal_are_shown_as_they_are(say, tmp_path: Pat
     )
 
 
+@pytest.mark.slow
 def test_a_mixed_study_says_so_at_once(say, tmp_path: Path) -> None:
     study = tmp_path / "study"
     run(

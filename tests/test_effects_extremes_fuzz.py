@@ -221,6 +221,7 @@ def test_picture(ctx, cases):
         assert found.max() <= texels[..., :3].max() / 255 * ULP
 
 
+@pytest.mark.slow
 def test_two_frames_at_a_headsets_size(ctx):
     rng = np.random.default_rng(3)
     condition = next(conditions(rng))

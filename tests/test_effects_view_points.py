@@ -18,6 +18,7 @@ from vrcomfort.optics.view_points import (
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(st.integers(3, 256), st.floats(0, 1.5))
 def test_points_and_blur_have_the_moments_of_the_lens(count, over_blur):

@@ -92,6 +92,7 @@ def answer_questionnaire(server: XServer, study: Study) -> list[int]:
     return values
 
 
+@pytest.mark.slow
 def test_a_session_is_answered_and_walked_with_keys_and_mouse(tmp_path: Path) -> None:
     with x_server(tmp_path) as server, session(server, tmp_path) as study:
         values = answer_questionnaire(server, study)

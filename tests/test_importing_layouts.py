@@ -10,13 +10,13 @@ from typer.testing import CliRunner
 
 from tests.support.layouts import ITEMS, LAYOUTS, Truth, write
 from tests.support.odd_layouts import ODD_LAYOUTS
+from tests.support.report import build_report
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.importing import import_files, load_mapping, write_study
 from vrcomfort.importing.rows import Imported
 from vrcomfort.importing.suggest import suggest_mapping
 from vrcomfort.questionnaire import score, shipped_instruments
-from vrcomfort.report import build_report
 from vrcomfort.report.study_data import read_study
 
 
@@ -209,7 +209,7 @@ def test_command_line_from_files_to_report(tmp_path: Path) -> None:
         "participant,sequence,status,enrolled_at,note,age,sex,group",
         "P01,,enrolled,,,20,f,A",
     ]
-    shown = run.invoke(app, ["report", str(study), "--out", str(report), "--quiet"])
+    shown = run.invoke(app, ["report", str(study), "--out", str(report), "--figures", "none"])
     assert shown.exit_code == 0, shown.output
     assert (report / "index.html").exists()
 

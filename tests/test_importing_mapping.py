@@ -197,7 +197,7 @@ def test_scores_alone_are_reported(tmp_path: Path) -> None:
         app, ["import", str(file), "--mapping", str(mapping), "--out", str(study_folder)]
     )
     assert made.exit_code == 0, made.output
-    shown = run.invoke(app, ["report", str(study_folder), "--out", str(out)])
+    shown = run.invoke(app, ["report", str(study_folder), "--figures", "none", "--out", str(out)])
     assert shown.exit_code == 0, shown.output
     results = json.loads((out / "results.json").read_text())
     total = next(t for t in results["tests"] if t["outcome"] == "ssq_scores.total")
@@ -314,7 +314,7 @@ def test_a_file_without_doubts_is_reported_without_a_mapping(tmp_path: Path) -> 
     rows = [["Participant", "Condition", *ENGLISH], *rows_of(truth)[1:]]
     file = write(tmp_path / "answers.csv", rows, separator=";")
     out = tmp_path / "report"
-    run = CliRunner().invoke(app, ["report", str(file), "--out", str(out)])
+    run = CliRunner().invoke(app, ["report", str(file), "--figures", "none", "--out", str(out)])
     assert run.exit_code == 0, run.output
     assert "understood without a mapping" in run.stderr
     assert len(json.loads((out / "results.json").read_text())["tests"]) >= 4
@@ -327,6 +327,8 @@ def test_a_file_with_doubts_is_refused_with_the_command_to_type(tmp_path: Path) 
     file = write(tmp_path / "answers.csv", rows)
     with pytest.raises(InputError, match=r"needs a mapping.*No column says the condition") as found:
         CliRunner().invoke(
-            app, ["report", str(file), "--out", str(tmp_path / "r")], catch_exceptions=False
+            app,
+            ["report", str(file), "--figures", "none", "--out", str(tmp_path / "r")],
+            catch_exceptions=False,
         )
     assert f"vrcomfort import {file} --suggest --out map.toml" in str(found.value)

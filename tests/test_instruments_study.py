@@ -9,12 +9,12 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.report import build_report
 from tests.support.session import run
 from tests.support.study import PROTOCOL, AheadHeadset, LateFocus, read_rows, tiny_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import parse_instrument, score_file, shipped_instruments
-from vrcomfort.report import build_report
 from vrcomfort.respondent import SimulatedRespondent
 
 DOCS = (Path(__file__).parent.parent / "docs" / "instruments.md").read_text(encoding="utf-8")

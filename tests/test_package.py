@@ -98,6 +98,7 @@ def test_wheel_carries_every_committed_file_of_the_data_folders(wheel: Path, fol
     assert {f"vrcomfort/_data/{name}" for name in tracked} <= carried
 
 
+@pytest.mark.slow
 def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Path) -> None:
     environment = tmp_path / "venv"
     venv.create(environment, with_pip=False)

@@ -63,7 +63,8 @@ def reports(tmp_path_factory) -> Callable[[str], ReportSummary]:
     @cache
     def report(kind: str) -> ReportSummary:
         folder = tmp_path_factory.mktemp(kind)
-        return build_report(hostile_study(folder / "s", HOSTILE[kind]), out=folder / "o")
+        study = hostile_study(folder / "s", HOSTILE[kind])
+        return build_report(study, out=folder / "o", forms=("svg",))
 
     return report
 

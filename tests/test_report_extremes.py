@@ -7,9 +7,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tests.support.report import ITEMS, foreign
+from tests.support.report import ITEMS, build_report, foreign
 from vrcomfort.errors import InputError
-from vrcomfort.report import build_report
 from vrcomfort.report.plan import read_plan
 from vrcomfort.report.results import analyse
 from vrcomfort.report.study_data import read_study

@@ -208,7 +208,7 @@ def test_z_scores_are_of_outcomes_of_the_plan():
 @pytest.mark.slow
 def test_the_page_has_a_section_where_the_plan_asks(tmp_path):
     study = gazed.write(tmp_path / "study", people=6, seconds=6.0)
-    made = build_report(study, plan=DOCUMENTED, out=tmp_path / "report")
+    made = build_report(study, plan=DOCUMENTED, out=tmp_path / "report", forms=("svg",))
     page = made.index.read_text()
     assert 'id="gaze"' in page
     assert "standardised within each person" in page

@@ -230,7 +230,7 @@ def test_before_and_after_need_no_condition(tmp_path):
     plan = tmp_path / "plan.toml"
     contrast = '[[contrasts]]\na_timepoint = "post"\nb_timepoint = "baseline"\n'
     plan.write_text(f'name = "p"\ntitle = "P"\nscores = "raw"\noutcomes = ["T"]\n{contrast}')
-    summary = build_report(file, plan=plan, out=tmp_path / "r", forms=("svg",))
+    summary = build_report(file, plan=plan, out=tmp_path / "r")
     assert "higher under post" in summary.headlines[0]
     assert "n\xa0=\xa08" in summary.headlines[0]
 

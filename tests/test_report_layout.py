@@ -28,7 +28,7 @@ def page(tmp_path_factory) -> Path:
         status = "withdrawn" if gone else "completed"
         study.session(f"P{i}", 1, 2, exposures[: 3 if gone else None], status)
         study.person(f"P{i}", "", status)
-    return build_report(study.folder, out=folder / "o").index
+    return build_report(study.folder, out=folder / "o", forms=("svg",)).index
 
 
 @pytest.mark.slow
@@ -62,6 +62,7 @@ def test_the_page_of_a_thousand_people_is_small(tmp_path):
         f"P{i}": {c: min(48, chance.randrange(30) + 3 * k) for k, c in enumerate("abcd")}
         for i in range(1000)
     }
-    summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
+    source = foreign(tmp_path / "questionnaires.csv", scores)
+    summary = build_report(source, out=tmp_path / "o", forms=("svg",))
     assert summary.analysed == 1000
     assert summary.index.stat().st_size < MOST_BYTES

@@ -9,6 +9,7 @@ import pytest
 from vrcomfort.importing.suggest import suggest_mapping
 
 RAW = Path(__file__).parent / "data" / "import" / "two_displays.csv"
+BRIEF = ("--quiet", "--figures", "none")
 
 
 @pytest.fixture
@@ -25,11 +26,11 @@ def plan(tmp_path):
 
 
 def test_the_files_of_a_plan_are_reported_as_an_import_of_them_is(run, plan, tmp_path):
-    code, _, err = run("report", "--plan", plan, "--out", tmp_path / "by_plan", "--quiet")
+    code, _, err = run("report", "--plan", plan, "--out", tmp_path / "by_plan", *BRIEF)
     assert code == 0, err
     files = ("--mapping", tmp_path / "map.toml", "--out", tmp_path / "study", "--quiet")
     assert run("import", RAW, *files)[0] == 0
-    given = ("--plan", plan, "--out", tmp_path / "by_study", "--quiet")
+    given = ("--plan", plan, "--out", tmp_path / "by_study", *BRIEF)
     assert run("report", tmp_path / "study", *given)[0] == 0
     one, other = (
         json.loads((tmp_path / name / "results.json").read_text("utf-8"))

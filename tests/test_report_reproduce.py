@@ -34,17 +34,16 @@ def random_study(folder: Path, seed: int) -> Path:
 needs_r = pytest.mark.skipif(RSCRIPT is None, reason="there is no Rscript here")
 
 
+PLANS = [
+    'alternative = "greater"\n',
+    'zeros = "wilcox"\nalternative = "less"\n',
+    'shift_interval = "order_statistics"\np_value = "asymptotic"\n',
+    'withdrawals = "available_pairs"\n',
+]
+
+
 @needs_r
-@pytest.mark.parametrize(
-    "plan",
-    [
-        "",
-        'alternative = "greater"\n',
-        'zeros = "wilcox"\nalternative = "less"\n',
-        'shift_interval = "order_statistics"\np_value = "asymptotic"\n',
-        'withdrawals = "available_pairs"\n',
-    ],
-)
+@pytest.mark.parametrize("plan", ["", *(pytest.param(p, marks=pytest.mark.slow) for p in PLANS)])
 def test_r_finds_the_same_numbers(tmp_path, plan):
     file = tmp_path / "plan.toml"
     file.write_text(f'name = "p"\ntitle = "P"\n{plan}', "utf-8")
@@ -54,6 +53,7 @@ def test_r_finds_the_same_numbers(tmp_path, plan):
     assert "0 differ by more than" in found.stdout
 
 
+@pytest.mark.slow
 @needs_r
 def test_r_adds_several_exposures_of_a_condition_and_adjusts_by_family(tmp_path):
     carnegie_like(tmp_path / "s")
@@ -108,6 +108,7 @@ def test_r_finds_models_of_groups_of_unequal_size_and_of_a_covariate(tmp_path, s
     assert ("mixed model, age" in found.stdout) == has_package("lmerTest")
 
 
+@pytest.mark.slow
 @needs_r
 def test_what_the_table_of_scores_does_not_have_is_named_and_left_out(tmp_path):
     carnegie_like(tmp_path / "s")
@@ -123,6 +124,7 @@ def test_what_the_table_of_scores_does_not_have_is_named_and_left_out(tmp_path):
     assert "of 1 tests" in found.stdout
 
 
+@pytest.mark.slow
 @needs_r
 def test_a_number_that_r_does_not_find_is_told(tmp_path):
     build_report(random_study(tmp_path, 6), out=tmp_path / "o")

@@ -125,6 +125,7 @@ def test_nothing_stands_in_the_way_of_a_head(scene):
         assert (cast(scene, 0.0, points + EYE, ahead) > 0.12).all()
 
 
+@pytest.mark.slow
 def test_temple_is_near_and_mountain_is_far():
     nearest = {}
     for name in NAMES:

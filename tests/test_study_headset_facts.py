@@ -29,6 +29,7 @@ def test_what_a_headset_tells_late_is_noted_and_what_was_noted_first_stays(tmp_p
     assert noted["space"] == "stage"
 
 
+@pytest.mark.slow
 def test_the_eyes_distance_is_what_is_shown_and_what_was_measured_stands_beside_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -87,6 +87,7 @@ def call(
     return code, capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_an_interrupted_session_is_refused_and_then_resumed_as_it_was(study, monkeypatch, capsys):
     code, said = command(monkeypatch, capsys, study)
     assert (code, said.count("\n")) == (2, 1)
@@ -127,6 +128,7 @@ def statuses(study: Path) -> dict[str, str]:
     return {row["participant"]: row["status"] for row in rows}
 
 
+@pytest.mark.slow
 def test_simulate_goes_on_where_it_was_stopped(study, monkeypatch, capsys):
     simulate = ("simulate", smoke_of(study), "--out", study, "--exposure-s", SHOWN_S, "-n")
     first = (study / "sub-P01" / "ses-1" / "frames.csv").read_text()
@@ -259,6 +261,7 @@ def test_a_damaged_session_is_refused_in_one_sentence(
     assert says in said
 
 
+@pytest.mark.slow
 def test_a_study_is_opened_to_a_group_by_an_option(tmp_path, monkeypatch, capsys):
     out = tmp_path / "made"
     words = ("simulate", smoke_with(tmp_path, FULL_S), "-n", 1, "--out", out, "--exposure-s", 0.2)

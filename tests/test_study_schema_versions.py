@@ -54,7 +54,7 @@ def rows(file: Path) -> list[dict[str, str]]:
 
 
 def test_a_study_of_the_first_version_is_reported(study, vrcomfort, tmp_path):
-    succeeds(vrcomfort, "report", study, "--out", tmp_path / "report")
+    succeeds(vrcomfort, "report", study, "--figures", "none", "--out", tmp_path / "report")
     results = json.loads((tmp_path / "report" / "results.json").read_text())
     assert results
 

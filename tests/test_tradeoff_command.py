@@ -54,6 +54,7 @@ def cache(tmp_path_factory):
     return tmp_path_factory.mktemp("cache")
 
 
+@pytest.mark.slow
 def test_everything_is_written(run, tmp_path, cache):
     names = {method.name for method in methods("depth_of_field", quick=True)}
     names -= {"ours 16 views", "ours 64 views"}  # take as long as all others
@@ -79,6 +80,7 @@ def test_everything_is_written(run, tmp_path, cache):
     assert (tmp_path / "sheets/temple_depth_of_field_pose1_still_lens3.5.png").exists()
 
 
+@pytest.mark.slow
 def test_a_second_run_does_nothing_twice_and_says_so(run, tmp_path, cache):
     run(*FEW, "--cache", cache, "--out", tmp_path / "a")
     code, out, _ = run(*FEW, "--cache", cache, "--out", tmp_path / "b")
@@ -87,6 +89,7 @@ def test_a_second_run_does_nothing_twice_and_says_so(run, tmp_path, cache):
     assert timeless(tmp_path / "a/tradeoff.json") == timeless(tmp_path / "b/tradeoff.json")
 
 
+@pytest.mark.slow
 def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monkeypatch):
     """Stopped in the third sample of the second eye."""
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
@@ -108,6 +111,7 @@ def test_a_run_that_was_stopped_goes_on_to_the_same_numbers(run, tmp_path, monke
     assert timeless(whole / "tradeoff.json") == timeless(stopped / "tradeoff.json")
 
 
+@pytest.mark.slow
 def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
     """Sixteen samples go on from the first eight; eight are eight where there are sixteen too."""
 
@@ -139,6 +143,7 @@ def test_a_reference_of_another_picture_is_drawn_again(run, tmp_path):
     assert not (tmp_path / "o" / "index.html").exists()
 
 
+@pytest.mark.slow
 def test_one_eye_other_lenses_and_flicker(run, tmp_path, cache):
     """An eye has a case of its own; what one eye cannot know is blank, not zero."""
     chosen = (*FEW, "--eyes", 1, "--lens", "7,eye", "--flicker")
@@ -153,6 +158,7 @@ def test_one_eye_other_lenses_and_flicker(run, tmp_path, cache):
     assert wide > narrow, "an eye blurs less than 7 %"
 
 
+@pytest.mark.slow
 def test_pictures_of_an_earlier_run_do_not_stay_and_other_files_do(run, tmp_path, cache):
     for folder in ("figures", "sheets"):
         (tmp_path / folder).mkdir()

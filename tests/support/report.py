@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
+from typing import Any
 
 import vrcomfort.report
+from tests.support import drawn
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.records import ParticipantRow, QuestionnaireRow, TrialRow
+from vrcomfort.report import Form, ReportSummary
 
-build_report = partial(vrcomfort.report.build_report, forms=("svg",))
-"""A report whose figures are SVG alone: PNG and PDF take more time than all the rest."""
+
+def build_report(
+    source: Path, *, out: Path, forms: Sequence[Form] = (), **more: Any
+) -> ReportSummary:
+    """Build a report, without figures unless a test or ``pytest --draw`` asks for them."""
+    return vrcomfort.report.build_report(source, out=out, forms=forms or drawn.FORMS, **more)
+
 
 SSQ = shipped_instruments()["ssq"]
 ITEMS = tuple(item.name for item in SSQ.items)

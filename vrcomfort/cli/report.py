@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from vrcomfort.cli.options import Json, MemoryOption, Quiet, output_option
 from vrcomfort.cli.outputs import output_folder
 from vrcomfort.cli.terminal import console, progress_bar, warn
+from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from vrcomfort.report import Form
 
 
 def register(app: typer.Typer) -> None:
@@ -27,6 +31,25 @@ def _list(asked: bool) -> None:
         for each in plans:
             typer.echo(f"{each.name:{width}}  {each.title}")
         raise typer.Exit
+
+
+def _forms(text: str) -> list[Form]:
+    """Read the forms of figures, with commas between them; none for `none`.
+
+    Raises
+    ------
+    InputError
+        If one of them is no form.
+    """
+    from vrcomfort.report import FORMS
+
+    asked = [] if text.strip() == "none" else [each.strip() for each in text.split(",")]
+    if unknown := [each for each in asked if each not in FORMS]:
+        raise InputError(
+            f"--figures {text}: no form is called {unknown[0]!r}; write none, or some of "
+            f"{', '.join(FORMS)} with commas between them"
+        )
+    return [form for form in FORMS if form in asked]
 
 
 def report(
@@ -67,6 +90,14 @@ def report(
             "--simulated", help="Of a study with both, the simulated participants, not the real."
         ),
     ] = False,
+    figures: Annotated[
+        str,
+        typer.Option(
+            metavar="FORMS|none",
+            help="Forms in which figures are written, with commas; none: a page without figures, "
+            "in a fraction of the time.",
+        ),
+    ] = "svg,png,pdf",
     memory: MemoryOption = "512MB",
     cluster: Annotated[
         str | None,
@@ -90,6 +121,7 @@ def report(
     from vrcomfort.recordings import Memory
     from vrcomfort.report import build_report
 
+    forms = _forms(figures)
     folder = output_folder(out)
     with progress_bar("analysing", None, quiet=quiet):
         source = study_of_plan(plan, folder) if study is None else study_of(study, folder)
@@ -99,6 +131,7 @@ def report(
             instrument=instrument,
             out=folder,
             simulated=simulated or None,
+            forms=forms,
             memory=Memory.of_text(memory),
             cluster=cluster,
         )

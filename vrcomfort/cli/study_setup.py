@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
     from vrcomfort.session import Enrolment, Outcome, ProgressCallback
+    from vrcomfort.session.interfaces import Relay
 
 
 class RespondentKind(StrEnum):
@@ -104,6 +105,7 @@ class StudySetup:
         headset: HeadsetSetup | None = None,
         *,
         ipd_measured_m: float | None = None,
+        relay: Relay | None = None,
     ) -> Outcome:
         """Run a participant's sessions in a headset, or without one on the playback."""
         from vrcomfort import session
@@ -123,6 +125,7 @@ class StudySetup:
             watchdog=headset.watchdog if headset else None,
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
+            relay=relay,
             progress=progress,
         )
 

@@ -9,7 +9,6 @@ import json
 import time
 from collections.abc import Sequence
 from functools import partial
-from types import ModuleType
 from typing import Any, Self
 
 from vrcomfort.errors import InputError
@@ -17,9 +16,15 @@ from vrcomfort.exchange.queued import Queued
 from vrcomfort.frame import Frame
 from vrcomfort.records import EventRow, RatingRow
 
-STREAMS = ("markers", "ratings", "head", "gaze")
 HEAD = ("x", "y", "z", "qx", "qy", "qz", "qw", "valid")
 GAZE = ("x", "y", "z", "dx", "dy", "dz", "valid")
+_KINDS = {
+    "markers": ("Markers", ("marker",)),
+    "ratings": ("Ratings", ("rating",)),
+    "head": ("MoCap", HEAD),
+    "gaze": ("Gaze", GAZE),
+}
+"""Stream → its type, and its channels."""
 _UNITS = {"x": "meters", "y": "meters", "z": "meters"}
 
 
@@ -44,7 +49,7 @@ class LslRelay:
     def __init__(self, study: str, participant: str) -> None:
         self._lsl = _pylsl()
         self._outlets = {
-            name: self._lsl.StreamOutlet(self._info(name, study, participant)) for name in STREAMS
+            name: self._lsl.StreamOutlet(self._info(name, study, participant)) for name in _KINDS
         }
         self._queue = Queued("lsl")
 
@@ -109,14 +114,11 @@ class LslRelay:
 
     def _info(self, name: str, study: str, participant: str) -> Any:
         """Describe a stream; frames come as they come, so none has a nominal rate."""
-        kinds = {"markers": "Markers", "ratings": "Ratings", "head": "MoCap", "gaze": "Gaze"}
-        channels = {"markers": ("marker",), "ratings": ("rating",), "head": HEAD, "gaze": GAZE}[
-            name
-        ]
+        kind, channels = _KINDS[name]
         form = self._lsl.cf_string if name == "markers" else self._lsl.cf_double64
         source = f"vrcomfort-{study}-{participant}-{name}"
         info = self._lsl.StreamInfo(
-            f"vrcomfort {name}", kinds[name], len(channels), self._lsl.IRREGULAR_RATE, form, source
+            f"vrcomfort {name}", kind, len(channels), self._lsl.IRREGULAR_RATE, form, source
         )
         _describe(info.desc(), channels, study, participant)
         return info
@@ -133,7 +135,7 @@ def _describe(desc: Any, channels: Sequence[str], study: str, participant: str) 
         channel.append_child_value("unit", _UNITS.get(label, "none"))
 
 
-def _pylsl() -> ModuleType:
+def _pylsl() -> Any:
     try:
         import pylsl  # noqa: PLC0415 - it loads a library
     except (ImportError, RuntimeError, OSError) as error:

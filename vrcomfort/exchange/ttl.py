@@ -10,14 +10,15 @@ from typing import Any, Self
 
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.queued import Queued
-from vrcomfort.session.interfaces import NoRelay
+from vrcomfort.frame import Frame
+from vrcomfort.records import EventRow, RatingRow
 
 LAST_TRIAL = 126
 """What one byte can say of a trial and of its end."""
 END = 128
 
 
-class TtlRelay(NoRelay):
+class TtlRelay:
     """Writes to a serial port from a thread of its own.
 
     An exposure begins with its trial's number + 1 (training is 1, and trials from 126 on are 127),
@@ -40,6 +41,19 @@ class TtlRelay(NoRelay):
     def __init__(self, port: str, *, baud: int = 115_200) -> None:
         self._port = _opened(port, baud)
         self._queue = Queued("ttl")
+
+    def now_s(self) -> float | None:
+        """Return None: a serial port has no clock."""
+        return None
+
+    def mark(self, row: EventRow) -> None:
+        """Write nothing of an event."""
+
+    def rate(self, row: RatingRow) -> None:
+        """Write nothing of a rating."""
+
+    def show(self, frame: Frame, monotonic_ns: int | None) -> None:
+        """Write nothing of a frame."""
 
     def begin_exposure(self, trial: int, condition: str, monotonic_ns: int | None) -> None:
         """Write the byte of a trial that begins."""

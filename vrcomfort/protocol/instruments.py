@@ -39,8 +39,8 @@ def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Pr
 def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
     for index, ask in enumerate(protocol.questionnaires):
         yield ("questionnaires", index, "instrument"), ask.instrument
-    if protocol.ratings is not None:
-        yield ("ratings", "instrument"), protocol.ratings.instrument
+    for index, ratings in enumerate(protocol.ratings):
+        yield ("ratings", index, "instrument"), ratings.instrument
 
 
 def instrument_problems(
@@ -81,16 +81,17 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
 
 
 def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
-    ratings = protocol.ratings
-    found = instruments.get(ratings.instrument) if ratings else None
-    if ratings is None or found is None:
-        return
-    if len(found.asked) != 1:
-        message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
-        yield Problem(("ratings", "instrument"), f"{message}: ask it in [[questionnaires]]")
-        return
-    answers = found.asked[0].answers
-    if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
-        message = f"the {found.short} goes from {answers.low} to {answers.high}"
-        hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
-        yield Problem(("ratings", "stop_at"), f"{message}; {hint}")
+    for index, ratings in enumerate(protocol.ratings):
+        path: KeyPath = ("ratings", index)
+        found = instruments.get(ratings.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
+            yield Problem((*path, "instrument"), f"{message}: ask it in [[questionnaires]]")
+            continue
+        answers = found.asked[0].answers
+        if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
+            message = f"the {found.short} goes from {answers.low} to {answers.high}"
+            hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
+            yield Problem((*path, "stop_at"), f"{message}; {hint}")

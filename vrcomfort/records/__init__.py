@@ -14,6 +14,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -49,6 +50,7 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
+    "TaskRow",
     "TimingRow",
     "TrialRow",
     "access_of",

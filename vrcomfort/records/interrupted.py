@@ -25,6 +25,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TrialRow,
     cell_text,
     csv_line,
@@ -251,6 +252,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         RatingRow: ("onset_s", "latency_s"),
         EventRow: ("onset_s", "duration_s"),
     }
+    if (folder / TaskRow.FILE).exists():
+        columns = {**columns, TaskRow: ("onset_s", "reaction_s")}
     for row_type, parts in columns.items():
         for row in _of(whose, read_rows(folder, row_type)):
             yield sum(row[part] or 0.0 for part in parts)

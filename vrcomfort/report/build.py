@@ -100,7 +100,8 @@ def build_report(
         made if absent.
         Tables and figures of an earlier report that this one does not have are removed.
     forms
-        In which figures are written; PNG and PDF take most of the time of a small report.
+        In which figures are written; none: no figure is drawn, and the page has none. They take
+        most of the time of a small report.
     memory
         The most that reading frames may take; 512 MB without it.
     cluster
@@ -128,14 +129,16 @@ def build_report(
     results["quality"]["reading"] += looked.notes
     results["date"] = _today()
     words = Vocabulary.of(results)
-    left = [
-        residuals_of(scored, chosen, results["tests"], outcome["name"])
-        for outcome in results["outcomes"]
-    ]
-    figures = draw_figures(study, results, scored, left, courses, looked, words)
+    figures: dict[str, Drawing] = {}
+    if forms:
+        left = [
+            residuals_of(scored, chosen, results["tests"], outcome["name"])
+            for outcome in results["outcomes"]
+        ]
+        figures = draw_figures(study, results, scored, left, courses, looked, words)
     files: dict[str, str | bytes] = {
         PLAN_FILE: chosen.text,
-        "index.html": render_page(results, figures, words),
+        "index.html": render_page(results, figures, words, [f for f in FORMS if f in forms]),
         "reproduce.R": r_script(),
         **{
             f"tables/{name}": text

@@ -78,7 +78,9 @@ class Drawing:
 
     def finish(self) -> None:
         """Lay the figure out, once for all forms, and write the SVG."""
-        self.figure.draw_without_rendering()
+        engine = self.figure.get_layout_engine()
+        if engine is not None and self.figure.axes:
+            engine.execute(self.figure)  # to draw without rendering would draw it once more
         self.figure.set_layout_engine("none")
         print_svg = FigureCanvasSVG(self.figure).print_svg
         self.svg = _rounded(_printed(print_svg, _NEVER["svg"]).decode())

@@ -29,8 +29,8 @@ _SIDES = {
 }
 
 
-def methods(results: Results, words: Vocabulary) -> list[Method]:
-    """Return the paragraphs on everything that this report holds."""
+def methods(results: Results, words: Vocabulary, *, drawn: bool) -> list[Method]:
+    """Return the paragraphs on everything that this report holds; `drawn`: figures, too."""
     plan = results["plan"]
     made = any(not test["not_tested"] for test in results["tests"])
     return [
@@ -42,14 +42,14 @@ def methods(results: Results, words: Vocabulary) -> list[Method]:
             *further_methods(results),
             _describing(),
             _t_tests(results),
-            _anova(results),
+            _anova(results, drawn=drawn),
             _friedman(results),
             _crossover(results),
             _mixed(results),
             _withdrawals(results),
             *(Method(*paragraph) for paragraph in course_paragraphs(results)),
             *(Method(*paragraph) for paragraph in gaze_paragraphs(results)),
-            _figures(results),
+            _figures(results) if drawn else None,
             _answering(results),
             Method("Choices", plan["note"]) if plan["note"] else None,
         )
@@ -277,9 +277,10 @@ def _t_tests(results: Results) -> Method | None:
     )
 
 
-def _anova(results: Results) -> Method | None:
+def _anova(results: Results, *, drawn: bool) -> Method | None:
     if all(found["not_tested"] for found in results["anova"]):
         return None
+    plotted = " and are plotted over normal quantiles at Blom’s (1958) positions" if drawn else ""
     return Method(
         "Analysis of variance",
         f"The ANOVA uses type {results['plan']['sums_of_squares']} sums of squares (Maxwell et "
@@ -287,9 +288,9 @@ def _anova(results: Results) -> Method | None:
         "test, and ε after Greenhouse & Geisser (1959, GG) and Huynh & Feldt (1976, HF). Effect "
         "sizes: generalised η² (Olejnik & Algina, 2003) and partial η² with its 90 % interval "
         "from the noncentral F distribution (Steiger, 2004). Residuals were tested after Shapiro "
-        "& Wilk (1965) and are plotted over normal quantiles at Blom’s (1958) positions.",
+        f"& Wilk (1965){plotted}.",
         ("maxwell_2018", "mauchly_1940", "greenhouse_1959", "huynh_1976", "olejnik_2003",
-         "steiger_2004", "shapiro_1965", "blom_1958"),
+         "steiger_2004", "shapiro_1965", *(("blom_1958",) if drawn else ())),
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 from markupsafe import Markup
@@ -17,6 +18,10 @@ from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from jinja2 import Environment
+
     from vrcomfort.report.canvas import Drawing
     from vrcomfort.report.vocabulary import Vocabulary
 
@@ -27,15 +32,57 @@ _VARIABLES = {colour.light: f"var({colour.variable})" for colour in palette.ALL}
 
 
 def render_page(
-    results: dict[str, Any], figures: dict[str, Drawing], vocabulary: Vocabulary
+    results: dict[str, Any],
+    figures: dict[str, Drawing],
+    vocabulary: Vocabulary,
+    forms: Sequence[str],
 ) -> str:
     """Fill the report template.
 
     Parameters
     ----------
     figures
-        Name → drawing; their SVG is inlined into the page.
+        Name → drawing; their SVG is inlined into the page. None at all: nothing was drawn.
+    forms
+        In which figures stand beside the page.
     """
+    paragraphs = methods.methods(results, vocabulary, drawn=bool(figures))
+    per_condition = results["participants"]["exposures_per_condition"].values()
+    return (
+        _templates()
+        .get_template(TEMPLATE)
+        .render(
+            r=results,
+            labelled=partial(with_labels, labels=vocabulary.labels),
+            forms=[form.upper() for form in forms],
+            words=vocabulary,
+            tests=TESTS,
+            shown_above=_shown_above(results, figures),
+            digits=DIGITS,
+            correlations=METHODS,
+            answers=answers(results, vocabulary),
+            figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
+            several=max(per_condition, default=0) > 1,
+            symptoms=_by_instrument(results["symptoms"]),
+            methods=paragraphs,
+            references=entries(key for method in paragraphs for key in method.cited),
+            basis=methods.basis_sentence(results),
+            has_baseline=methods.has_baseline(results),
+            described=_described(results),
+            moments=_moments(results),
+            disagreements=_disagreements(results),
+            rating_titles=TITLES,
+            rating_ways=MEANINGS,
+            fewest=methods.fewest_for_shift(results["plan"]),
+            colours_light=palette.css_variables(dark=False),
+            colours_dark=palette.css_variables(dark=True),
+        )
+    )
+
+
+@cache
+def _templates() -> Environment:
+    """Return the templates, compiled once: that takes longer than to fill them."""
     environment = page_templates()
     environment.filters |= {
         "number": words.number,
@@ -44,34 +91,8 @@ def render_page(
         "interval": words.interval,
         "degrees": words.degrees,
         "bayes": words.bayes_factor,
-        "with_labels": lambda text: with_labels(text, vocabulary.labels),
     }
-    paragraphs = methods.methods(results, vocabulary)
-    per_condition = results["participants"]["exposures_per_condition"].values()
-    return environment.get_template(TEMPLATE).render(
-        r=results,
-        words=vocabulary,
-        tests=TESTS,
-        shown_above=_shown_above(results, figures),
-        digits=DIGITS,
-        correlations=METHODS,
-        answers=answers(results, vocabulary),
-        figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
-        several=max(per_condition, default=0) > 1,
-        symptoms=_by_instrument(results["symptoms"]),
-        methods=paragraphs,
-        references=entries(key for method in paragraphs for key in method.cited),
-        basis=methods.basis_sentence(results),
-        has_baseline=methods.has_baseline(results),
-        described=_described(results),
-        moments=_moments(results),
-        disagreements=_disagreements(results),
-        rating_titles=TITLES,
-        rating_ways=MEANINGS,
-        fewest=methods.fewest_for_shift(results["plan"]),
-        colours_light=palette.css_variables(dark=False),
-        colours_dark=palette.css_variables(dark=True),
-    )
+    return environment
 
 
 def _shown_above(results: dict[str, Any], figures: dict[str, Drawing]) -> str:

@@ -15,9 +15,12 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.simulated_hands import SimulatedHands
+from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
     "general_discomfort": 1.1,
@@ -50,6 +53,8 @@ _SICKNESS_OF_RANGE = 4.0
 _SECONDS_PER_ANSWER = 3.0
 _STEPS = 1000
 _UNHEARD_OF = 1e6
+_HANDS = 4
+"""Which of a trial's random streams is the hands'."""
 
 
 class SimulatedRespondent:
@@ -101,6 +106,16 @@ class SimulatedRespondent:
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             message = "`memory` is not the state of a simulated participant: this is damaged"
             raise InputError(f"{message}; restore it") from error
+
+    def start_task(self, trial: int, condition: str) -> None:
+        """Begin a task, with a random stream of its own: it changes no answer."""
+        key = (self._person, self._session, trial, _HANDS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        self._hands = SimulatedHands(self._settings, condition, random)
+
+    def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
+        """Return world-from-ray of a press in this frame, if there is one."""
+        return self._hands.act(demand, head, time_s)
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -21,9 +22,10 @@ from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
-from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of
 from vrcomfort.session.standing import stand
 from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
@@ -80,6 +82,7 @@ class SessionFlow:
         self._steering = context.steering
         self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
+        self._task: TaskRun | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -260,6 +263,10 @@ class SessionFlow:
             ending.status, ending.abort_code = "withdrawn", "participant"
             return reason
         except StopRule as reason:
+            if reason.ends == "exposure":
+                ending.status, ending.abort_code = "completed", "rating"
+                self._events.event("exposure_ended", detail=str(reason))
+                return None
             ending.status, ending.abort_code = "stopped", "rating"
             return reason
         except Skipped:
@@ -293,9 +300,28 @@ class SessionFlow:
         self._manifest.note_headset(headset)
         self._steering.use(headset)
         condition = protocol.condition(place.condition or "")
-        context.renderer.begin(scene, condition)
+        self._task = self._task_in(place, standing.scene)
+        context.renderer.begin(self._task.drawn if self._task else scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
         return FrameLoop(context, headset, self._events, self._log, standing.path)
+
+    def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
+        """Return what is done in a trial, ready to begin."""
+        number = place.trial or 0
+        trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
+        settings = self._context.protocol.task_of(trial)
+        if settings is None:
+            return None
+        known = self._identity(place, 0.0)
+        return TaskRun(
+            self._context,
+            self._events,
+            place,
+            settings,
+            scene,
+            attempt=known["attempt"],
+            resumed=bool(known["resumed"]),
+        )
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
@@ -329,14 +355,7 @@ class SessionFlow:
         self._respondent.start_exposure(
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
-        ratings = protocol.ratings
-        schedule = (
-            RatingSchedule(
-                ratings, protocol.instrument(ratings.instrument), self._respondent, full_s
-            )
-            if ratings
-            else None
-        )
+        schedule = self._ratings(number, full_s)
         start_s = self._context.clock.now_s()
         attempt = self._attempts_before(number) + 1
         words = f"exposure {number} of {len(self._places)}, attempt {attempt}: {_shown(place)}"
@@ -345,11 +364,24 @@ class SessionFlow:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
+                task=self._task,
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:
             self._events.event("exposure", start_s, detail=_shown(place))
             self._note_clamps(place)
+
+    def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
+        """Return when what is asked during an exposure; times that were drawn are an event."""
+        context = self._context
+        if not context.protocol.ratings:
+            return None
+        person = int.from_bytes(hashlib.sha256(context.participant.encode()).digest()[:4])
+        key = context.seed, person, self._events.session, number
+        schedules = schedules_of(context.protocol, self._respondent, full_s, *key)
+        if any(each.jitter_s for each in context.protocol.ratings):
+            self._events.event("ratings_planned", detail=schedules.planned)
+        return schedules
 
     def _note_clamps(self, place: TrialPlace) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
@@ -412,7 +444,7 @@ def _ended_by(error: BaseException) -> tuple[str, str] | None:
     while reason is not None:
         if isinstance(reason, Withdrew):
             return "withdrawn", "participant"
-        if isinstance(reason, StopRule):
+        if isinstance(reason, StopRule) and reason.ends == "study":
             return "stopped", "rating"
         reason = reason.__context__
     return None
