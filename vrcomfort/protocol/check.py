@@ -32,6 +32,9 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
+    if protocol.exposure_ends == "task" and not protocol.tasks:
+        message = "no exposure has a task that could end it; add [[tasks]], or remove this"
+        yield Problem(("exposure_ends",), message)
     yield from _visibility(protocol)
 
 
@@ -65,6 +68,9 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     effects = protocol.simulation
     for name in effects.condition_effects:
         path: Path = ("simulation", "condition_effects", name)
+        yield from _named_key(path, "condition", _conditions(protocol))
+    for name in effects.liking:
+        path = ("simulation", "liking", name)
         yield from _named_key(path, "condition", _conditions(protocol))
     for name in effects.task_effects:
         path = ("simulation", "task_effects", name)

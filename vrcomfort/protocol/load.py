@@ -80,6 +80,11 @@ def _by_name(
         for ask in protocol.questionnaires
     ]
     changes: dict[str, object] = {"questionnaires": tuple(asks)}
+    rises = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.stop.score_rise
+    )
+    changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
     changes["ratings"] = tuple(
         each.model_copy(update={"instrument": instruments[each.instrument].name})
         for each in protocol.ratings

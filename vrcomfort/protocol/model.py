@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
@@ -89,6 +90,10 @@ class Ask(Settings):
     """`before_trial` and `after_trial`: of every exposure."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
+    compares: Literal["pair", "session", "study"] | None = None
+    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
+    preference): `pair`, the two exposures before, asked after every second one of a session;
+    `session` and `study`, the conditions of the session, or of all until then, as first met."""
 
 
 Unfocused: TypeAlias = Literal["pause", "flag"]
@@ -111,8 +116,9 @@ class Ratings(Settings):
     """The stop rule: answers this high end what `stop_ends` says."""
     stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
     """So many of an exposure's answers, one after the other; missed ones do not count."""
-    stop_ends: Literal["exposure", "study"] = "study"
-    """`exposure`: the session goes on after its questions. `study`: the participant's study."""
+    stop_ends: Literal["exposure", "session", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `session`: the participant may come back
+    for the next. `study`: the participant's study."""
 
 
 class Simulation(Settings):
@@ -154,6 +160,10 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
+    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
+    indifference: Coefficient = 0.5
+    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 
@@ -208,6 +218,10 @@ class Protocol(Settings):
     """What participants do during an exposure (docs/tasks.md)."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
+    stop: Stopping = Stopping()
+    """What ends a session, or somebody's study."""
+    exposure_ends: Literal["time", "task"] = "time"
+    """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()

@@ -16,6 +16,7 @@ from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.interfaces import Finishing
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.task_run import TaskRun
@@ -37,7 +38,7 @@ def collector_at_rest() -> Iterator[None]:
             gc.unfreeze()
 
 
-Ending = Literal["completed", "headset_ended"]
+Ending = Literal["completed", "task_done", "headset_ended"]
 
 FREEZE_S = 0.5
 """A picture that stands still for longer is a freeze: what fell due in it was missed. After a
@@ -180,6 +181,9 @@ class FrameLoop:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
+            if self._is_done(self._task):
+                self.context.clock.advance(frame.period_ns / 1e9)
+                return "task_done"
             # The next frame would lie more than half outside.
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
@@ -187,6 +191,10 @@ class FrameLoop:
                 self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
+
+    def _is_done(self, task: Finishing | None) -> bool:
+        """Return whether the exposure ends because nothing is left to do in it."""
+        return task is not None and task.done and self.context.protocol.exposure_ends == "task"
 
     def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
         """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""
@@ -297,4 +305,4 @@ class FrameLoop:
         )
         self.context.relay.rate(row)
         self.events.recorder.write_soon(row)
-        self.context.steering.desk.rated(self.felt_s, rated.response)
+        self.context.steering.desk.rated(schedule.instrument.name, self.felt_s, rated.response)

@@ -11,9 +11,10 @@ from functools import partial
 from typing import Any, Literal
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
-from vrcomfort.protocol import Sequence
+from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -22,9 +23,15 @@ from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
-from vrcomfort.session.ratings import RatingSchedules, StopRule, schedules_of
+from vrcomfort.session.ratings import RatingSchedules, schedules_of
 from vrcomfort.session.standing import stand
 from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.stop_rules import (
+    ScoreWatch,
+    StopRule,
+    ends_of,
+    trial_ending,
+)
 from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
@@ -32,7 +39,8 @@ from vrcomfort.stop_signals import uninterrupted
 REST_SLICE_S = 0.2
 """So often a rest looks up."""
 
-SessionStatus = Literal["completed", "withdrawn", "aborted"]
+SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]
+"""`ended`: early, and the participant may come back for the next session."""
 
 
 @dataclass
@@ -79,6 +87,7 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._scores = ScoreWatch(context.protocol)
         self._steering = context.steering
         self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
@@ -97,11 +106,19 @@ class SessionFlow:
             self._steering.await_start()
             self._everything()
         except (Withdrew, StopRule) as reason:
-            self._manifest.close("withdrawn")  # first: whatever fails now, it is known
-            self._events.event("withdrawn", detail=str(reason))
-            return "withdrawn", str(reason)
+            return self._end_early(reason), str(reason)
         self._events.event("session_end")
         return "completed", ""
+
+    def _end_early(self, reason: Withdrew | StopRule) -> SessionStatus:
+        """Write that somebody's session, or study, ends here."""
+        ends = ends_of(reason, self._context.protocol)
+        status: SessionStatus = "ended" if ends == "session" else "withdrawn"
+        by = reason.by if isinstance(reason, StopRule) else "participant"
+        # First: whatever fails now, it is known.
+        self._manifest.close(status, {"by": by, "ends": ends, "reason": str(reason)})
+        self._events.event(status, detail=str(reason))
+        return status
 
     def give_up(self, abort_code: str) -> None:
         """Write what is known of the exposure under way, while its own thread hangs.
@@ -170,7 +187,8 @@ class SessionFlow:
                 raise
             self._events.event("questionnaire_refused", detail=str(refusal))
         if ended is not None:
-            raise Withdrew(f"{ended} in trial {last}, before the session was interrupted")
+            told = f"{ended} in trial {last}, before the session was interrupted"
+            raise StopRule(told, "session" if self._open.before.ended_session else "study", ended)
 
     def _missed(self, sentences: list[str]) -> None:
         for sentence in sentences:
@@ -178,10 +196,14 @@ class SessionFlow:
 
     def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
         for ask in self._context.protocol.asks(when):
+            if not is_due(ask, place):
+                continue
             if ask.wait_s:
                 self._rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
+            if not after_withdrawal:
+                self._scores.hear(ask, interview.answers)
 
     def _rest(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
@@ -259,16 +281,12 @@ class SessionFlow:
             ending.start_s = self._context.clock.now_s()
             self._manifest.begin_exposure(**self._identity(place, ending.start_s))
             result = self._show(loop, place)
-        except Withdrew as reason:
-            ending.status, ending.abort_code = "withdrawn", "participant"
-            return reason
-        except StopRule as reason:
-            if reason.ends == "exposure":
-                ending.status, ending.abort_code = "completed", "rating"
-                self._events.event("exposure_ended", detail=str(reason))
-                return None
-            ending.status, ending.abort_code = "stopped", "rating"
-            return reason
+        except (Withdrew, StopRule) as reason:
+            ending.status, ending.abort_code = trial_ending(reason, self._context.protocol)
+            if ending.status != "completed":
+                return reason
+            self._events.event("exposure_ended", detail=str(reason))
+            return None
         except Skipped:
             ending.status, ending.abort_code = "skipped", "operator"
             return None
@@ -276,13 +294,15 @@ class SessionFlow:
             ending.abort_code = "redone"
             return None
         except BaseException as error:
-            if (how := _ended_by(error)) is not None:  # and then something failed
+            how = _ended_by(error, self._context.protocol)
+            if how is not None:  # and then something failed
                 ending.status, ending.abort_code = how
             raise
         finally:
             self._respondent.end_exposure(loop.felt_s)
-        if result == "completed":
-            ending.status, ending.abort_code = "completed", None
+        if result in {"completed", "task_done"}:
+            ending.status = "completed"
+            ending.abort_code = "task" if result == "task_done" else None
         else:
             ending.abort_code = result
         return None
@@ -438,14 +458,13 @@ def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [each for each in undone if datetime.fromisoformat(each["at"]) >= began]
 
 
-def _ended_by(error: BaseException) -> tuple[str, str] | None:
+def _ended_by(error: BaseException, protocol: Protocol) -> tuple[str, str] | None:
     """Return how the participant or the stop rule had ended the exposure before an error."""
     reason: BaseException | None = error
     while reason is not None:
-        if isinstance(reason, Withdrew):
-            return "withdrawn", "participant"
-        if isinstance(reason, StopRule) and reason.ends == "study":
-            return "stopped", "rating"
+        if isinstance(reason, Withdrew | StopRule):
+            status, code = trial_ending(reason, protocol)
+            return None if status == "completed" else (status, code)
         reason = reason.__context__
     return None
 

@@ -4,29 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from vrcomfort.protocol import Protocol, Ratings
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent import Respondent
-
-Ends: TypeAlias = Literal["exposure", "study"]
-
-
-class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
-    """Ratings have reached the protocol's limit.
-
-    Attributes
-    ----------
-    ends
-        The exposure alone, or the participant's study.
-    """
-
-    def __init__(self, reason: str, ends: Ends = "study") -> None:
-        super().__init__(reason)
-        self.ends = ends
+from vrcomfort.session.stop_rules import StopRule
 
 
 @dataclass(frozen=True)

@@ -80,6 +80,11 @@ class TaskRun:
         """Return the scene with the task's balls in it."""
         return self._markers.scene if self._markers else self.scene
 
+    @property
+    def done(self) -> bool:
+        """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
+        return self._task.done
+
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn: move the balls, and write what is over.
 

@@ -174,6 +174,11 @@ class Task(ABC):
         """Return what the participant is to be told, such as what to look for; None: nothing."""
         return None
 
+    @property
+    def done(self) -> bool:
+        """Return whether nothing is left to do, which may end the exposure."""
+        return False
+
     @abstractmethod
     def step(self, moment: Moment) -> Sequence[Result]:
         """Take a frame, before it is drawn; return what is over with it."""

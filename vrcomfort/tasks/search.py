@@ -57,6 +57,11 @@ class _Search(Task):
         """Return what is looked for; None when all is over."""
         return self._things[self._index][0] if self._index < len(self._things) else None
 
+    @property
+    def done(self) -> bool:
+        """Return whether all things were found or missed."""
+        return self.wanted is None
+
     def step(self, moment: Moment) -> Sequence[Result]:
         self._now_s = moment.time_s
         results: list[Result] = []

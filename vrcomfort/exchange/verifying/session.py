@@ -67,7 +67,9 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     _check_trials(recorded, manifest, found)
     _check_ratings(recorded, manifest, found)
     _check_tasks(recorded, manifest, found)
-    whole = manifest["status"] in {"completed", "withdrawn"} and not manifest.get("earlier_runs")
+    whole = manifest["status"] in {"completed", "ended", "withdrawn"} and not manifest.get(
+        "earlier_runs"
+    )
     check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
@@ -121,7 +123,7 @@ def _check_manifest(
     if finished is None:
         message = f"says {status} and not when (`finished_at`)"
         found.fault(file, f"{message}; restore the manifest from a copy")
-    end = {"completed": "session_end", "withdrawn": "withdrawn"}.get(status)
+    end = {"completed": "session_end", "ended": "ended", "withdrawn": "withdrawn"}.get(status)
     if end is not None and events and end not in names:
         message = f"says {status}, and events.csv has no event `{end}`"
         found.fault(file, f"{message}; restore the file that was changed")
