@@ -90,6 +90,10 @@ class Ask(Settings):
     """`before_trial` and `after_trial`: of every exposure."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
+    compares: Literal["pair", "session", "study"] | None = None
+    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
+    preference): `pair`, the two exposures before, asked after every second one of a session;
+    `session` and `study`, the conditions of the session, or of all until then, as first met."""
 
 
 Unfocused: TypeAlias = Literal["pause", "flag"]
@@ -156,6 +160,10 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
+    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
+    indifference: Coefficient = 0.5
+    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 

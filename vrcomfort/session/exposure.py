@@ -276,4 +276,4 @@ class FrameLoop:
                 missed=schedule.missed_code if rated.response is None else 0,
             )
         )
-        self.context.steering.desk.rated(self.felt_s, rated.response)
+        self.context.steering.desk.rated(schedule.instrument.name, self.felt_s, rated.response)

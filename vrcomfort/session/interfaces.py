@@ -174,7 +174,7 @@ class OperatorDesk(Protocol):
     def see(self, frame: Frame, rendered: RenderedFrame | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
         """Show a rating; None was missed."""
 
     def next_command(self) -> Command | None:
@@ -213,7 +213,7 @@ class NoDesk:
     def see(self, frame: Frame, rendered: RenderedFrame | None, trial: TrialSoFar) -> None:
         """Look away."""
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
         """Show nothing."""
 
     def next_command(self) -> None:
