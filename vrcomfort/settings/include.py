@@ -193,7 +193,7 @@ def _key(key: str) -> str:
 
 
 def _quoted(text: str) -> str:
-    """Return a TOML string: as JSON writes it, but for the one character that TOML escapes alone."""
+    """Return a TOML string: as JSON writes it, and DEL escaped."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
