@@ -78,7 +78,9 @@ def test_a_schema_has_no_null_which_toml_has_not(schema_of):
 
 def test_optional_tables_keep_their_shape():
     properties = json_schema(Protocol)["properties"]
-    assert properties["ratings"]["$ref"] == "#/$defs/Ratings"
+    assert properties["allocation"]["$ref"] == "#/$defs/Allocation"
+    one_or_more = properties["ratings"]["anyOf"]
+    assert [each.get("$ref") for each in one_or_more] == [None, "#/$defs/Ratings"]
     assert properties["participants"]["type"] == "integer"
     assert properties["participants"]["description"] == "Planned number of participants."
 

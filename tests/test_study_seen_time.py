@@ -14,7 +14,7 @@ from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.refresh_period import RefreshPeriod
 from vrcomfort.protocol import Ratings
 from vrcomfort.questionnaire import find_instrument
-from vrcomfort.session.ratings import RatingSchedule
+from vrcomfort.session.ratings import RatingSchedule, RatingSchedules
 from vrcomfort.session.timing import SeenTime, missed_refreshes
 
 PERIOD_NS = 100_000_000
@@ -168,9 +168,10 @@ class Silent:
 
 def test_a_rating_that_waited_for_an_open_one_when_a_freeze_began_is_missed_too():
     settings = Ratings(instrument="fms", every_s=1.0, timeout_s=0.9)
-    schedule = RatingSchedule(settings, find_instrument("fms"), Silent(), 10.0)
+    due_s = [float(due) for due in range(1, 10)]
+    schedule = RatingSchedules([RatingSchedule(settings, find_instrument("fms"), Silent(), due_s)])
     assert schedule.update(1.3, 1.3) is None  # asked late, so open until 2.2
     assert schedule.update(2.1, 2.1) is None
     missed = schedule.missed_while_frozen(7.05, 7.05, 1.0)
-    assert [each.onset_s for each in missed] == pytest.approx([2, 3, 4, 5, 6, 7])
-    assert schedule.update(7.1, 7.1).onset_s == 1.3
+    assert [each.onset_s for _, each in missed] == pytest.approx([2, 3, 4, 5, 6, 7])
+    assert schedule.update(7.1, 7.1)[1].onset_s == 1.3

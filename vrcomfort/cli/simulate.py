@@ -146,7 +146,7 @@ def _is_over(study: Path, name: str, ended: list[str], sessions: int) -> bool:
     if known in {"withdrawn", "excluded"}:
         return True
     withdrew = "withdrawn" in ended
-    over = withdrew or ended.count("completed") == sessions
+    over = withdrew or ended.count("completed") + ended.count("ended") == sessions
     if over and known == "enrolled":  # the program was killed before it could write this
         set_status(study, name, "withdrawn" if withdrew else "completed")
     return over

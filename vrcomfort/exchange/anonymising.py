@@ -30,13 +30,16 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
-from vrcomfort.records.rows import EventRow, ParticipantRow, cell_text, csv_line
+from vrcomfort.records.rows import EventRow, ParticipantRow, TaskRow, cell_text, csv_line
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
 
 RECORD = "anonymised.json"
 Dates: TypeAlias = Literal["shift", "remove"]
 MOTION = (*HEAD, *EYES, *AVATAR, *HANDS, "focus_m", "focus_raw_m", *RAYS, "rays_used")
 """Poses, and what they decide: how far the things are that the head is turned to."""
+
+_PLACES = ("x_m", "y_m", "z_m")
+"""Of ``tasks.csv``: where the head was, or what appeared in its view."""
 
 
 @dataclass(frozen=True)
@@ -181,7 +184,8 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        for row_type in SESSION_ROWS:
+        there = (TaskRow,) if (source / TaskRow.FILE).exists() else ()
+        for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE
             change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)
             _rewrite(source / name, folder / name, change, self.access)
@@ -196,6 +200,8 @@ class _Session:
         def change(row: dict[str, str]) -> dict[str, str]:
             if "participant" in row:
                 row["participant"] = self.new
+            if name == TaskRow.FILE and not self.wishes.keep_motion:
+                row.update(dict.fromkeys(_PLACES, ""))
             return of_event(row) if name == EventRow.FILE else row
 
         return change
@@ -262,7 +268,11 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "participants": "named anew, in random order; the list is in the order of the new names",
         "dates": dates[wishes.dates],
         "frame_times": "xr_time_ns begins at 0 with each session's first frame",
-        "head_and_hand_motion": "kept" if wishes.keep_motion else "blank: " + ", ".join(MOTION),
+        "head_and_hand_motion": (
+            "kept"
+            if wishes.keep_motion
+            else f"blank: {', '.join(MOTION)}, and in tasks.csv {', '.join(_PLACES)}"
+        ),
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
         "texts": "notes, reasons and details of events that people may have typed are blank",
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",

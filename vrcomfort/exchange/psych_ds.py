@@ -19,7 +19,14 @@ from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ParticipantRow, QuestionnaireRow, RatingRow, Row, TrialRow
+from vrcomfort.records.rows import (
+    ParticipantRow,
+    QuestionnaireRow,
+    RatingRow,
+    Row,
+    TaskRow,
+    TrialRow,
+)
 from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
 
 _README = """# {name}
@@ -32,8 +39,12 @@ A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as 
 - `{questionnaires}`: a row for each answer; participant, session, trial, timepoint, instrument and
   item are its key.
 - `{ratings}`: a row for each rating during an exposure.
-
+{of_tasks}
 Frames, gaze and events are not in it: the study has them, and `vrcomfort export --format bids`.
+"""
+
+_OF_TASKS = """- `{tasks}`: a row for each target, shot and sample of a task, and for each trial
+  that had one.
 """
 
 _MEANINGS: Mapping[str, str] = {
@@ -69,9 +80,24 @@ _MEANINGS: Mapping[str, str] = {
     "asked_s": "When it was asked on the session's clock, in seconds",
     "answered_s": "When it was answered on the session's clock, in seconds",
     "order": "Place in the presentation, from 1",
-    "onset_s": "When it was asked on the session's clock, in seconds",
+    "onset_s": "When it began, or was asked, on the session's clock, in seconds",
     "latency_s": "Seconds until the rating came; blank where it was missed",
-    "missed": "1 where no rating came in time",
+    "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
+    "task": "What was done during the exposure, as the protocol names it",
+    "kind": "Of a row of a task: target, shot, sample or (the whole) trial",
+    "number": "Counts the rows of one kind in an attempt, from 1",
+    "what": "Name of the target",
+    "reaction_s": "Seconds from the beginning of a target until it was met",
+    "hit": "1 for a target that was met and a shot that met one, else 0",
+    "error_deg": "Degrees between where was pointed or looked and the middle of the target",
+    "distance_m": "Metres to the target, from the path, or of the way that was gone",
+    "x_m": "Place of the target, or of the head in a sample, in metres (right)",
+    "y_m": "The same, upwards",
+    "z_m": "The same, backwards",
+    "targets": "Targets of a trial",
+    "hits": "Targets that were met in a trial",
+    "shots": "Shots of a trial",
+    "score": "What the task is about, of a trial",
 }
 
 
@@ -98,6 +124,8 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
     tables = [_participants(study, label)]
     tables += [_of_sessions(study, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
+    tasks = _of_sessions(study, label, TaskRow)
+    tables += [tasks] if tasks.rows else []
     there = [table for table in tables if table.rows]
     with new_folder(study, out) as draft:
         (draft / "data").mkdir(parents=True)
@@ -105,7 +133,8 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
             with (draft / "data" / table.file).open("w", encoding="utf-8", newline="") as stream:
                 csv.writer(stream, lineterminator="\n").writerows([table.columns, *table.rows])
         names = {kind: f"data/{_file(label, kind)}" for kind in _KINDS}
-        readme = _README.format(name=name, protocol=protocol, **names)
+        of_tasks = _OF_TASKS.format(**names) if tasks.rows else ""
+        readme = _README.format(name=name, protocol=protocol, of_tasks=of_tasks, **names)
         (draft / "README.md").write_text(readme, encoding="utf-8")
         content = _description(name, protocol, str(description.get("citation") or ""), there)
         text = json.dumps(content, indent=2, ensure_ascii=False) + "\n"
@@ -114,7 +143,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     return [f"{file}: the study has no rows of it" for file in empty]
 
 
-_KINDS = ("participants", "trials", "questionnaires", "ratings")
+_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks")
 
 
 def _file(label: str, kind: str) -> str:
@@ -139,6 +168,7 @@ def _of_sessions(study: Path, label: str, row_type: type[Row]) -> _Table:
     rows = [
         [row.get(name, "") for name in columns]
         for file in _files(study, row_type.FILE)
+        if file.exists()
         for row in CsvTable.read(file, appended=True).dicts()
     ]
     return _Table(_file(label, Path(row_type.FILE).stem), columns, rows)

@@ -32,6 +32,9 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
+    if protocol.exposure_ends == "task" and not protocol.tasks:
+        message = "no exposure has a task that could end it; add [[tasks]], or remove this"
+        yield Problem(("exposure_ends",), message)
     yield from _visibility(protocol)
 
 
@@ -66,6 +69,12 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     for name in effects.condition_effects:
         path: Path = ("simulation", "condition_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
+    for name in effects.liking:
+        path = ("simulation", "liking", name)
+        yield from _named_key(path, "condition", _conditions(protocol))
+    for name in effects.task_effects:
+        path = ("simulation", "task_effects", name)
+        yield from _named_key(path, "condition", _conditions(protocol))
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 
@@ -76,10 +85,19 @@ def _named_key(path: Path, kind: str, known: Iterable[str]) -> Iterator[Problem]
 
 
 def _ratings(protocol: Protocol) -> Iterator[Problem]:
-    ratings = protocol.ratings
-    if ratings and ratings.every_s + ratings.timeout_s > protocol.longest_s:
-        message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
-        yield Problem(("ratings",), f"{message}; shorten them, or remove [ratings]")
+    for index, ratings in enumerate(protocol.ratings):
+        path: Path = ("ratings", index)
+        if ratings.every_s + ratings.timeout_s > protocol.longest_s:
+            message = "no rating fits into an exposure: every_s + timeout_s is more than exposure_s"
+            yield Problem(path, f"{message}; shorten them, or remove [[ratings]]")
+        if ratings.jitter_s > ratings.every_s / 2:
+            message = "two questions could change places: `jitter_s` is more than half of `every_s`"
+            yield Problem((*path, "jitter_s"), f"{message}; make it smaller")
+        for key in sorted({"stop_in_a_row", "stop_ends"} & ratings.model_fields_set):
+            if ratings.stop_at is None:
+                message = f"`{key}` does nothing without `stop_at`; remove it or add that"
+                yield Problem((*path, key), message)
+    yield from repeated(("ratings",), [each.instrument for each in protocol.ratings])
 
 
 _NEEDS_MODE = {

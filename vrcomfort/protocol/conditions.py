@@ -13,7 +13,7 @@ from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
-from vrcomfort.settings import Name, Settings
+from vrcomfort.settings import Name, Settings, Word
 
 Distance = Annotated[float, Field(ge=0.001, le=1e9)]
 """Metres: 1 mm, which is nearer than any near plane, to where every eye is at infinity."""
@@ -404,6 +404,8 @@ class Condition(Settings):
     """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
+    task: Word | None = None
+    """Name of what is done in exposures to it; `none` for nothing."""
     focus: Focus = Focus()
     """How the focus is found."""
     depth_of_field: DepthOfField | None = None

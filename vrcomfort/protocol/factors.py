@@ -34,6 +34,8 @@ class Level(Settings):
     """In words; part of the labels of conditions."""
     quality: Quality | None = None
     """Speed against accuracy."""
+    task: Word | None = None
+    """As a condition's."""
     focus: Focus | None = None
     """As a condition's."""
     depth_of_field: DepthOfField | None = None

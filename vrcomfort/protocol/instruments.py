@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.model import Ask, Protocol
+from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import KeyPath, Problem
 
 MOST_ITEMS = 16
 """What the list of all answers has room for, on the panel in the headset."""
-MOST_ANSWERS = 21
+MOST_ANSWERS = 101
 MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
 """Of a question and of an instruction, which are then as small as can be read in a headset."""
 
@@ -39,8 +40,8 @@ def find_instruments(protocol: Protocol) -> tuple[dict[str, Instrument], list[Pr
 def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
     for index, ask in enumerate(protocol.questionnaires):
         yield ("questionnaires", index, "instrument"), ask.instrument
-    if protocol.ratings is not None:
-        yield ("ratings", "instrument"), protocol.ratings.instrument
+    for index, ratings in enumerate(protocol.ratings):
+        yield ("ratings", index, "instrument"), ratings.instrument
 
 
 def instrument_problems(
@@ -56,7 +57,26 @@ def instrument_problems(
             message = f"the {found.short} has no complete wording in `{ask.language}`"
             hint = "leave `language` out, or translate it in a file of your own"
             yield Problem(("questionnaires", index, "language"), f"{message}; {hint}")
+        if found and ask.compares:
+            yield from _compared(("questionnaires", index), ask, found)
     yield from _of_ratings(protocol, instruments)
+    whens: dict[str, set[str]] = {}
+    for ask in protocol.questionnaires:
+        if ask.instrument in instruments:
+            whens.setdefault(ask.instrument, set()).add(ask.when)
+    yield from rise_problems(protocol.stop, whens, instruments)
+
+
+def _compared(path: KeyPath, ask: Ask, instrument: Instrument) -> Iterator[Problem]:
+    if ask.compares == "pair" and ask.when != "after_trial":
+        message = "a pair is compared after its second exposure"
+        yield Problem((*path, "when"), f'{message}; write when = "after_trial"')
+    for item in instrument.asked:
+        low, high, step = item.answers.low, item.answers.high, item.answers.step
+        if low not in (0, 1) or high < 2 or step != 1 or (ask.compares == "pair" and high != 2):
+            message = f"item {item.name} of the {instrument.short} is answered by"
+            needs = "1 and 2, or 0 to 2" if ask.compares == "pair" else "1, 2, …, or 0, 1, 2, …"
+            yield Problem((*path, "instrument"), f"{message} {low} to {high}; it needs {needs}")
 
 
 def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
@@ -81,16 +101,17 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
 
 
 def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
-    ratings = protocol.ratings
-    found = instruments.get(ratings.instrument) if ratings else None
-    if ratings is None or found is None:
-        return
-    if len(found.asked) != 1:
-        message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
-        yield Problem(("ratings", "instrument"), f"{message}: ask it in [[questionnaires]]")
-        return
-    answers = found.asked[0].answers
-    if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
-        message = f"the {found.short} goes from {answers.low} to {answers.high}"
-        hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
-        yield Problem(("ratings", "stop_at"), f"{message}; {hint}")
+    for index, ratings in enumerate(protocol.ratings):
+        path: KeyPath = ("ratings", index)
+        found = instruments.get(ratings.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a rating is one question"
+            yield Problem((*path, "instrument"), f"{message}: ask it in [[questionnaires]]")
+            continue
+        answers = found.asked[0].answers
+        if ratings.stop_at is not None and not answers.low < ratings.stop_at <= answers.high:
+            message = f"the {found.short} goes from {answers.low} to {answers.high}"
+            hint = f"choose a stop rule above {answers.low}, and at most {answers.high}"
+            yield Problem((*path, "stop_at"), f"{message}; {hint}")

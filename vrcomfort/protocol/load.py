@@ -12,10 +12,12 @@ from vrcomfort.protocol.check import problems
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.tasks import find_tasks
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, first_problem, in_words, parse_settings, read_text
 from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.tasks import TaskSettings
 
 
 def load_protocol(name_or_path: str | Path) -> Protocol:
@@ -43,11 +45,13 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     protocol = _with_crossed_factors(protocol, text, file)
     protocol._text, protocol._file = text, file
     instruments, found = find_instruments(protocol)
+    tasks, faults = find_tasks(protocol)
+    found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
     if found:
         raise first_problem(found, text, file)
-    return _by_name(protocol, instruments)
+    return _by_name(protocol, instruments, tasks)
 
 
 def _with_crossed_factors(protocol: Protocol, text: str, file: Path | None) -> Protocol:
@@ -67,18 +71,27 @@ def _with_crossed_factors(protocol: Protocol, text: str, file: Path | None) -> P
     raise first_problem(found, text, file)
 
 
-def _by_name(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Protocol:
+def _by_name(
+    protocol: Protocol, instruments: Mapping[str, Instrument], tasks: Mapping[str, TaskSettings]
+) -> Protocol:
     """Return a protocol that calls its instruments by their names, wherever they were found."""
     asks = [
         ask.model_copy(update={"instrument": instruments[ask.instrument].name})
         for ask in protocol.questionnaires
     ]
     changes: dict[str, object] = {"questionnaires": tuple(asks)}
-    if protocol.ratings is not None:
-        name = instruments[protocol.ratings.instrument].name
-        changes["ratings"] = protocol.ratings.model_copy(update={"instrument": name})
+    rises = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.stop.score_rise
+    )
+    changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
+    changes["ratings"] = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        for each in protocol.ratings
+    )
     named = protocol.model_copy(update=changes)
     named._instruments = {each.name: each for each in instruments.values()}
+    named._tasks = dict(tasks)
     return named
 
 

@@ -6,19 +6,22 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Any, Literal, TypeAlias
 
-from pydantic import Field, PrivateAttr
+from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
-from vrcomfort.protocol.order import Allocation, Covariate, Group, Order
+from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.locate import locate
+from vrcomfort.settings.schema import or_one_table
+from vrcomfort.tasks import AnyTask, TaskSettings
 
 Probability = Annotated[float, Field(ge=0, le=1)]
 Rest = Annotated[float, Field(ge=0, le=86_400)]
@@ -87,6 +90,10 @@ class Ask(Settings):
     """`before_trial` and `after_trial`: of every exposure."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
+    compares: Literal["pair", "session", "study"] | None = None
+    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
+    preference): `pair`, the two exposures before, asked after every second one of a session;
+    `session` and `study`, the conditions of the session, or of all until then, as first met."""
 
 
 Unfocused: TypeAlias = Literal["pause", "flag"]
@@ -99,10 +106,19 @@ class Ratings(Settings):
     """A shipped instrument with one question by name, or a TOML file of one."""
     every_s: Seconds = 60.0
     """From one question to the next."""
+    jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
+    """Each question comes up to so much sooner or later, drawn from the study's seed."""
     timeout_s: Seconds = 15.0
     """An answer that has not come by then is recorded as missed."""
+    missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
+    """What the column `missed` has then; 0 is an answer."""
     stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """An answer this high ends the exposure and the participant's study."""
+    """The stop rule: answers this high end what `stop_ends` says."""
+    stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
+    """So many of an exposure's answers, one after the other; missed ones do not count."""
+    stop_ends: Literal["exposure", "session", "study"] = "study"
+    """`exposure`: the session goes on after its questions. `session`: the participant may come back
+    for the next. `study`: the participant's study."""
 
 
 class Simulation(Settings):
@@ -138,6 +154,18 @@ class Simulation(Settings):
     """Chance of withdrawing at any one question, per unit of sickness."""
     missed_rating: Probability = 0.05
     """Chance that a rating is missed."""
+    reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
+    """Median time in which they point at what a task wants; half of it, where they missed it."""
+    reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
+    """Standard deviation of the logarithm of that time."""
+    aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
+    """Spread of where they point, along each axis."""
+    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
+    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
+    indifference: Coefficient = 0.5
+    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
+    task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
+    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 
 
 class Protocol(Settings):
@@ -183,8 +211,17 @@ class Protocol(Settings):
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     """What is asked, and when."""
-    ratings: Ratings | None = None
-    """A question that is asked again and again during exposure."""
+    ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
+    """Questions that are asked again and again during exposure, one at a time: where two are due,
+    the second waits for the answer to the first."""
+    tasks: tuple[AnyTask, ...] = ()
+    """What participants do during an exposure (docs/tasks.md)."""
+    task: Word | None = None
+    """Name of the task of every exposure whose trial and condition name none."""
+    stop: Stopping = Stopping()
+    """What ends a session, or somebody's study."""
+    exposure_ends: Literal["time", "task"] = "time"
+    """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     visibility: Visibility = Visibility()
@@ -194,9 +231,16 @@ class Protocol(Settings):
     simulation: Simulation = Simulation()
     """How simulated participants feel."""
 
+    @field_validator("ratings", mode="before")
+    @classmethod
+    def _one_table(cls, value: Any) -> Any:
+        """Take the single [ratings] table of earlier protocols."""
+        return (value,) if isinstance(value, dict) else value
+
     _text: str = PrivateAttr(default="")
     _file: Path | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
+    _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
         """Return an instrument that this asks, by its name; loading made sure that it is there."""
@@ -207,6 +251,11 @@ class Protocol(Settings):
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or whole.language) or whole
         return replace(worded, items=worded.asked)
+
+    def task_of(self, trial: Trial) -> TaskSettings | None:
+        """Return what is done in a trial: what it names itself, its condition, or the protocol."""
+        name = trial.task or self.condition(trial.condition).task or self.task
+        return None if name in (None, NO_TASK) else self._tasks[name]
 
     @property
     def own_instruments(self) -> dict[str, str]:

@@ -15,6 +15,9 @@ Rule = Literal["explicit", "latin_square", "williams", "all_orders", "block_rand
 _FORMER_RULES = {"full": "all_orders"}
 """Words of the first version, which protocols of recorded studies have."""
 
+NO_TASK = "none"
+"""Says that nothing is done, where something else would be."""
+
 Limit = Annotated[int, Field(ge=1, le=100)]
 Share = Annotated[int, Field(ge=1, le=100)]
 
@@ -26,6 +29,8 @@ class Trial(Settings):
     """One of the `scenes`."""
     condition: str
     """Name of a condition."""
+    task: Word | None = None
+    """Name of what is done meanwhile; `none` for nothing, whatever the condition names."""
 
 
 class Sequence(Settings):

@@ -13,6 +13,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -47,6 +48,7 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
+    "TaskRow",
     "TimingRow",
     "TrialRow",
     "access_of",

@@ -25,6 +25,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TrialRow,
     cell_text,
     csv_line,
@@ -55,7 +56,10 @@ class Interrupted:
     last_trial
         The trial that ended last, if it was not aborted or skipped; else None.
     ended_by
-        What ended the participant's study in that trial: ``withdrawn`` or ``stopped``; else None.
+        What ended the participant's study, or session, in that trial: ``withdrawn`` or ``stopped``;
+        else None.
+    ended_session
+        Whether that was the session alone.
     exposure_ended_s_ago
         How long ago that trial ended, by the wall clock; None where nothing tells.
     """
@@ -69,6 +73,7 @@ class Interrupted:
     answered: Mapping[tuple[int | None, str, str], frozenset[str]] = field(default_factory=dict)
     last_trial: int | None = None
     ended_by: str | None = None
+    ended_session: bool = False
     exposure_ended_s_ago: float | None = None
 
 
@@ -108,7 +113,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     if begun and attempts.get(begun["trial"], 0) < begun["attempt"]:
         _write_killed(folder, begun, frames, end_s, access)
         attempts[begun["trial"]] = begun["attempt"]
-    last_trial, ended_by = _last_trial(trials, begun, undone_trials(manifest))
+    last_trial, ended_by, code = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
         done=max((row["trial"] for row in trials if row["status"] in OVER), default=0),
         attempts=attempts,
@@ -119,6 +124,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
         answered=_answered(folder, whose),
         last_trial=last_trial,
         ended_by=ended_by,
+        ended_session=(code or "").endswith("_session"),
         exposure_ended_s_ago=_seconds_since(manifest, last_trial, trials_written_s),
     )
 
@@ -127,8 +133,8 @@ def _last_trial(
     trials: Sequence[RecordedRow],
     begun: Mapping[str, Any] | None,
     undone: set[tuple[int, int]],
-) -> tuple[int | None, str | None]:
-    """Return the trial that ended last, and what ended the study in it.
+) -> tuple[int | None, str | None, str | None]:
+    """Return the trial that ended last, what ended session or study in it, and its code.
 
     None for one that was aborted, or whose withdrawal was undone (it is shown again), and for one
     that an operator has skipped (nothing is owed to it).
@@ -139,11 +145,11 @@ def _last_trial(
         or last["status"] in {"aborted", "skipped"}
         or (last["trial"], last["attempt"]) in undone
     ):
-        return None, None
+        return None, None, None
     if begun and (begun["trial"], begun["attempt"]) != (last["trial"], last["attempt"]):
-        return None, None  # the next exposure had begun: nothing was owed to this one
+        return None, None, None  # the next exposure had begun: nothing was owed to this one
     status = last["status"]
-    return last["trial"], status if status in ENDED_THE_STUDY else None
+    return last["trial"], status if status in ENDED_THE_STUDY else None, last["abort_code"]
 
 
 def _answered(
@@ -251,6 +257,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         RatingRow: ("onset_s", "latency_s"),
         EventRow: ("onset_s", "duration_s"),
     }
+    if (folder / TaskRow.FILE).exists():
+        columns = {**columns, TaskRow: ("onset_s", "reaction_s")}
     for row_type, parts in columns.items():
         for row in _of(whose, read_rows(folder, row_type)):
             yield sum(row[part] or 0.0 for part in parts)

@@ -75,6 +75,9 @@ class Manifest:
         Where the machine's clock stood earlier than before, one sentence each.
     memory
         What the respondent was like at the last boundary between exposures; None when done.
+    ended
+        What ended the session before its time (``by``: participant, rating, score), whether the
+        session or the study (``ends``), and the ``reason``; else None.
     """
 
     participant: str
@@ -100,6 +103,7 @@ class Manifest:
     missed_questions: list[str] = field(default_factory=list)
     withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
+    ended: dict[str, str] | None = None
 
     def write(self, folder: Path, access: Access = OWNER) -> None:
         """Write ``manifest.json`` as a whole; it is on the disk at return.
@@ -148,6 +152,7 @@ class Manifest:
             "missed_questions": self.missed_questions,
             "withdrawals_undone": self.withdrawals_undone,
             "memory": self.memory,
+            "ended": self.ended,
         }
 
 
@@ -155,7 +160,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "withdrawals_undone", "memory",
+    "withdrawals_undone", "memory", "ended",
 )  # fmt: skip
 
 

@@ -87,7 +87,7 @@ class ManifestShape(_Part):
     participant: str
     session: Number
     sequence: str
-    status: Literal["running", "completed", "withdrawn", "aborted"]
+    status: Literal["running", "completed", "ended", "withdrawn", "aborted"]
     started_at: Moment
     finished_at: Moment | None = None
     seed: Annotated[int, Field(ge=0)]
@@ -115,6 +115,7 @@ class ManifestShape(_Part):
     missed_questions: list[str] = []
     withdrawals_undone: list[WithdrawalUndone] = []
     memory: dict[str, Any] | None = None
+    ended: dict[str, str] | None = None
 
 
 class DescriptionShape(_Part):

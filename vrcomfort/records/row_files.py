@@ -17,6 +17,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
     cell_text,
@@ -26,7 +27,7 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow)
+OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, TaskRow)
 """Their files appear with their first rows."""
 
 SYNC_EVERY_S = 0.5
@@ -34,7 +35,7 @@ SYNC_EVERY_S = 0.5
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
-_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, EventRow)
+_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, EventRow)
 
 
 class RowFiles:

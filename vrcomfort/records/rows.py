@@ -89,7 +89,8 @@ class TrialRow(FlatRow):
         completed, withdrawn (by the participant), stopped (by the stop rule), skipped (by an
         operator: the session went on after it), or aborted.
     abort_code
-        Blank, or participant, rating, operator, redone (an operator had it begun again),
+        Blank, or what ended it early: participant, rating (of a completed trial: the protocol's
+        rule ended the exposure alone), operator, redone (an operator had it begun again),
         headset_ended, runtime_lost, error, or killed (the
         program ended without a word; the row was written when the session was resumed).
     attempt
@@ -160,7 +161,7 @@ class QuestionnaireRow(FlatRow):
 
 @dataclass(frozen=True)
 class RatingRow(FlatRow):
-    """One rating during exposure; `missed` is 1 where none came in time."""
+    """One rating during exposure; `missed` is 0, or the schedule's code (1) where none came."""
 
     FILE: ClassVar[str] = "ratings.csv"
     participant: str
@@ -172,6 +173,63 @@ class RatingRow(FlatRow):
     instrument: str
     response: int | None
     missed: int
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
+class TaskRow(FlatRow):
+    """Something of a task: a target, a shot, a sample, or the whole trial; blank: means nothing.
+
+    Parameters
+    ----------
+    attempt
+        As in ``trials.csv``.
+    task
+        Its name in the protocol.
+    kind
+        target, shot, sample or trial.
+    number
+        Counts the rows of one kind in an attempt, from 1.
+    what
+        Name of the target.
+    onset_s
+        When it began; a shot, when it was made.
+    reaction_s
+        Of a target that was met: from its beginning.
+    hit
+        1 for a target that was met and for a shot that met one, else 0.
+    error_deg
+        Between where somebody pointed (or looked) and the middle of the target.
+    distance_m
+        To the target, from the path, or of the way that was gone.
+    x_m, y_m, z_m
+        Of the target, or of the head in a sample, in the world.
+    targets, hits, shots, score
+        Of the whole trial; `score` is what the task is about.
+    """
+
+    FILE: ClassVar[str] = "tasks.csv"
+    participant: str
+    session: int
+    trial: int
+    condition: str
+    attempt: int
+    task: str
+    kind: str
+    number: int
+    what: str
+    onset_s: float
+    reaction_s: float | None = None
+    hit: int | None = None
+    error_deg: float | None = None
+    distance_m: float | None = None
+    x_m: float | None = None
+    y_m: float | None = None
+    z_m: float | None = None
+    targets: int | None = None
+    hits: int | None = None
+    shots: int | None = None
+    score: float | None = None
     resumed: int = 0
 
 

@@ -326,8 +326,8 @@ def recorded_sessions(study: Path, participant: str) -> list[int]:
 
 
 def completed_sessions(study: Path, participant: str) -> list[int]:
-    """Return the numbers of a participant's sessions whose manifest says completed."""
-    return _sessions(study, participant, lambda status: status == "completed")
+    """Return the numbers of a participant's sessions that are over, to their end or early."""
+    return _sessions(study, participant, lambda status: status in {"completed", "ended"})
 
 
 def withdrawn_sessions(study: Path, participant: str) -> list[int]:
@@ -340,7 +340,7 @@ def unfinished_sessions(study: Path, participant: str) -> list[int]:
     return _sessions(study, participant, lambda status: status not in _FINISHED)
 
 
-_FINISHED = {"completed", "withdrawn"}
+_FINISHED = {"completed", "ended", "withdrawn"}
 
 
 def _sessions(study: Path, participant: str, wanted: Callable[[str | None], bool]) -> list[int]:

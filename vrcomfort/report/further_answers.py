@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from vrcomfort.report.ordinal import ordinal_lines
 from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
 
 if TYPE_CHECKING:
@@ -35,11 +36,12 @@ def line_of(claim: str, evidence: str) -> Line:
 
 
 def further_answers(results: Row, words: Vocabulary) -> list[Line]:
-    """Return a sentence for each equivalence, correlation and preference."""
+    """Return a sentence for each equivalence, preference, correlation and odds ratio."""
     return [
         *(equivalence_answer(row, words) for row in results["equivalence"]),
         *(preference_answer(row) for row in results["preferences"]),
         *(correlation_answer(row, words) for row in results["correlations"]),
+        *(line_of(*said) for row in results["ordinal"] for said in ordinal_lines(row, words)),
     ]
 
 

@@ -24,6 +24,7 @@ def further_methods(results: Results) -> list[Method]:
         *_preferences(results),
         *_correlations(results),
         *_agreement(results),
+        *_ordinal(results),
         *_z_scores(results),
         *_aligned_ranks(results),
         *_marginal_means(results),
@@ -172,4 +173,25 @@ def _z_scores(results: Results) -> list[Method]:
         "standard deviation. Standard errors over values, as Mantiuk et al. (2011) print them, "
         "take a person’s scores for independent; those over people do not.",
         ("mantiuk_2011",),
+    )]  # fmt: skip
+
+
+def _ordinal(results: Results) -> list[Method]:
+    made = [row for row in results["ordinal"] if not row["not_tested"]]
+    if not made:
+        return []
+    random = any(row["participant_sd"] is not None for row in made)
+    repeats = (
+        " As people answered more than once, they have a random intercept (Hedeker & Gibbons, "
+        "1994), integrated by adaptive Gauss–Hermite quadrature with 25 nodes."
+    )
+    return [Method(
+        "Single items",
+        "Single items were analysed by cumulative logit models (McCullagh, 1980), which take the "
+        "order of answers alone: an odds ratio above 1 makes every higher answer more likely. p "
+        "and interval are Wald’s, factors as a whole have likelihood-ratio tests; nothing is "
+        f"adjusted.{repeats * random} That one ratio stands for all cuts between answers was "
+        "tested against a model with a ratio for each; where answers were not given under every "
+        "level, neighbours were taken together for it.",
+        ("mccullagh_1980", *(("hedeker_1994",) if random else ())),
     )]  # fmt: skip

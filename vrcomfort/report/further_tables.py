@@ -22,6 +22,8 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
             for found in results["anova"]
             for effect in found.get("aligned_ranks", ())
         ],
+        "ordinal": [line for row in results["ordinal"] for line in _ordinal(row)],
+        "ordinal_by_cut": [line for row in results["ordinal"] for line in _by_cut(row)],
         "z_scores": results["z_scores"],
         "kruskal_wallis": [_kruskal_wallis(row) for row in results["kruskal_wallis"]],
     }
@@ -73,3 +75,25 @@ def _kruskal_wallis(row: Row) -> Row:
     sizes = dict(zip(row.get("levels", ()), row.get("sizes", ()), strict=True))
     flat = {key: value for key, value in row.items() if key not in {"levels", "sizes"}}
     return flat | {"groups": "; ".join(f"{name}: {n}" for name, n in sizes.items())}
+
+
+def _ordinal(row: Row) -> list[Row]:
+    """Return the odds ratios of a model, one line each."""
+    keys = {key: row[key] for key in ("outcome", "instrument", "item", "not_tested")}
+    if row["not_tested"]:
+        return [keys]
+    sizes = {"n_values": row["n_values"], "n_participants": row["n_participants"]}
+    return [
+        {**keys, **sizes, "term": term, **odds, "participant_sd": row["participant_sd"]}
+        for term, odds in row["terms"].items()
+    ]
+
+
+def _by_cut(row: Row) -> list[Row]:
+    """Return the odds ratio of answers above each cut, of each term."""
+    return [
+        {"outcome": row["outcome"], "term": term, "above": answer, "odds_ratio": ratio}
+        for check in row.get("proportional", {}).values()
+        for term, ratios in check["cuts"].items()
+        for answer, ratio in zip(row["answers"][:-1], ratios, strict=True)
+    ]

@@ -114,6 +114,11 @@ def check_columns(plan: Plan, scored: Exposures) -> None:
     ]
     named += [(name, ("mixed_model", i)) for i, name in enumerate(plan.mixed_model)]
     named += [(name, ("covariates", i)) for i, name in enumerate(plan.covariates)]
+    named += [
+        (name, ("ordinal", i, "factors", j))
+        for i, asked in enumerate(plan.ordinal)
+        for j, name in enumerate(asked.factors)
+    ]
     for column, path in named:
         if column not in there:
             raise plan.fault(

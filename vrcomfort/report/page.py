@@ -13,6 +13,7 @@ from vrcomfort.report.answers import answers
 from vrcomfort.report.courses.summaries import MEANINGS, TITLES
 from vrcomfort.report.descriptives import PRIMARY, TIMEPOINT
 from vrcomfort.report.further_answers import DIGITS, METHODS, TESTS
+from vrcomfort.report.ordinal import ordinal_title
 from vrcomfort.report.references import entries
 from vrcomfort.report.withdrawals import with_labels
 from vrcomfort.web_page import inline_svg, page_templates
@@ -60,6 +61,7 @@ def render_page(
             shown_above=_shown_above(results, figures),
             digits=DIGITS,
             correlations=METHODS,
+            ordinal_title=ordinal_title,
             answers=answers(results, vocabulary),
             figures={name: _inlined(drawing.svg, name) for name, drawing in figures.items()},
             several=max(per_condition, default=0) > 1,

@@ -97,7 +97,7 @@ def _asking_sessions(study: StudyData, plan: Plan) -> set[tuple[str, str]]:
 def _ratings(study: StudyData) -> dict[str, int] | None:
     if not study.ratings:
         return None
-    missed = sum(_whole(r.get("missed")) for r in study.ratings)
+    missed = sum(bool(_whole(r.get("missed"))) for r in study.ratings)
     return {"asked": len(study.ratings), "missed": missed}
 
 

@@ -28,6 +28,7 @@ from vrcomfort.report.models import (
 )
 from vrcomfort.report.notices import notices
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.ordinal import ordinal_models
 from vrcomfort.report.outcomes import Outcome
 from vrcomfort.report.plan import with_outcomes
 from vrcomfort.report.quality import quality
@@ -126,6 +127,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         "tests": tests,
         "comparisons": comparisons,
         **more,
+        "ordinal": ordinal_models(scored, plan, _reference(contrasts, conditions)),
         "z_scores": standardised(scored, plan, conditions),
         "sensitivity": _sensitivity(scored, plan, tests, contrasts, found),
         "smallest_effects": smallest_effects(plan, tests),

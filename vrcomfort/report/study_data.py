@@ -143,7 +143,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
-        tasks=_table(source, "tasks.csv", warnings),
+        tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
         source=Path(source),
     )
 
@@ -271,6 +271,23 @@ def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], 
         return trials
     last = {(trial["participant"], trial["session"], trial["trial"]): trial for trial in trials}
     return tuple(last.values())
+
+
+def _of_last_attempts(tasks: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
+    """Leave out rows of attempts at a trial that was begun again later."""
+    if not all("attempt" in row for row in tasks):
+        return tasks
+    last: dict[tuple[str, ...], int] = {}
+    for row in tasks:
+        key = tuple(row.get(name, "") for name in ("participant", "session", "trial"))
+        attempt = int(row["attempt"]) if row["attempt"].isdecimal() else 0
+        last[key] = max(attempt, last.get(key, 0))
+    return tuple(
+        row
+        for row in tasks
+        if (int(row["attempt"]) if row["attempt"].isdecimal() else 0)
+        == last[tuple(row.get(name, "") for name in ("participant", "session", "trial"))]
+    )
 
 
 def _json(file: Path) -> dict[str, Any]:

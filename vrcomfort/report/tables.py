@@ -59,6 +59,7 @@ def all_tables(results: Row, scored: Exposures, courses: Courses, looked: Looked
         "crossover": [row for found in results["crossover"] for row in _flat_crossover(found)],
         "mixed_models": [row for found in results["mixed_models"] for row in _flat_mixed(found)],
         "withdrawals": results["withdrawals"]["list"],
+        "early_endings": results["withdrawals"]["early_endings"],
         "left_out": results["participants"]["left_out"],
         "in_some_tests": results["participants"]["in_some_tests"],
         "t_tests": [

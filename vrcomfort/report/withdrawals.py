@@ -40,7 +40,11 @@ class Withdrawal:
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     """Return the withdrawals that trials.csv and participants.csv record, one per participant."""
     undone = undone_attempts(study)
-    ended = [t for t in _trials(study) if t["status"] in ENDED and _attempt(t) not in undone]
+    ended = [
+        t
+        for t in _trials(study)
+        if t["status"] in ENDED and _attempt(t) not in undone and not _comes_back(t)
+    ]
     found = {t["participant"]: _from_trial(t) for t in ended}
     last = {t["participant"]: t for t in _trials(study)}
     for person in study.participants:
@@ -48,6 +52,24 @@ def find_withdrawals(study: StudyData) -> list[Withdrawal]:
         if person["status"] == "withdrawn" and name not in found:
             found[name] = _after_trial(name, last.get(name, {}))
     return [found[name] for name in sorted(found, key=natural)]
+
+
+def _comes_back(trial: Mapping[str, str]) -> bool:
+    """Return whether a trial ended somebody's session alone, not their study."""
+    return trial.get("abort_code", "").endswith("_session")
+
+
+def early_endings(study: StudyData) -> list[dict[str, Any]]:
+    """Count what ended exposures, sessions and studies before their time, and by what."""
+    counts: Counter[tuple[str, str]] = Counter()
+    for trial in study.trials:
+        if trial["status"] == "completed" and trial.get("abort_code"):
+            counts["exposure", trial["abort_code"]] += 1
+    for manifest in study.manifests:
+        ended = manifest.get("ended") or {}
+        if manifest.get("status") in {"ended", "withdrawn"} and ended:
+            counts[str(ended.get("ends")), str(ended.get("by"))] += 1
+    return [{"ends": ends, "by": by, "n": count} for (ends, by), count in sorted(counts.items())]
 
 
 def _attempt(trial: dict[str, str]) -> tuple[str, ...]:
@@ -101,6 +123,7 @@ def count_withdrawals(study: StudyData, found: list[Withdrawal]) -> dict[str, An
         "recorded": bool(study.trials or study.participants),
         "n": len(found),
         "list": [vars(each) for each in found],
+        "early_endings": early_endings(study),
         "by_condition": _by(study, found, lambda t: t["condition"], lambda w: w.condition),
         "by_scene": _by(study, found, lambda t: t["scene"], lambda w: w.scene),
         "by_position": _by(

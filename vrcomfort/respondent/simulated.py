@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.simulated_hands import SimulatedHands
+from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
     "general_discomfort": 1.1,
@@ -50,6 +53,8 @@ _SICKNESS_OF_RANGE = 4.0
 _SECONDS_PER_ANSWER = 3.0
 _STEPS = 1000
 _UNHEARD_OF = 1e6
+_HANDS = 4
+"""Which of a trial's random streams is the hands'."""
 
 
 class SimulatedRespondent:
@@ -101,6 +106,16 @@ class SimulatedRespondent:
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             message = "`memory` is not the state of a simulated participant: this is damaged"
             raise InputError(f"{message}; restore it") from error
+
+    def start_task(self, trial: int, condition: str) -> None:
+        """Begin a task, with a random stream of its own: it changes no answer."""
+        key = (self._person, self._session, trial, _HANDS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        self._hands = SimulatedHands(self._settings, condition, random)
+
+    def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
+        """Return world-from-ray of a press in this frame, if there is one."""
+        return self._hands.act(demand, head, time_s)
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
@@ -164,7 +179,21 @@ class SimulatedRespondent:
             if self._rng.random() < self._settings.question_hazard * self.sickness:
                 raise Withdrew(f"stopped at the question {item.name}")
             took_s = _SECONDS_PER_ANSWER * math.exp(0.3 * self._rng.standard_normal())
-            heard(item.name, self._response(form.instrument, item), round(took_s, 2))
+            response = (
+                self._choice(item, form.compared)
+                if form.compared
+                else self._response(form.instrument, item)
+            )
+            heard(item.name, response, round(took_s, 2))
+
+    def _choice(self, item: Item, compared: Sequence[str]) -> int:
+        """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
+        liking = self._settings.liking
+        seems = [liking.get(each, 0.0) + self._rng.standard_normal() for each in compared]
+        best, next_best = sorted(seems, reverse=True)[:2]
+        if item.answers.low == 0 and best - next_best < self._settings.indifference:
+            return 0
+        return seems.index(best) + 1
 
     def _response(self, instrument: Instrument, item: Item) -> int:
         if len(instrument.items) == 1:

@@ -17,8 +17,10 @@ from vrcomfort.geometry import Fov, Gaze, Pose, View
 from vrcomfort.protocol import Condition, Protocol
 from vrcomfort.records import EventRow, session_folder
 from vrcomfort.respondent import SimulatedRespondent
+from vrcomfort.scene.load import load_scene
 from vrcomfort.session.clock import VirtualClock
 from vrcomfort.session.enrolment import open_enrolment
+from vrcomfort.session.interfaces import LoadScene
 from vrcomfort.session.run import run
 from vrcomfort.session.standing import without_meshes
 
@@ -99,7 +101,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
             enrolment,
             respondent=respondent,
             headset_for=lambda _name, _scene: _Still(_rate_hz(protocol)),
-            load_scene=without_meshes if protocol.views else lambda _source: None,
+            load_scene=_loader(protocol),
             renderer=_NoPictures(),
             clock=VirtualClock(),
             durability="session_end",
@@ -109,12 +111,18 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
     return outcome.sequence
 
 
+def _loader(protocol: Protocol) -> LoadScene:
+    """Return what loads as much of a scene as a session without pictures needs."""
+    if protocol.tasks:
+        return load_scene
+    return without_meshes if protocol.views else lambda _source: None
+
+
 def _rate_hz(protocol: Protocol) -> float:
     """Return how many frames a second are enough to meet everything that falls due."""
-    ratings = protocol.ratings
     often = [
         20 / min(map(protocol.length_s, protocol.scenes)),
-        4 / ratings.timeout_s if ratings else 0.0,
+        *(4 / ratings.timeout_s for ratings in protocol.ratings),
     ]
     return max(_LEAST_HZ, *often)
 

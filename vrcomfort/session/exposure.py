@@ -15,8 +15,10 @@ from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.ratings import Rated, RatingSchedule
+from vrcomfort.session.interfaces import Finishing
+from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -35,7 +37,7 @@ def collector_at_rest() -> Iterator[None]:
             gc.unfreeze()
 
 
-Ending = Literal["completed", "headset_ended"]
+Ending = Literal["completed", "task_done", "headset_ended"]
 
 FREEZE_S = 0.5
 """A picture that stands still for longer is a freeze: what fell due in it was missed. After a
@@ -80,15 +82,17 @@ class FrameLoop:
     def __post_init__(self) -> None:
         self._frames: Iterator[Frame] = iter(self.headset.frames())
         self._scene_start_ns: int | None = None
-        self._rating: tuple[Stimulus, RatingSchedule] | None = None
+        self._rating: tuple[Stimulus, RatingSchedules] | None = None
         self._cut_unseen = self._snap_unseen = False
         self._was_paused = self._back_at_start = False
+        self._task: TaskRun | None = None
 
     def show(
         self,
         stimulus: Stimulus,
         *,
-        schedule: RatingSchedule | None = None,
+        schedule: RatingSchedules | None = None,
+        task: TaskRun | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
         """Show frames for `stimulus.duration_s`, as counted by their display times.
@@ -103,6 +107,7 @@ class FrameLoop:
         self._back_at_start = self.path is not None
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
+        self._task = task
         try:
             with collector_at_rest():
                 return self._run(stimulus, schedule, progress)
@@ -113,21 +118,28 @@ class FrameLoop:
                 self.log.finish(renderer.drain(), self._late_times(), hashes)
             finally:  # a disk that refuses a frame may yet take a rating
                 self._close_rating()
+                self._finish_task()
 
     def abandon(self) -> None:
         """Write all rows that wait, from another thread, while the loop's own hangs."""
         self.log.finish()
         self._close_rating()
+        self._finish_task()
+
+    def _finish_task(self) -> None:
+        task, self._task = self._task, None
+        if task is not None:
+            task.finish()
 
     def _close_rating(self) -> None:
         open_rating, self._rating = self._rating, None
         if open_rating is not None and (rated := open_rating[1].close()):
-            self._record(*open_rating, rated)
+            self._record(open_rating[0], *rated)
 
     def _run(
         self,
         stimulus: Stimulus,
-        schedule: RatingSchedule | None,
+        schedule: RatingSchedules | None,
         progress: Callable[[float], None],
     ) -> Ending:
         shown_ns, before = 0, None
@@ -145,11 +157,17 @@ class FrameLoop:
             self.elapsed_s = shown_ns / 1e9
             self.felt_s = self.elapsed_s * stimulus.stretch
             self.context.clock.advance(self.elapsed_s - before_s)
-            self._draw(frame, stimulus)
+            shown = self._carried(frame)
+            if self._task is not None:
+                self._task.step(shown, self.headset, self.elapsed_s, self._scene_time_s(frame))
+            self._draw(shown, stimulus)
             if schedule and (passed_ns - frame.period_ns) / 1e9 > FREEZE_S:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
+            if self._is_done(self._task):
+                self.context.clock.advance(frame.period_ns / 1e9)
+                return "task_done"
             # The next frame would lie more than half outside.
             if self.elapsed_s + 1.5 * frame.period_ns / 1e9 > stimulus.duration_s:
                 self.context.clock.advance(frame.period_ns / 1e9)
@@ -157,6 +175,10 @@ class FrameLoop:
                 self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
+
+    def _is_done(self, task: Finishing | None) -> bool:
+        """Return whether the exposure ends because nothing is left to do in it."""
+        return task is not None and task.done and self.context.protocol.exposure_ends == "task"
 
     def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
         """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""
@@ -166,7 +188,7 @@ class FrameLoop:
             self.context.steering.desk.see(frame, None, self.log.timing)
             return False
         if frame.unfocused and self.context.protocol.unfocused == "pause":
-            self._draw(frame, stimulus)
+            self._draw(self._carried(frame), stimulus)
             return False
         return True
 
@@ -191,11 +213,14 @@ class FrameLoop:
         for event in self.headset.take_events():
             self.events.note(event)
 
-    def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
-        frame = self._carried(frame)
+    def _scene_time_s(self, frame: Frame) -> float:
+        """Return the time of the scene's animations, which begins with its first frame."""
         if self._scene_start_ns is None:
             self._scene_start_ns = frame.predicted_display_time_ns
-        scene_time_s = (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
+        return (frame.predicted_display_time_ns - self._scene_start_ns) / 1e9
+
+    def _draw(self, frame: Frame, stimulus: Stimulus) -> None:
+        scene_time_s = self._scene_time_s(frame)
         rendered = None
         if frame.should_render:
             rendered = self.context.renderer.render(self._with_unseen_jumps(frame), scene_time_s)
@@ -226,16 +251,16 @@ class FrameLoop:
             snap_turn=frame.snap_turn or snap,
         )
 
-    def _listen(self, stimulus: Stimulus, schedule: RatingSchedule | None) -> None:
+    def _listen(self, stimulus: Stimulus, schedule: RatingSchedules | None) -> None:
         self.context.respondent.endure(self.felt_s)
         if schedule and (rated := schedule.update(self.felt_s, self.context.clock.now_s())):
-            self._record(stimulus, schedule, rated)
-            schedule.check(rated)
+            self._record(stimulus, *rated)
+            rated[0].check(rated[1])
 
-    def _miss(self, stimulus: Stimulus, schedule: RatingSchedule) -> None:
+    def _miss(self, stimulus: Stimulus, schedule: RatingSchedules) -> None:
         now_s = self.context.clock.now_s()
         for missed in schedule.missed_while_frozen(self.felt_s, now_s, stimulus.stretch):
-            self._record(stimulus, schedule, missed)
+            self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
         self.events.recorder.write_soon(
@@ -248,7 +273,7 @@ class FrameLoop:
                 latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
                 instrument=schedule.instrument.name,
                 response=rated.response,
-                missed=int(rated.response is None),
+                missed=schedule.missed_code if rated.response is None else 0,
             )
         )
-        self.context.steering.desk.rated(self.felt_s, rated.response)
+        self.context.steering.desk.rated(schedule.instrument.name, self.felt_s, rated.response)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,9 +11,10 @@ from functools import partial
 from typing import Any, Literal
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
-from vrcomfort.protocol import Sequence
+from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -21,16 +23,24 @@ from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
-from vrcomfort.session.ratings import RatingSchedule, StopRule
+from vrcomfort.session.ratings import RatingSchedules, schedules_of
 from vrcomfort.session.standing import stand
 from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.stop_rules import (
+    ScoreWatch,
+    StopRule,
+    ends_of,
+    trial_ending,
+)
+from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
 from vrcomfort.stop_signals import uninterrupted
 
 REST_SLICE_S = 0.2
 """So often a rest looks up."""
 
-SessionStatus = Literal["completed", "withdrawn", "aborted"]
+SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]
+"""`ended`: early, and the participant may come back for the next session."""
 
 
 @dataclass
@@ -77,9 +87,11 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._scores = ScoreWatch(context.protocol)
         self._steering = context.steering
         self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
+        self._task: TaskRun | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -94,11 +106,19 @@ class SessionFlow:
             self._steering.await_start()
             self._everything()
         except (Withdrew, StopRule) as reason:
-            self._manifest.close("withdrawn")  # first: whatever fails now, it is known
-            self._events.event("withdrawn", detail=str(reason))
-            return "withdrawn", str(reason)
+            return self._end_early(reason), str(reason)
         self._events.event("session_end")
         return "completed", ""
+
+    def _end_early(self, reason: Withdrew | StopRule) -> SessionStatus:
+        """Write that somebody's session, or study, ends here."""
+        ends = ends_of(reason, self._context.protocol)
+        status: SessionStatus = "ended" if ends == "session" else "withdrawn"
+        by = reason.by if isinstance(reason, StopRule) else "participant"
+        # First: whatever fails now, it is known.
+        self._manifest.close(status, {"by": by, "ends": ends, "reason": str(reason)})
+        self._events.event(status, detail=str(reason))
+        return status
 
     def give_up(self, abort_code: str) -> None:
         """Write what is known of the exposure under way, while its own thread hangs.
@@ -167,7 +187,8 @@ class SessionFlow:
                 raise
             self._events.event("questionnaire_refused", detail=str(refusal))
         if ended is not None:
-            raise Withdrew(f"{ended} in trial {last}, before the session was interrupted")
+            told = f"{ended} in trial {last}, before the session was interrupted"
+            raise StopRule(told, "session" if self._open.before.ended_session else "study", ended)
 
     def _missed(self, sentences: list[str]) -> None:
         for sentence in sentences:
@@ -175,10 +196,14 @@ class SessionFlow:
 
     def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
         for ask in self._context.protocol.asks(when):
+            if not is_due(ask, place):
+                continue
             if ask.wait_s:
                 self._rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
+            if not after_withdrawal:
+                self._scores.hear(ask, interview.answers)
 
     def _rest(self, duration_s: float) -> None:
         """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
@@ -256,12 +281,12 @@ class SessionFlow:
             ending.start_s = self._context.clock.now_s()
             self._manifest.begin_exposure(**self._identity(place, ending.start_s))
             result = self._show(loop, place)
-        except Withdrew as reason:
-            ending.status, ending.abort_code = "withdrawn", "participant"
-            return reason
-        except StopRule as reason:
-            ending.status, ending.abort_code = "stopped", "rating"
-            return reason
+        except (Withdrew, StopRule) as reason:
+            ending.status, ending.abort_code = trial_ending(reason, self._context.protocol)
+            if ending.status != "completed":
+                return reason
+            self._events.event("exposure_ended", detail=str(reason))
+            return None
         except Skipped:
             ending.status, ending.abort_code = "skipped", "operator"
             return None
@@ -269,13 +294,15 @@ class SessionFlow:
             ending.abort_code = "redone"
             return None
         except BaseException as error:
-            if (how := _ended_by(error)) is not None:  # and then something failed
+            how = _ended_by(error, self._context.protocol)
+            if how is not None:  # and then something failed
                 ending.status, ending.abort_code = how
             raise
         finally:
             self._respondent.end_exposure(loop.felt_s)
-        if result == "completed":
-            ending.status, ending.abort_code = "completed", None
+        if result in {"completed", "task_done"}:
+            ending.status = "completed"
+            ending.abort_code = "task" if result == "task_done" else None
         else:
             ending.abort_code = result
         return None
@@ -293,9 +320,28 @@ class SessionFlow:
         self._manifest.note_headset(headset)
         self._steering.use(headset)
         condition = protocol.condition(place.condition or "")
-        context.renderer.begin(scene, condition)
+        self._task = self._task_in(place, standing.scene)
+        context.renderer.begin(self._task.drawn if self._task else scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
         return FrameLoop(context, headset, self._events, self._log, standing.path)
+
+    def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
+        """Return what is done in a trial, ready to begin."""
+        number = place.trial or 0
+        trial = self._context.sequence.sessions[self._events.session - 1][number - 1]
+        settings = self._context.protocol.task_of(trial)
+        if settings is None:
+            return None
+        known = self._identity(place, 0.0)
+        return TaskRun(
+            self._context,
+            self._events,
+            place,
+            settings,
+            scene,
+            attempt=known["attempt"],
+            resumed=bool(known["resumed"]),
+        )
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: _Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
@@ -329,14 +375,7 @@ class SessionFlow:
         self._respondent.start_exposure(
             Exposure(self._events.session, number, place.scene, condition, full_s)
         )
-        ratings = protocol.ratings
-        schedule = (
-            RatingSchedule(
-                ratings, protocol.instrument(ratings.instrument), self._respondent, full_s
-            )
-            if ratings
-            else None
-        )
+        schedule = self._ratings(number, full_s)
         start_s = self._context.clock.now_s()
         attempt = self._attempts_before(number) + 1
         words = f"exposure {number} of {len(self._places)}, attempt {attempt}: {_shown(place)}"
@@ -345,11 +384,24 @@ class SessionFlow:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
+                task=self._task,
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:
             self._events.event("exposure", start_s, detail=_shown(place))
             self._note_clamps(place)
+
+    def _ratings(self, number: int, full_s: float) -> RatingSchedules | None:
+        """Return when what is asked during an exposure; times that were drawn are an event."""
+        context = self._context
+        if not context.protocol.ratings:
+            return None
+        person = int.from_bytes(hashlib.sha256(context.participant.encode()).digest()[:4])
+        key = context.seed, person, self._events.session, number
+        schedules = schedules_of(context.protocol, self._respondent, full_s, *key)
+        if any(each.jitter_s for each in context.protocol.ratings):
+            self._events.event("ratings_planned", detail=schedules.planned)
+        return schedules
 
     def _note_clamps(self, place: TrialPlace) -> None:
         """Write down which limits have shortened a blur; only now, for this waits for the GPU."""
@@ -406,14 +458,13 @@ def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     return [each for each in undone if datetime.fromisoformat(each["at"]) >= began]
 
 
-def _ended_by(error: BaseException) -> tuple[str, str] | None:
+def _ended_by(error: BaseException, protocol: Protocol) -> tuple[str, str] | None:
     """Return how the participant or the stop rule had ended the exposure before an error."""
     reason: BaseException | None = error
     while reason is not None:
-        if isinstance(reason, Withdrew):
-            return "withdrawn", "participant"
-        if isinstance(reason, StopRule):
-            return "stopped", "rating"
+        if isinstance(reason, Withdrew | StopRule):
+            status, code = trial_ending(reason, protocol)
+            return None if status == "completed" else (status, code)
         reason = reason.__context__
     return None
 

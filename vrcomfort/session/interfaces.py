@@ -79,6 +79,14 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 """
 
 
+class Finishing(Protocol):
+    """What is done during an exposure and may end it."""
+
+    @property
+    def done(self) -> bool:
+        """Return whether nothing is left to do."""
+
+
 class Watchdog(Protocol):
     """Sees when the headset's runtime hangs, and can end the program then."""
 
@@ -166,7 +174,7 @@ class OperatorDesk(Protocol):
     def see(self, frame: Frame, rendered: RenderedFrame | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
         """Show a rating; None was missed."""
 
     def next_command(self) -> Command | None:
@@ -205,7 +213,7 @@ class NoDesk:
     def see(self, frame: Frame, rendered: RenderedFrame | None, trial: TrialSoFar) -> None:
         """Look away."""
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
         """Show nothing."""
 
     def next_command(self) -> None:

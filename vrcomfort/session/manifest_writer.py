@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Literal, Protocol, runtime_checkable
 
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol as StudyProtocol
@@ -78,13 +78,16 @@ class ManifestWriter:
         self._write()
 
     @property
-    def withdrawn(self) -> bool:
-        """Whether it says that the participant's study has ended with this session."""
-        return self._manifest.status == "withdrawn"
+    def ended_early(self) -> Literal["withdrawn", "ended"] | None:
+        """Return what it says where session or study have ended before their time, else None."""
+        if self._manifest.status == "withdrawn":
+            return "withdrawn"
+        return "ended" if self._manifest.status == "ended" else None
 
-    def close(self, status: str) -> None:
-        """Note how the run ended."""
+    def close(self, status: str, ended: dict[str, str] | None = None) -> None:
+        """Note how the run ended, and early by what."""
         manifest = self._manifest
+        manifest.ended = ended or manifest.ended
         manifest.status, manifest.finished_at = status, now()
         manifest.frames_not_recorded = self._recorder.frames_not_recorded
         if status != "aborted":

@@ -73,7 +73,7 @@ class ParticipantSessions:
         for number in numbers:
             ran.append(number)
             status, note = self._session(number)
-            if status != "completed":
+            if status not in {"completed", "ended"}:
                 break
         study, participant = self.context.study, self.context.participant
         if status == "withdrawn":
@@ -86,8 +86,10 @@ class ParticipantSessions:
         complete = completed_sessions(study, participant)
         all_done = len(complete) == len(self.context.sequence.sessions)
         status_now = "completed" if all_done else "enrolled"
-        set_status(study, participant, status_now)
-        return self._outcome(status_now, ran)
+        set_status(
+            study, participant, status_now, f"session {ran[-1]} ended: {note}" if note else ""
+        )
+        return self._outcome(status_now, ran, note)
 
     def _outcome(self, status: str, ran: list[int], note: str = "") -> Outcome:
         name, warnings = self.context.sequence.name, tuple(self.notices)
@@ -190,10 +192,11 @@ def _kept(
         status, note = flow.run()
         recorder.sync()  # first: a session that is completed has all of its rows
     except KeyboardInterrupt as stop:
-        status, note = ("withdrawn", "") if writer.withdrawn else ("aborted", str(stop) or STOPPED)
+        early = writer.ended_early
+        status, note = ("aborted", str(stop) or STOPPED) if early is None else (early, "")
     except BaseException:
         with suppress(InputError):  # the first error is the one to tell
-            writer.close("withdrawn" if writer.withdrawn else "aborted")
+            writer.close(writer.ended_early or "aborted")
         raise
     writer.close(status)
     return status, note

@@ -1,16 +1,16 @@
-"""Ratings during exposure: when they are due, answered or missed, and when they say stop."""
+"""Questions during exposure: when they are asked, and what their answers end."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-from vrcomfort.protocol import Ratings
+import numpy as np
+
+from vrcomfort.protocol import Protocol, Ratings
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent import Respondent
-
-
-class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
-    """A rating has reached the protocol's limit."""
+from vrcomfort.session.stop_rules import StopRule
 
 
 @dataclass(frozen=True)
@@ -31,35 +31,43 @@ class _Pending:
 
 
 class RatingSchedule:
-    """Asks every `every_s` seconds, as long as the time to answer lies within the exposure."""
+    """Asks one question at its times.
+
+    Parameters
+    ----------
+    due_s
+        When, since the exposure began, in the protocol's time; rising.
+    """
 
     def __init__(
         self,
         settings: Ratings,
         instrument: Instrument,
         respondent: Respondent,
-        duration_s: float,
+        due_s: Sequence[float],
     ) -> None:
         self.instrument = instrument
+        self.due_s = tuple(due_s)
         self._settings = settings
         self._respondent = respondent
-        self._duration_s = duration_s
         self._asked = 0
+        self._high = 0
         self._pending: _Pending | None = None
 
-    def update(self, elapsed_s: float, now_s: float) -> Rated | None:
-        """Ask if a rating is due; return one that was answered or missed by now.
+    @property
+    def asking(self) -> bool:
+        """Return whether the question is open."""
+        return self._pending is not None
 
-        Parameters
-        ----------
-        elapsed_s
-            Since the exposure began, in the protocol's time: decides what is due and what is late.
-        now_s
-            The session clock: decides what is recorded.
-        """
+    @property
+    def missed_code(self) -> int:
+        """Return what the column `missed` has where nobody answered."""
+        return self._settings.missed_code
+
+    def answer(self, elapsed_s: float, now_s: float) -> Rated | None:
+        """Return the rating if it was answered or missed by now; see `RatingSchedules.update`."""
         pending = self._pending
         if pending is None:
-            self._prompt_if_due(elapsed_s, now_s)
             return None
         response = self._respondent.rating(elapsed_s)
         late = elapsed_s - pending.elapsed_s > self._settings.timeout_s
@@ -82,20 +90,21 @@ class RatingSchedule:
             Seconds of the protocol that each shown second stands for.
         """
         missed = []
-        last_s = min(elapsed_s, self._duration_s - self._settings.timeout_s)
-        while (due_s := self._due_s()) <= last_s:
+        while (due_s := self.next_s) is not None and due_s <= elapsed_s:
             self._asked += 1
             missed.append(Rated(now_s - (elapsed_s - due_s) / stretch, None, None))
         return missed
 
-    def _due_s(self) -> float:
-        return self._settings.every_s * (self._asked + 1)
+    @property
+    def next_s(self) -> float | None:
+        """Return when the next question is due, None after the last."""
+        return self.due_s[self._asked] if self._asked < len(self.due_s) else None
 
-    def _prompt_if_due(self, elapsed_s: float, now_s: float) -> None:
-        if self._due_s() <= elapsed_s <= self._duration_s - self._settings.timeout_s:
-            self._asked += 1
-            self._pending = _Pending(elapsed_s, now_s)
-            self._respondent.prompt(self.instrument, elapsed_s, self._settings.timeout_s)
+    def ask(self, elapsed_s: float, now_s: float) -> None:
+        """Ask the question that is due."""
+        self._asked += 1
+        self._pending = _Pending(elapsed_s, now_s)
+        self._respondent.prompt(self.instrument, elapsed_s, self._settings.timeout_s)
 
     def close(self) -> Rated | None:
         """Return the rating that was open when the exposure ended, as missed."""
@@ -103,7 +112,97 @@ class RatingSchedule:
         return None if pending is None else Rated(pending.onset_s, None, None)
 
     def check(self, rated: Rated) -> None:
-        """Raise `StopRule` where the rating is as high as the protocol allows."""
-        limit = self._settings.stop_at
-        if limit is not None and rated.response is not None and rated.response >= limit:
-            raise StopRule(f"{self.instrument.name} {rated.response} reached the limit {limit}")
+        """Raise `StopRule` where so many ratings in a row are as high as the protocol allows."""
+        settings = self._settings
+        if settings.stop_at is None or rated.response is None:
+            return
+        self._high = self._high + 1 if rated.response >= settings.stop_at else 0
+        if self._high >= settings.stop_in_a_row:
+            times = "" if self._high == 1 else f" {self._high} times in a row"
+            said = f"{self.instrument.name} {rated.response} reached the limit {settings.stop_at}"
+            raise StopRule(f"{said}{times}", settings.stop_ends)
+
+
+class RatingSchedules:
+    """All questions of an exposure, one at a time: what is due meanwhile is asked after it."""
+
+    def __init__(self, schedules: Sequence[RatingSchedule]) -> None:
+        self._schedules = tuple(schedules)
+
+    @property
+    def planned(self) -> str:
+        """Return in words when which question is due."""
+        return "; ".join(
+            f"{each.instrument.name} at {', '.join(f'{due:g}' for due in each.due_s)} s"
+            for each in self._schedules
+        )
+
+    def update(self, elapsed_s: float, now_s: float) -> tuple[RatingSchedule, Rated] | None:
+        """Ask what is due; return a rating that was answered or missed by now.
+
+        Parameters
+        ----------
+        elapsed_s
+            Since the exposure began, in the protocol's time: decides what is due and what is late.
+        now_s
+            The session clock: decides what is recorded.
+        """
+        for schedule in self._schedules:
+            if schedule.asking:
+                rated = schedule.answer(elapsed_s, now_s)
+                return None if rated is None else (schedule, rated)
+        due = [
+            (each.next_s, n) for n, each in enumerate(self._schedules) if each.next_s is not None
+        ]
+        if due and min(due)[0] <= elapsed_s:
+            self._schedules[min(due)[1]].ask(elapsed_s, now_s)
+        return None
+
+    def missed_while_frozen(
+        self, elapsed_s: float, now_s: float, stretch: float
+    ) -> list[tuple[RatingSchedule, Rated]]:
+        """Return the ratings of all questions that nobody was asked; see `RatingSchedule`."""
+        return [
+            (schedule, rated)
+            for schedule in self._schedules
+            for rated in schedule.missed_while_frozen(elapsed_s, now_s, stretch)
+        ]
+
+    def close(self) -> tuple[RatingSchedule, Rated] | None:
+        """Return the rating that was open when the exposure ended, as missed."""
+        for schedule in self._schedules:
+            if rated := schedule.close():
+                return schedule, rated
+        return None
+
+
+def schedules_of(
+    protocol: Protocol, respondent: Respondent, duration_s: float, *key: int
+) -> RatingSchedules:
+    """Return the schedules of an exposure of so many seconds of the protocol's time.
+
+    Parameters
+    ----------
+    key
+        The study's seed, and what else the drawn times depend on.
+    """
+    return RatingSchedules(
+        [
+            RatingSchedule(
+                each,
+                protocol.instrument(each.instrument),
+                respondent,
+                due_times(each, duration_s, np.random.default_rng((*key, index))),
+            )
+            for index, each in enumerate(protocol.ratings)
+        ]
+    )
+
+
+def due_times(settings: Ratings, duration_s: float, rng: np.random.Generator) -> list[float]:
+    """Return when a question is due: as long as the time to answer lies within the exposure."""
+    last_s = duration_s - settings.timeout_s
+    count = max(int(last_s / settings.every_s + 1e-9), 0)
+    shifts = rng.uniform(-settings.jitter_s, settings.jitter_s, count + 1).round(3)
+    times = [settings.every_s * (n + 1) + float(shift) for n, shift in enumerate(shifts)]
+    return [due for due in times if due <= last_s]

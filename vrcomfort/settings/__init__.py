@@ -10,9 +10,11 @@ from vrcomfort.settings.reading import (
     first_problem,
     in_words,
     parse_settings,
+    problems_of,
     read_text,
     repeated,
     reserved,
+    union_tag,
 )
 
 __all__ = [
@@ -25,7 +27,9 @@ __all__ = [
     "first_problem",
     "in_words",
     "parse_settings",
+    "problems_of",
     "read_text",
     "repeated",
     "reserved",
+    "union_tag",
 ]

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Tag
 
 _UNITS = {
     "m_s": "metres per second",
@@ -83,12 +83,24 @@ def fields_at(model: type[BaseModel], path: Sequence[str | int]) -> list[str]:
     for part in path:
         if isinstance(part, int):
             continue
+        if part.startswith("<"):  # which of several kinds of table it is
+            current = _tagged(current, part)
+            continue
         if typing.get_origin(current) is dict:
             current = typing.get_args(current)[1]
             continue
         models = _models(current)
         current = models[0].model_fields[part].annotation if models else None
     return [name for found in _models(current) for name in found.model_fields]
+
+
+def _tagged(annotation: Any, tag: str) -> Any:
+    """Return the member of a union that has a tag, None where none has it."""
+    parts = typing.get_args(annotation)
+    if any(isinstance(part, Tag) and part.tag == tag for part in parts):
+        return parts[0]
+    found = (_tagged(part, tag) for part in parts)
+    return next((each for each in found if each is not None), None)
 
 
 def _models(annotation: Any) -> list[type[BaseModel]]:

@@ -37,6 +37,9 @@ class Places:
     def of(self, path: Sequence[str | int]) -> tuple[int, int]:
         """Return the 1-based (line, column) of `path`, or of its nearest parent in the text."""
         parts = tuple(path)
+        alone = tuple(part for part in parts if part != 0)
+        if parts not in self.offsets and alone in self.offsets:
+            parts = alone  # a table that may stand for a list of one
         while parts and parts not in self.offsets:
             parts = parts[:-1]
         offset = self.offsets.get(parts, 0)

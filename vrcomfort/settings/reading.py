@@ -38,6 +38,16 @@ class Settings(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", strict=False)
 
 
+def union_tag(name: str) -> str:
+    """Return the tag of a table that may be one of several kinds: no key of a file is like it."""
+    return f"<{name}>"
+
+
+def is_union_tag(part: str | int) -> bool:
+    """Return whether a part of a key path is no key of the file, but says which kind it is."""
+    return isinstance(part, str) and part.startswith("<")
+
+
 @dataclass(frozen=True)
 class Problem:
     """One fault and the key path where it stands."""
@@ -79,8 +89,12 @@ def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
         # Strict: "900" is not a number and true is not 1. Lists become tuples, which strict wants.
         return model.model_validate(_frozen(data), strict=True)
     except ValidationError as error:
-        found = [_explain(model, detail) for detail in _causes(error.errors())]
-        raise first_problem(_without_echoes(found), text, file) from error
+        raise first_problem(problems_of(model, error), text, file) from error
+
+
+def problems_of(model: type[BaseModel], error: ValidationError) -> list[Problem]:
+    """Return what pydantic found wrong with a table, in the words of TOML."""
+    return _without_echoes([_explain(model, detail) for detail in _causes(error.errors())])
 
 
 def _without_echoes(found: list[Problem]) -> list[Problem]:
@@ -139,9 +153,10 @@ def _causes(details: list[ErrorDetails]) -> list[ErrorDetails]:
 
 def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
     """Turn pydantic's finding into a sentence for the writer of the file."""
-    *parent, key = path = detail["loc"]
+    tagged = detail["loc"]
+    *parent, key = path = tuple(part for part in tagged if not is_union_tag(part))
     if detail["type"] == "extra_forbidden":
-        known = fields_at(model, parent)
+        known = fields_at(model, tagged[:-1])
         better = renamed(str(key), known) or wrong_unit(str(key), known)
         return Problem(path, better or f"unknown key `{key}`; {did_you_mean(str(key), known)}")
     if detail["type"] == "missing":

@@ -32,6 +32,8 @@ def reference(model: type[BaseModel], notes: Notes | None = None) -> str:
     parts = [_section("Top of the file", schema, tables)]
     for name, where in places.items():
         title = ", ".join(f"`{each}`" for each in where)
+        if kind := tables[name]["properties"].get("kind", {}).get("const"):
+            title = f'{title} with `kind = "{kind}"`'
         parts.append(_section(title, tables[name], tables, anchor=name))
     return "\n".join(parts)
 
@@ -55,13 +57,18 @@ def _places(schema: Table, tables: dict[str, Table]) -> dict[str, list[str]]:
 
 def _tables_of(entry: Table) -> Iterator[tuple[str, bool]]:
     """Yield the tables that a key holds, and whether it is a list of them."""
-    for part in (entry, *entry.get("anyOf", ())):
+    for part in (entry, *_choices(entry)):
         if "$ref" in part:
             yield _name(part), False
         for key in ("items", "additionalProperties"):
             inner = part.get(key)
             if isinstance(inner, dict):
                 yield from ((name, key == "items") for name, _ in _tables_of(inner))
+
+
+def _choices(entry: Table) -> list[Table]:
+    """Return what a key may be, where it may be one of several things."""
+    return [*entry.get("anyOf", ()), *entry.get("oneOf", ())]
 
 
 def _name(part: Table) -> str:
@@ -90,8 +97,8 @@ def _default(entry: Table) -> str:
 def _value(entry: Table, tables: dict[str, Table]) -> str:
     if "$ref" in entry:
         return f"[table](#{_name(entry).lower()})"
-    if "anyOf" in entry:
-        return " or ".join(_value(each, tables) for each in entry["anyOf"])
+    if _choices(entry):
+        return " or ".join(_value(each, tables) for each in _choices(entry))
     choices = entry.get("enum") or ([entry["const"]] if "const" in entry else [])
     if choices:
         return ", ".join(f"`{json.dumps(each)}`" for each in choices)

@@ -97,3 +97,9 @@ def _without_null(part: Any) -> Any:
 
 def _is_null(key: str, value: Any) -> bool:
     return key == "default" and (value is None or isinstance(value, dict))
+
+
+def or_one_table(schema: dict[str, Any]) -> None:
+    """Let the schema of a list of tables take a single table, too: `[name]` for `[[name]]`."""
+    array = {key: schema.pop(key) for key in ("type", "items")}
+    schema["anyOf"] = [array, array["items"]]

@@ -79,7 +79,10 @@ def mixed_model(
         apart.
     """
     rows = table.dropna(subset=[value, participant, *factors, *covariates])
-    columns = {factor: _columns(rows, factor, (references or {}).get(factor)) for factor in factors}
+    columns = {
+        factor: treatment_columns(rows, factor, (references or {}).get(factor))
+        for factor in factors
+    }
     columns |= {name: _centred(rows, name) for name in covariates}
     terms = {name: column for found in columns.values() for name, column in found.items()}
     if not terms:
@@ -144,8 +147,8 @@ def _centred(rows: pd.DataFrame, covariate: str) -> dict[str, Floats]:
     return {covariate: values - values.mean()} if np.unique(values).size > 1 else {}
 
 
-def _columns(rows: pd.DataFrame, factor: str, reference: str | None) -> dict[str, Floats]:
-    """Treatment-coded columns of one factor by name."""
+def treatment_columns(rows: pd.DataFrame, factor: str, reference: str | None) -> dict[str, Floats]:
+    """Return the treatment-coded columns of one factor by name; none of one level."""
     values = rows[factor].astype(str).to_numpy(dtype=object)
     base, *others = _levels(rows, factor, reference) or ("",)
     return {f"{factor}: {level} − {base}": (values == level).astype(np.float64) for level in others}

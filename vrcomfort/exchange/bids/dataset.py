@@ -200,6 +200,11 @@ def _write_events(stem: Path, run: Run) -> None:
         for each in run.ratings
     ]
     rows += [
+        (float(each["onset_s"]), each["reaction_s"], f"{each['task']} {each['kind']}", each["hit"])
+        for each in run.tasks
+        if each["kind"] in {"target", "shot"}
+    ]
+    rows += [
         (float(each["onset_s"]), each["duration_s"], each["name"], each["detail"])
         for each in map(of_event, run.events)
     ]

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.rows import EventRow, RatingRow, TrialRow
+from vrcomfort.records.rows import EventRow, RatingRow, TaskRow, TrialRow
 
 _EPSILON_S = 1e-6
 Cells = dict[str, str]
@@ -32,6 +32,7 @@ class Run:
     frames: list[Cells] = field(default_factory=list)
     gaze: list[Cells] = field(default_factory=list)
     ratings: list[Cells] = field(default_factory=list)
+    tasks: list[Cells] = field(default_factory=list)
     events: list[Cells] = field(default_factory=list)
 
     @property
@@ -70,6 +71,10 @@ def read_runs(folder: Path) -> list[Run]:
         run = _of(runs, row["trial"], float(row["onset_s"]))
         if run is not None:
             run.ratings.append(row)
+    for row in _rows(folder / TaskRow.FILE) if (folder / TaskRow.FILE).exists() else ():
+        run = _of(runs, row["trial"], float(row["onset_s"]))
+        if run is not None:
+            run.tasks.append(row)
     for row in _rows(folder / EventRow.FILE):
         run = next((each for each in runs if each.holds(float(row["onset_s"]))), None)
         if run is not None and row["name"] not in {"exposure", "answer"}:

@@ -24,6 +24,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    TaskRow,
     TimingRow,
     TrialRow,
 )
@@ -41,11 +42,12 @@ class Recorded:
     answers: Sequence[RecordedRow]
     ratings: Sequence[RecordedRow]
     events: Sequence[RecordedRow]
+    tasks: Sequence[RecordedRow] = ()
     attempts: Mapping[int, Sequence[RecordedRow]] = field(default_factory=dict)
 
     def all(self) -> Iterable[Sequence[RecordedRow]]:
         """Return the rows of each file."""
-        return self.trials, self.timing, self.answers, self.ratings, self.events
+        return self.trials, self.timing, self.answers, self.ratings, self.events, self.tasks
 
 
 def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
@@ -63,7 +65,10 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     _check_whose(manifest, recorded, found)
     _check_trials(recorded, manifest, found)
     _check_ratings(recorded, manifest, found)
-    whole = manifest["status"] in {"completed", "withdrawn"} and not manifest.get("earlier_runs")
+    _check_tasks(recorded, manifest, found)
+    whole = manifest["status"] in {"completed", "ended", "withdrawn"} and not manifest.get(
+        "earlier_runs"
+    )
     check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
@@ -87,7 +92,13 @@ def _read(folder: Path, version: int, found: Verified) -> Recorded:
     for row in trials:
         attempts.setdefault(row["trial"], []).append(row)
     return Recorded(
-        trials, rows(TimingRow), rows(QuestionnaireRow), rows(RatingRow), rows(EventRow), attempts
+        trials,
+        rows(TimingRow),
+        rows(QuestionnaireRow),
+        rows(RatingRow),
+        rows(EventRow),
+        rows(TaskRow) if (folder / TaskRow.FILE).exists() else (),
+        attempts,
     )
 
 
@@ -109,7 +120,7 @@ def _check_manifest(
     if finished is None:
         message = f"says {status} and not when (`finished_at`)"
         found.fault(file, f"{message}; restore the manifest from a copy")
-    end = {"completed": "session_end", "withdrawn": "withdrawn"}.get(status)
+    end = {"completed": "session_end", "ended": "ended", "withdrawn": "withdrawn"}.get(status)
     if end is not None and events and end not in names:
         message = f"says {status}, and events.csv has no event `{end}`"
         found.fault(file, f"{message}; restore the file that was changed")
@@ -206,8 +217,26 @@ def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verif
         elif not inside and row["trial"] != open_trial:
             message = f"was asked at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
-        if (row["response"] is None) != (row["missed"] == 1):
+        if (row["response"] is None) != (row["missed"] != 0):
             message = f"missed is {row['missed']}, and the response {row['response']}"
+            found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+
+
+def _check_tasks(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
+    """Check that each row of a task is of an attempt that was shown, and lies in it."""
+    begun = manifest.get("under_way") or {}
+    attempts = {(row["trial"], row["attempt"]): row for row in recorded.trials}
+    for row in recorded.tasks:
+        trial = attempts.get((row["trial"], row["attempt"]))
+        if trial is None:
+            if (row["trial"], row["attempt"]) != (begun.get("trial"), begun.get("attempt")):
+                message = f"trials.csv has no attempt {row['attempt']} at trial {row['trial']}"
+                found.fault(row.file, f"{message}; {_RESTORE}", row.line)
+        elif row["condition"] != trial["condition"]:
+            message = f"condition is {row['condition']}, and trials.csv, line {trial.line}, says"
+            found.fault(row.file, f"{message} {trial['condition']}; {_RESTORE}", row.line)
+        elif not trial["start_s"] - _EPSILON_S <= row["onset_s"] <= trial["end_s"] + _EPSILON_S:
+            message = f"began at {row['onset_s']} s, when trial {row['trial']} was not shown"
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
 
 

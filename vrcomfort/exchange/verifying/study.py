@@ -155,7 +155,10 @@ def _check_status(
     planned: int | None,
     found: Verified,
 ) -> None:
-    who, completed = row.participant, [n for n, each in statuses.items() if each == "completed"]
+    who, completed = (
+        row.participant,
+        [n for n, each in statuses.items() if each in {"completed", "ended"}],
+    )
     withdrew = [number for number, each in statuses.items() if each == "withdrawn"]
     if row.status == "completed" and planned is not None and len(completed) < planned:
         message = f"{who} is completed, with {len(completed)} of {planned} sessions completed"

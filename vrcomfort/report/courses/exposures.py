@@ -181,7 +181,7 @@ def _rating(row: dict[str, str]) -> tuple[float, float]:
     if onset is None:
         who = row.get("participant", "")
         raise InputError(f"a rating of {who} in ratings.csv has no onset_s; give seconds")
-    response = None if row.get("missed") == "1" else _number(row, "response")
+    response = None if row.get("missed", "") not in {"", "0"} else _number(row, "response")
     return onset, float("nan") if response is None else response
 
 

@@ -115,7 +115,7 @@ def courses_of(study: StudyData, instrument: str = "") -> dict[Exposure, Course]
         if at_s is None:
             continue
         conditions.setdefault(key, row.get("condition", "") or trial.get("condition", ""))
-        missed = rating is None or row.get("missed") == "1"
+        missed = rating is None or row.get("missed", "") not in {"", "0"}
         due[key].append((at_s, math.nan if rating is None or missed else rating))
     return {
         key: Course(conditions[key], RatingCourse.of(*zip(*each, strict=True)))

@@ -56,22 +56,36 @@ def _of_trial(trial: dict[str, str], name: str) -> Fraction | None:
     return _cell(trial, name, "trials.csv")
 
 
+TASK_QUANTITIES = {
+    "reaction_s": Quantity("Reaction time", "s", "lower", "the mean time until a target was met"),
+    "error_deg": Quantity("Error", "°", "lower", "the mean angle between aim and target"),
+    "targets_hit_percent": Quantity("Targets hit", "%", "higher", "the share of targets met"),
+    "shots_hit_percent": Quantity("Shots that hit", "%", "higher", "the share of shots that hit"),
+}
+_SHARES = {"targets_hit_percent": "target", "shots_hit_percent": "shot"}
+"""Measure → the kind of the rows whose `hit` it averages."""
+
+
 class Tasks:
     """``tasks.csv``: participant, trial or condition, and columns with numbers.
 
     Several rows of one exposure, such as shots, are averaged.
     """
 
-    quantities: ClassVar[dict[str, Quantity]] = {}
+    quantities: ClassVar[dict[str, Quantity]] = TASK_QUANTITIES
 
     def values(self, study: StudyData, measure: Measure) -> Iterator[Value]:
         """Yield the value of each exposure, or of each person under each condition."""
-        _check_column(study.tasks, measure.quantity, "tasks.csv")
+        kind = _SHARES.get(measure.quantity)
+        column, factor = ("hit", 100) if kind else (measure.quantity, 1)
+        for each in (column, "kind") if kind else (column,):
+            _check_column(study.tasks, each, "tasks.csv")
         found: dict[tuple[str, ...], list[Fraction]] = defaultdict(list)
         for row in study.tasks:
             key = tuple(row.get(n, "") for n in ("participant", "session", "trial", "condition"))
-            number = _cell(row, measure.quantity, "tasks.csv")
-            found[key] += [] if number is None else [number]
+            counts = kind is None or row.get("kind") == kind
+            number = _cell(row, column, "tasks.csv") if counts else None
+            found[key] += [] if number is None else [factor * number]
         conditions = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
         for (who, session, trial, condition), numbers in found.items():
             said = condition or conditions.get((who, session, trial), {}).get("condition", "")

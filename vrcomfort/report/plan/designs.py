@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
 
 from vrcomfort.report.measures import Limit
 from vrcomfort.settings import Name, Settings
@@ -43,14 +45,27 @@ class Preferred(Settings):
     """What people preferred: one thing, the other, or neither."""
 
     name: Name
-    column: str
-    """Of participants.csv."""
+    column: str = ""
+    """Of participants.csv; or `item`."""
+    item: str = ""
+    """``instrument.item`` of a questionnaire that compares conditions: 1, 2, … are answered for the
+    first, the second, … that somebody met, and 0 for none. Who was asked several times counts for
+    what they chose more often."""
     label: str = ""
     a: str
     b: str
-    """Values of the column."""
+    """Values of the column, or conditions."""
     none: tuple[str, ...] = ("none",)
     """Values that say that there is no preference; blank cells are missing."""
+
+
+class Ordinal(Settings):
+    """A single item, or another outcome of few values, whose order alone counts."""
+
+    outcome: str
+    """An item of a questionnaire, or an outcome of the plan."""
+    factors: Annotated[tuple[str, ...], Field(min_length=1)] = ("condition",)
+    """Columns as in the mixed model."""
 
 
 class Agreed(Settings):

@@ -15,7 +15,14 @@ from pydantic import Field, PrivateAttr
 from vrcomfort.errors import InputError
 from vrcomfort.report.measures import Limit, Measured
 from vrcomfort.report.plan.data_files import DataFiles
-from vrcomfort.report.plan.designs import Agreed, Correlated, Equivalent, Preferred, TestName
+from vrcomfort.report.plan.designs import (
+    Agreed,
+    Correlated,
+    Equivalent,
+    Ordinal,
+    Preferred,
+    TestName,
+)
 from vrcomfort.report.plan.gaze_and_head import GazeAndHead
 from vrcomfort.report.plan.ratings import RatingAnalysis
 from vrcomfort.settings import Name, Settings
@@ -151,6 +158,8 @@ class Plan(Settings):
     preferences: tuple[Preferred, ...] = ()
     agreement: tuple[Agreed, ...] = ()
     """Intraclass correlations."""
+    ordinal: tuple[Ordinal, ...] = ()
+    """Cumulative logit models of items."""
     z_scores: tuple[str, ...] = ()
     """Outcomes that are standardised within each person as well."""
     families: tuple[Family, ...] = ()

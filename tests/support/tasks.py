@@ -1,0 +1,98 @@
+"""A room with a wall and a lamp, and a study in it whose participants have something to do."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import trimesh
+
+from tests.support.session import run
+from tests.support.study import AheadHeadset, LateFocus
+from vrcomfort.protocol import Protocol, load_protocol
+from vrcomfort.respondent import Respondent, SimulatedRespondent
+from vrcomfort.scene.data import Material, Node, Primitive, Scene
+from vrcomfort.session import Outcome
+
+PROTOCOL = """\
+name = "doing"
+title = "Something to do"
+exposure_s = 20.0
+scenes = ["room.glb"]
+task = "shoot"
+
+[[conditions]]
+name = "plain"
+
+[[conditions]]
+name = "blur"
+[conditions.depth_of_field]
+
+[order]
+rule = "latin_square"
+
+[[tasks]]
+name = "shoot"
+kind = "aiming"
+
+[[questionnaires]]
+timepoint = "post"
+when = "after_trial"
+
+[simulation]
+hazard_per_min = 0.0
+question_hazard = 0.0
+task_effects = { blur = 2.0 }
+"""
+
+
+def box(size_m: tuple[float, float, float]) -> Primitive:
+    mesh = trimesh.creation.box(extents=size_m)
+    points = mesh.triangles.reshape(-1, 3)
+    return Primitive(
+        points.astype(np.float32),
+        np.repeat(mesh.face_normals, 3, axis=0).astype(np.float32),
+        np.zeros((len(points), 2), dtype=np.float32),
+        None,
+        np.arange(len(points), dtype=np.uint32).reshape(-1, 3),
+        0,
+    )
+
+
+def room() -> Scene:
+    """Return a wall 5 m ahead of the world's origin, and a lamp 2 m ahead and 1 m to the right."""
+    nodes = (
+        Node("wall", translation=np.array([0.0, 0.0, -5.0]), mesh=(0,)),
+        Node("lamp", translation=np.array([1.0, 0.0, -2.0]), mesh=(1,)),
+    )
+    parts = (box((20.0, 20.0, 0.1)), box((0.2, 0.2, 0.2)))
+    return Scene("room", nodes, parts, (Material(),))
+
+
+def doing_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:
+    folder.mkdir(exist_ok=True)
+    (folder / "room.glb").touch()
+    file = folder / "doing.toml"
+    file.write_text(text, encoding="utf-8")
+    return load_protocol(file)
+
+
+def do(
+    folder: Path,
+    text: str = PROTOCOL,
+    *,
+    participant: str = "P01",
+    respondent: Respondent | None = None,
+    headset: type[AheadHeadset] = AheadHeadset,
+    **more: object,
+) -> Outcome:
+    """Run a participant through the study in `folder / "S"`."""
+    protocol = doing_protocol(folder, text)
+    who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
+    parts: dict[str, object] = {
+        "load_scene": lambda _: room(),
+        "headset_for": lambda *_: headset(),
+        "renderer": LateFocus(),
+        **more,
+    }
+    return run(protocol, participant, study=folder / "S", respondent=who, **parts)

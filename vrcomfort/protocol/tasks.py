@@ -1,0 +1,62 @@
+"""The tasks that a protocol names: found, and with settings that they know."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from vrcomfort.errors import InputError
+from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.order import NO_TASK
+from vrcomfort.settings import KeyPath, Problem, did_you_mean, problems_of, repeated
+from vrcomfort.tasks import OwnTask, TaskSettings, settings_of_file
+
+
+def find_tasks(protocol: Protocol) -> tuple[dict[str, TaskSettings], list[Problem]]:
+    """Return name → settings of each task, those of the lab's own files read; and what is wrong."""
+    beside = protocol.file.parent if protocol.file else Path()
+    found: dict[str, TaskSettings] = {}
+    faults = list(repeated(("tasks",), [each.name for each in protocol.tasks]))
+    for index, task in enumerate(protocol.tasks):
+        if task.name == NO_TASK:
+            message = f"`{NO_TASK}` says that there is no task; give this one another name"
+            faults.append(Problem(("tasks", index, "name"), message))
+        if not isinstance(task, OwnTask):
+            found[task.name] = task
+            continue
+        try:
+            model = settings_of_file(beside / task.kind)
+            found[task.name] = model.model_validate(task.model_dump(), strict=True)
+        except InputError as error:
+            faults.append(Problem(("tasks", index, "kind"), str(error)))
+        except ValidationError as error:
+            faults += [
+                Problem(("tasks", index, *each.path), each.message, each.missing)
+                for each in problems_of(model, error)
+            ]
+    return found, faults + list(_unknown(protocol))
+
+
+def _unknown(protocol: Protocol) -> Iterator[Problem]:
+    known = [task.name for task in protocol.tasks]
+    for path, name in _named(protocol):
+        if name not in (None, NO_TASK, *known):
+            hint = did_you_mean(str(name), known) if known else "add it to [[tasks]]"
+            yield Problem(path, f"there is no task `{name}`; {hint}")
+
+
+def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str | None]]:
+    yield ("task",), protocol.task
+    if not protocol.factors:
+        for index, condition in enumerate(protocol.conditions):
+            yield ("conditions", index, "task"), condition.task
+    for index, factor in enumerate(protocol.factors):
+        for number, level in enumerate(factor.levels):
+            yield ("factors", index, "levels", number, "task"), level.task
+    for index, sequence in enumerate(protocol.order.sequences):
+        for session, trials in enumerate(sequence.sessions):
+            for number, trial in enumerate(trials):
+                path = ("order", "sequences", index, "sessions", session, number, "task")
+                yield path, trial.task

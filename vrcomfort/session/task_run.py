@@ -1,0 +1,229 @@
+"""A task in the exposures of a session: its balls in the scene, its presses, its rows."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from vrcomfort.errors import InputError
+from vrcomfort.frame import Frame
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.inputs import Inputs
+from vrcomfort.records import TaskRow
+from vrcomfort.scene.boxes import node_box
+from vrcomfort.scene.data import Scene
+from vrcomfort.scene.markers import Markers
+from vrcomfort.scene.ray_cast import RayCaster
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.settings import did_you_mean
+from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, TaskSettings
+
+_STREAM = 3
+"""Which of a trial's random streams is the task's."""
+
+
+@runtime_checkable
+class HasInputs(Protocol):
+    """A headset that knows what hands do."""
+
+    def inputs(self) -> Inputs:
+        """Return what hands, eyes and keys do in the last frame."""
+
+
+@runtime_checkable
+class Performs(Protocol):
+    """A respondent who does tasks without hands: a simulated participant."""
+
+    def start_task(self, trial: int, condition: str) -> None:
+        """Begin a task."""
+
+    def act(self, demand: Demand | None, head: Pose, time_s: float) -> Pose | None:
+        """Return world-from-ray of a press in this frame, if there is one."""
+
+
+@dataclass
+class TaskRun:
+    """One task in one exposure; made before the scene is drawn, which gets its balls.
+
+    Parameters
+    ----------
+    scene
+        None in a session without pictures that needs none.
+    attempt
+        At this trial.
+    """
+
+    context: SessionContext
+    events: EventLog
+    place: TrialPlace
+    settings: TaskSettings
+    scene: Scene | None
+    attempt: int
+    resumed: bool
+    elapsed_s: float = field(default=0.0, init=False)
+
+    def __post_init__(self) -> None:
+        self._task: Task = self.settings.start(self._surroundings())
+        self._markers = (
+            Markers(self.scene, self._task.looks) if self.scene and self._task.looks else None
+        )
+        self._began_s: float | None = None
+        self._wanted: str | None = None
+
+    @property
+    def drawn(self) -> Any:
+        """Return the scene with the task's balls in it."""
+        return self._markers.scene if self._markers else self.scene
+
+    @property
+    def done(self) -> bool:
+        """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
+        return self._task.done
+
+    def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
+        """Take a frame before it is drawn: move the balls, and write what is over.
+
+        Parameters
+        ----------
+        elapsed_s
+            Of the exposure.
+        scene_time_s
+            Of the scene's animations.
+        """
+        self._scene_time_s = scene_time_s
+        if self._began_s is None:
+            self._began_s = self.context.clock.now_s() - elapsed_s
+            if isinstance(self.context.respondent, Performs):
+                self.context.respondent.start_task(
+                    self.place.trial or 0, self.place.condition or ""
+                )
+        self.elapsed_s = elapsed_s
+        self._write(self._task.step(self._moment(frame, headset, elapsed_s)))
+        if self._markers is not None:
+            self._markers.place(
+                [
+                    None if ball is None else (ball.position_m, ball.radius_m)
+                    for ball in self._task.balls()
+                ]
+            )
+        wanted = self._task.wanted
+        if wanted != self._wanted:
+            self._wanted = wanted
+            self.events.event_soon("task_target", detail=wanted or "")
+
+    def finish(self) -> None:
+        """End with the exposure, however it ended; once."""
+        if self._began_s is not None:
+            self._write(self._task.finish(self.elapsed_s))
+            self._began_s = None
+
+    def _moment(self, frame: Frame, headset: object, time_s: float) -> Moment:
+        head = frame.avatar_pose @ frame.head_pose
+        gaze = frame.gaze
+        seen = frame.avatar_pose @ gaze.pose if gaze is not None and gaze.valid else None
+        pressed: list[Pose | None] = []
+        respondent = self.context.respondent
+        if isinstance(respondent, Performs):
+            ray = respondent.act(self._task.demand(), head, time_s)
+            pressed = [] if ray is None else [ray]
+        elif isinstance(headset, HasInputs) and not self._panel_stands():
+            inputs = headset.inputs()
+            aims = [hand.aim for hand in inputs.hands if hand.select]
+            aims += [None] if inputs.keys.enter else []
+            pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
+        return Moment(time_s, head, seen, tuple(pressed))
+
+    def _panel_stands(self) -> bool:
+        """Return whether presses are answers to a question."""
+        return self.context.screen is not None and self.context.screen.quad is not None
+
+    def _write(self, results: Sequence[Result]) -> None:
+        for each in results:
+            self.events.recorder.write_soon(self._row(each))
+
+    def _row(self, result: Result) -> TaskRow:
+        x_m, y_m, z_m = result.position_m or (None, None, None)
+        return TaskRow(
+            participant=self.context.participant,
+            session=self.events.session,
+            trial=self.place.trial or 0,
+            condition=self.place.condition or "",
+            attempt=self.attempt,
+            task=self.settings.name,
+            kind=result.kind,
+            number=result.number,
+            what=result.what,
+            onset_s=round((self._began_s or 0.0) + result.time_s, 9),
+            reaction_s=result.reaction_s,
+            hit=result.hit,
+            error_deg=result.error_deg,
+            distance_m=result.distance_m,
+            x_m=x_m,
+            y_m=y_m,
+            z_m=z_m,
+            targets=result.targets,
+            hits=result.hits,
+            shots=result.shots,
+            score=result.score,
+            resumed=int(self.resumed),
+        )
+
+    def _surroundings(self) -> Surroundings:
+        context, scene = self.context, self.scene
+        caster = RayCaster(scene) if scene else None
+        self._scene_time_s = 0.0
+        free_m: Callable[[Pose], float] = (
+            (lambda ray: caster.cast(ray, self._scene_time_s).distance_m)
+            if caster
+            else (lambda _: np.inf)
+        )
+        return Surroundings(
+            random=task_random(
+                context.seed, context.participant, self.events.session, self.place.trial or 0
+            ),
+            duration_s=context.shown_s(self.place.scene),
+            spawn=scene.spawn if scene else Pose(),
+            thing=lambda name: _Thing.of(scene, name, self.place.scene),
+            free_m=free_m,
+        )
+
+
+@dataclass(frozen=True)
+class _Thing:
+    """A node of a scene, with all that hangs on it."""
+
+    scene: Scene
+    index: int
+
+    @classmethod
+    def of(cls, scene: Scene | None, name: str, called: str) -> _Thing:
+        """Find a node by its name.
+
+        Raises
+        ------
+        InputError
+            If the scene has none of this name.
+        """
+        nodes = () if scene is None else scene.nodes
+        for index, node in enumerate(nodes):
+            if node.name == name and scene is not None:
+                return cls(scene, index)
+        hint = did_you_mean(name, [node.name for node in nodes])
+        raise InputError(f"a task names `{name}`, which scene {called} does not have; {hint}")
+
+    def __call__(self, time_s: float) -> Ball:
+        """Return the ball around the middle of what is drawn there."""
+        low, high = node_box(self.scene, self.index, time_s)
+        return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
+
+
+def task_random(seed: int, participant: str, session: int, trial: int) -> np.random.Generator:
+    """Return what a task draws from: the same at each attempt at a trial."""
+    person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
+    key = (person, session, trial, _STREAM)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

@@ -1,0 +1,30 @@
+"""What participants do during an exposure: one file for each task, and one line in `kinds`."""
+
+from vrcomfort.tasks.base import (
+    Ball,
+    Demand,
+    Moment,
+    Pointed,
+    Result,
+    Surroundings,
+    Task,
+    TaskSettings,
+    angle_deg,
+)
+from vrcomfort.tasks.kinds import AnyTask, OwnTask
+from vrcomfort.tasks.own import settings_of_file
+
+__all__ = [
+    "AnyTask",
+    "Ball",
+    "Demand",
+    "Moment",
+    "OwnTask",
+    "Pointed",
+    "Result",
+    "Surroundings",
+    "Task",
+    "TaskSettings",
+    "angle_deg",
+    "settings_of_file",
+]

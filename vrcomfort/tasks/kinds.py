@@ -1,0 +1,58 @@
+"""The tasks that there are: a new one is a file beside this, and its name in `AnyTask`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, TypeAlias, get_args
+
+from pydantic import ConfigDict, Discriminator, Field, Tag, field_validator
+from pydantic_core import PydanticCustomError
+
+from vrcomfort.settings import did_you_mean, union_tag
+from vrcomfort.tasks.aiming import Aiming
+from vrcomfort.tasks.base import TaskSettings
+from vrcomfort.tasks.exploration import Exploration
+from vrcomfort.tasks.fixation import Fixation
+from vrcomfort.tasks.follow_path import FollowPath
+from vrcomfort.tasks.search import Search
+
+
+class OwnTask(TaskSettings):
+    """A task of the lab's own: a Python file beside the protocol, whose settings follow here."""
+
+    model_config = ConfigDict(frozen=True, extra="allow")
+
+    kind: Annotated[str, Field(json_schema_extra={"pattern": r"\.py$"})]
+    """The file, relative to the protocol's; it names its settings `TASK` (docs/tasks.md)."""
+
+    @field_validator("kind")
+    @classmethod
+    def _is_a_file(cls, value: str) -> str:
+        if not value.endswith(".py"):
+            hint = did_you_mean(value, sorted(SHIPPED))
+            message = "there is no such task, and a task of your own is a .py file; {hint}"
+            raise PydanticCustomError("task_kind", message, {"hint": hint})
+        return value
+
+
+def _tag(table: Any) -> str:
+    kind = table.get("kind") if isinstance(table, dict) else getattr(table, "kind", None)
+    return union_tag(str(kind) if kind in SHIPPED else "own")
+
+
+AnyTask: TypeAlias = Annotated[
+    Annotated[Aiming, Tag(union_tag("aiming"))]
+    | Annotated[Search, Tag(union_tag("search"))]
+    | Annotated[FollowPath, Tag(union_tag("follow_path"))]
+    | Annotated[Fixation, Tag(union_tag("fixation"))]
+    | Annotated[Exploration, Tag(union_tag("exploration"))]
+    | Annotated[OwnTask, Tag(union_tag("own"))],
+    Discriminator(_tag),
+]
+"""What an entry of [[tasks]] may be, by its `kind`: a shipped task is a file and a line here."""
+
+SHIPPED = {
+    choice
+    for member in get_args(get_args(AnyTask)[0])
+    for choice in get_args(get_args(member)[0].model_fields["kind"].annotation)
+}
+"""Words of `kind`."""
