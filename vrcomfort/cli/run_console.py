@@ -55,5 +55,9 @@ def open_console() -> Iterator[OperatorsConsole]:
         terminal.print(f"console, for the next operator, once: {address}", soft_wrap=True)
 
     with ServerProcess(warn, tell_address) as server:
-        desk = ConsoleDesk(server, ALLOWED, say=terminal.print, pictures=EyePictures())
-        yield OperatorsConsole(desk, Steering(desk))
+        pictures = EyePictures()
+        desk = ConsoleDesk(server, ALLOWED, say=terminal.print, pictures=pictures)
+        try:
+            yield OperatorsConsole(desk, Steering(desk))
+        finally:
+            pictures.release()
