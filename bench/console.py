@@ -64,8 +64,6 @@ every_s = 0.5
 timeout_s = 0.3
 """
 
-Cases = dict[str, Steering]
-
 
 class _Clocked(PlaybackHeadset):
     """Takes the CPU time of the thread from one frame to the next, in µs."""
@@ -115,24 +113,23 @@ class _Sessions:
 
 def measure(ctx: moderngl.Context, *, rounds: int, frames: int) -> Result:
     """Return the loop thread's CPU time per frame without a console twice, and with one."""
-    with TemporaryDirectory() as folder, _console() as (console, cookie, server):
+    with TemporaryDirectory() as folder, _console(0) as alone, _console(PAGES) as looked_at:
         sessions = _Sessions(ctx, Path(folder), frames)
         nobody = Steering(NoDesk())
-        found: dict[str, list[list[float]]] = {}
-        cases: list[tuple[str, Steering, int]] = [
-            ("no console", nobody, 0),
-            ("no console, again", nobody, 0),
-            ("console, no page", console, 0),
-            (f"console, {PAGES} pages, one with pictures", console, PAGES),
-        ]
-        for steering in (nobody, console):
-            sessions.times_us(steering)
+        cases = {
+            "no console": nobody,
+            "no console, again": nobody,
+            "console, no page": alone,
+            f"console, {PAGES} pages, one with pictures": looked_at,
+        }
+        for steering in cases.values():
+            sessions.times_us(steering)  # warms up
+        found: dict[str, list[list[float]]] = {name: [] for name in cases}
         for number in range(rounds):
-            for name, steering, pages in cases[number % 2 :] + cases[: number % 2]:
-                with _pages(server, cookie, pages):
-                    found.setdefault(name, []).append(sessions.times_us(steering))
+            for name in sorted(cases, reverse=bool(number % 2)):
+                found[name].append(sessions.times_us(cases[name]))
     base = {at: _percentiles(found["no console"], at) for at in (50, 99)}
-    rows = [_row(name, found[name], base) for name, *_ in cases]
+    rows = [_row(name, found[name], base) for name in cases]
     notes = [
         "CPU time of the thread that shows frames (time.thread_time), temple without effects, "
         f"{SIZE_PX[0]}×{SIZE_PX[1]} pixels per eye, {rounds} interleaved exposures of {frames} "
@@ -159,7 +156,8 @@ def _row(name: str, rounds: list[list[float]], base: dict[int, np.ndarray]) -> d
 
 
 @contextmanager
-def _console() -> Iterator[tuple[Steering, str, ServerProcess]]:
+def _console(pages: int) -> Iterator[Steering]:
+    """Start a console, and so many pages in another process."""
     addresses: list[str] = []
     with ServerProcess(print, addresses.append) as server:
         _wait(lambda: bool(addresses))
@@ -168,24 +166,15 @@ def _console() -> Iterator[tuple[Steering, str, ServerProcess]]:
         connection = http.client.HTTPConnection("127.0.0.1", server.port)
         connection.request("GET", addresses[0].partition(str(server.port))[2])
         cookie = (connection.getresponse().getheader("set-cookie") or "").partition(";")[0]
-        yield Steering(desk), cookie, server
-
-
-@contextmanager
-def _pages(server: ServerProcess, cookie: str, pages: int) -> Iterator[None]:
-    """Open pages from another process, and close them again."""
-    if not pages:
-        yield
-        return
-    words = [sys.executable, "-m", "bench.console", "--pages", str(pages), str(server.port), cookie]
-    process = subprocess.Popen(words)
-    try:
-        _wait(lambda: server.pages == pages and server.pictures == 1)
-        yield
-    finally:
-        process.kill()
-        process.wait()
-        _wait(lambda: server.pages == 0)
+        connection.close()
+        words = [sys.executable, "-m", "bench.console"]
+        process = subprocess.Popen([*words, "--pages", str(pages), str(server.port), cookie])
+        try:
+            _wait(lambda: server.pages == pages and server.pictures == min(pages, 1))
+            yield Steering(desk)
+        finally:
+            process.kill()
+            process.wait()
 
 
 def _wait(wanted: Callable[[], bool]) -> None:
