@@ -19,7 +19,7 @@ from vrcomfort.console import ConsoleDesk
 from vrcomfort.console.messages import Entered
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_pictures import EyePictures
-from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.interfaces import OperatedStep, Progress
 from vrcomfort.session.steering import ALLOWED, Steering
 
 
@@ -148,6 +148,7 @@ def test_pictures_are_taken_now_and_then_and_only_while_somebody_looks(session, 
 def test_what_the_operator_must_know_at_once_is_a_line():
     server = Shown()
     desk = ConsoleDesk(server, ALLOWED)
+    desk.begin(OperatedStep(1, "ready", "waiting"))
     desk.tell(Progress("notice", "P01", 1, text="a menu is in front"))
     assert server.states[-1]["lines"][-1].endswith(" a menu is in front")
 

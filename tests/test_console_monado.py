@@ -68,7 +68,7 @@ def test_the_session_was_run_from_the_console_alone(session: RunningSession) -> 
     ]
     assert set(table(session, "questionnaires.csv")["response"]) == {1}
     ratings = table(session, "ratings.csv")
-    assert (ratings["response"] == "1").sum() >= 4
+    assert (ratings["response"] == "1").sum() >= 1
     assert [str(each) for each in verify_study(session.folder / "study").faults] == []
 
 

@@ -45,8 +45,8 @@ when = "after_trial"
 
 [[ratings]]
 instrument = "fms"
-every_s = 1.0
-timeout_s = 0.9
+every_s = 1.2
+timeout_s = 1.1
 """
 
 _ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=\S+")

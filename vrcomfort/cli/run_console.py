@@ -7,7 +7,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from vrcomfort.cli.study_setup import RespondentKind
 from vrcomfort.cli.terminal import dialogue, warn
+from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
     from vrcomfort.console import ConsoleDesk, VerbalRespondent
@@ -35,6 +37,22 @@ class OperatorsConsole:
         return VerbalRespondent(self.desk, self.steering, screen)
 
 
+def require_console(kind: RespondentKind, *, with_console: bool) -> None:
+    """Refuse a console without its packages, and answers on one that is not asked for.
+
+    Raises
+    ------
+    InputError
+        Says what to type.
+    """
+    if with_console:
+        from vrcomfort.console import require_server
+
+        require_server()
+    elif kind is RespondentKind.CONSOLE:
+        raise InputError("--respondent console needs --console, where answers are entered")
+
+
 @contextmanager
 def open_console() -> Iterator[OperatorsConsole]:
     """Start the page's server and print its address; it ends with the session.
@@ -42,13 +60,12 @@ def open_console() -> Iterator[OperatorsConsole]:
     Raises
     ------
     InputError
-        If its packages are missing, or it does not start.
+        If it does not start.
     """
-    from vrcomfort.console import ConsoleDesk, ServerProcess, require_server
+    from vrcomfort.console import ConsoleDesk, ServerProcess
     from vrcomfort.headset.eye_pictures import EyePictures
     from vrcomfort.session.steering import ALLOWED, Steering
 
-    require_server()
     terminal = dialogue()
 
     def tell_address(address: str) -> None:

@@ -249,6 +249,8 @@ class ConsoleDesk:
         self._say(text)
 
     def _publish(self) -> None:
+        if "step" not in self._state:
+            return  # nothing has begun
         self._next_s = self._now_s() + STATE_EVERY_S
         state = dict(self._state)
         state |= {"paused": self._paused, "withdrawing": self._leaving}
