@@ -58,7 +58,8 @@ class ScriptedDesk:
         assert (rendered is None) == frame.paused
         self.seen.append((frame, trial.frames, trial.frozen_so_far_s))
 
-    def rated(self, elapsed_s: float, response: float | None) -> None:
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
+        assert instrument == "fms"
         self.ratings.append((elapsed_s, response))
 
     def next_command(self) -> Given | None:

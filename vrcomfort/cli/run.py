@@ -24,11 +24,13 @@ from vrcomfort.cli.options import (
     typed_words,
 )
 from vrcomfort.cli.playback import PlaybackSetup, open_trace
+from vrcomfort.cli.run_console import open_console
 from vrcomfort.cli.run_desktop import desktop_setup
 from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
 from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
+from vrcomfort.cli.run_relay import open_relays
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import RuntimeLostError
@@ -83,11 +85,23 @@ def run(
     one_eye: Annotated[
         bool, typer.Option("--one-eye", help="Desktop: show the left eye alone, not both.")
     ] = False,
+    with_console: Annotated[
+        bool,
+        typer.Option("--console", help="Steer it from a page on this machine; prints its address."),
+    ] = False,
     ipd_mm: Annotated[
         float | None,
         typer.Option(
             help="The participant's distance between the pupils; recorded.", min=40, max=85
         ),
+    ] = None,
+    lsl: Annotated[
+        bool,
+        typer.Option("--lsl", help="Send markers, ratings, head and gaze to LabStreamingLayer."),
+    ] = False,
+    ttl: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
     ] = None,
     covariate: CovariateOption = None,
     group_readable: GroupReadable = False,
@@ -103,6 +117,7 @@ def run(
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --respondent simulated`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --mirror`
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset desktop`
+    - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --console`
     """
     study = load_protocol(protocol)
     options = {
@@ -123,7 +138,7 @@ def run(
         real_time=respondent is not RespondentKind.SIMULATED,
     )
     study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
-    kind = respondent or usual_respondent(headset)
+    kind = respondent or usual_respondent(headset, with_console=with_console)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
@@ -140,11 +155,20 @@ def run(
         )
         _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
-        bars = owned.enter_context(SessionBars(quiet))
+        simulated = kind is RespondentKind.SIMULATED
+        relays = open_relays(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
+        relay = owned.enter_context(relays)
+        console = owned.enter_context(open_console()) if with_console else None
+        progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
         try:
-            measured_m = None if ipd_mm is None else ipd_mm / 1000
             outcome = study_setup.run(
-                enrolment, kind, bars.tell, headset_setup, ipd_measured_m=measured_m
+                enrolment,
+                kind,
+                progress,
+                headset_setup,
+                ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
+                console=console,
+                relay=relay,
             )
         except RuntimeLostError as error:
             complain(str(error))

@@ -29,9 +29,11 @@ MEANT_FOR: Mapping[str, tuple[HeadsetKind, ...]] = {
 }
 
 
-def usual_respondent(headset: HeadsetKind) -> RespondentKind:
-    """Return who answers where nothing is said: the panel in a headset, else the terminal."""
-    return RespondentKind.TERMINAL if headset is PLAYBACK else RespondentKind.PANEL
+def usual_respondent(headset: HeadsetKind, *, with_console: bool = False) -> RespondentKind:
+    """Return who answers where nothing is said: the panel in a headset, else an experimenter."""
+    if headset is not PLAYBACK:
+        return RespondentKind.PANEL
+    return RespondentKind.CONSOLE if with_console else RespondentKind.TERMINAL
 
 
 def require_meaning(

@@ -17,11 +17,13 @@ from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.cli.run_console import OperatorsConsole
     from vrcomfort.records import Durability, Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
     from vrcomfort.session import Enrolment, Outcome, ProgressCallback
+    from vrcomfort.session.interfaces import Relay
 
 
 class RespondentKind(StrEnum):
@@ -30,6 +32,7 @@ class RespondentKind(StrEnum):
     SIMULATED = "simulated"
     TERMINAL = "terminal"
     PANEL = "panel"
+    CONSOLE = "console"
 
 
 class StudySetup:
@@ -104,11 +107,13 @@ class StudySetup:
         headset: HeadsetSetup | None = None,
         *,
         ipd_measured_m: float | None = None,
+        console: OperatorsConsole | None = None,
+        relay: Relay | None = None,
     ) -> Outcome:
         """Run a participant's sessions in a headset, or without one on the playback."""
         from vrcomfort import session
 
-        respondent = self._respondent(kind, enrolment, headset)
+        respondent = self._respondent(kind, enrolment, headset, console)
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
         simulated = kind is RespondentKind.SIMULATED
         return session.run(
@@ -121,8 +126,10 @@ class StudySetup:
             machine=machine,
             screen=headset.screen if headset else None,
             watchdog=headset.watchdog if headset else None,
+            steering=console.steering if console else None,
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
+            relay=relay,
             progress=progress,
         )
 
@@ -135,7 +142,11 @@ class StudySetup:
         return self._rendering
 
     def _respondent(
-        self, kind: RespondentKind, enrolment: Enrolment, headset: HeadsetSetup | None
+        self,
+        kind: RespondentKind,
+        enrolment: Enrolment,
+        headset: HeadsetSetup | None,
+        console: OperatorsConsole | None,
     ) -> Respondent:
         from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
 
@@ -144,6 +155,10 @@ class StudySetup:
             return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
         if kind is RespondentKind.TERMINAL:
             return TerminalRespondent(dialogue())
+        if kind is RespondentKind.CONSOLE:
+            if console is None:
+                raise InputError("--respondent console needs --console, where answers are entered")
+            return console.respondent(headset.screen if headset else None)
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")
         return headset.panel

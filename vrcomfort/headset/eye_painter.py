@@ -95,12 +95,8 @@ class EyePainter:
         view
             stage-from-eye.
         """
-        with self._ctx.scope(target, moderngl.NOTHING):
-            target.viewport = box
-            if image is not None:
-                self._smooth.use(0)
-                self._draw(image, FULL)
-                self._smooth.clear(0)
+        if image is not None:
+            self.paint_image(target, box, image)
         with self._ctx.scope(target, moderngl.BLEND):
             self._ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
             target.viewport = box
@@ -108,6 +104,14 @@ class EyePainter:
             for panel in panels:
                 sized = np.diag([*panel.quad.size_m, 1.0, 1.0])
                 self._draw(panel.texture, clip_from_stage @ panel.quad.pose.matrix() @ sized)
+
+    def paint_image(self, target: moderngl.Framebuffer, box: Box, image: moderngl.Texture) -> None:
+        """Fill the box with an eye's image."""
+        with self._ctx.scope(target, moderngl.NOTHING):
+            target.viewport = box
+            self._smooth.use(0)
+            self._draw(image, FULL)
+            self._smooth.clear(0)
 
     def _draw(self, texture: moderngl.Texture, clip_from_picture: Array) -> None:
         texture.use(0)

@@ -69,6 +69,9 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     for name in effects.condition_effects:
         path: Path = ("simulation", "condition_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
+    for name in effects.liking:
+        path = ("simulation", "liking", name)
+        yield from _named_key(path, "condition", _conditions(protocol))
     for name in effects.task_effects:
         path = ("simulation", "task_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))

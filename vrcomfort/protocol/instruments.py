@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.model import Protocol
+from vrcomfort.protocol.model import Ask, Protocol
 from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import KeyPath, Problem
 
 MOST_ITEMS = 16
 """What the list of all answers has room for, on the panel in the headset."""
-MOST_ANSWERS = 21
+MOST_ANSWERS = 101
 MOST_LETTERS, MOST_OF_INSTRUCTION = 200, 110
 """Of a question and of an instruction, which are then as small as can be read in a headset."""
 
@@ -57,12 +57,26 @@ def instrument_problems(
             message = f"the {found.short} has no complete wording in `{ask.language}`"
             hint = "leave `language` out, or translate it in a file of your own"
             yield Problem(("questionnaires", index, "language"), f"{message}; {hint}")
+        if found and ask.compares:
+            yield from _compared(("questionnaires", index), ask, found)
     yield from _of_ratings(protocol, instruments)
     whens: dict[str, set[str]] = {}
     for ask in protocol.questionnaires:
         if ask.instrument in instruments:
             whens.setdefault(ask.instrument, set()).add(ask.when)
     yield from rise_problems(protocol.stop, whens, instruments)
+
+
+def _compared(path: KeyPath, ask: Ask, instrument: Instrument) -> Iterator[Problem]:
+    if ask.compares == "pair" and ask.when != "after_trial":
+        message = "a pair is compared after its second exposure"
+        yield Problem((*path, "when"), f'{message}; write when = "after_trial"')
+    for item in instrument.asked:
+        low, high, step = item.answers.low, item.answers.high, item.answers.step
+        if low not in (0, 1) or high < 2 or step != 1 or (ask.compares == "pair" and high != 2):
+            message = f"item {item.name} of the {instrument.short} is answered by"
+            needs = "1 and 2, or 0 to 2" if ask.compares == "pair" else "1, 2, …, or 0, 1, 2, …"
+            yield Problem((*path, "instrument"), f"{message} {low} to {high}; it needs {needs}")
 
 
 def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:

@@ -19,7 +19,7 @@ from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
-from vrcomfort.settings.locate import locate
+from vrcomfort.settings.include import Source
 from vrcomfort.settings.schema import or_one_table
 from vrcomfort.tasks import AnyTask, TaskSettings
 
@@ -90,6 +90,10 @@ class Ask(Settings):
     """`before_trial` and `after_trial`: of every exposure."""
     wait_s: Rest = 0.0
     """Rest without the headset before asking."""
+    compares: Literal["pair", "session", "study"] | None = None
+    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
+    preference): `pair`, the two exposures before, asked after every second one of a session;
+    `session` and `study`, the conditions of the session, or of all until then, as first met."""
 
 
 Unfocused: TypeAlias = Literal["pause", "flag"]
@@ -156,6 +160,10 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
+    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
+    indifference: Coefficient = 0.5
+    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
 
@@ -163,6 +171,9 @@ class Simulation(Settings):
 class Protocol(Settings):
     """A study: what is shown, in which order, what is asked and when."""
 
+    include: tuple[str, ...] = ()
+    """TOML files, relative to this one, that come before it: tables are joined, lists of tables put
+    one after the other, and of other keys the last one counts."""
     name: Name
     """Of the study: letters, digits, - and _; study folders keep it."""
     title: str
@@ -229,7 +240,7 @@ class Protocol(Settings):
         """Take the single [ratings] table of earlier protocols."""
         return (value,) if isinstance(value, dict) else value
 
-    _text: str = PrivateAttr(default="")
+    _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
@@ -257,8 +268,14 @@ class Protocol(Settings):
 
     @property
     def text(self) -> str:
-        """Return the TOML text that this was read from."""
-        return self._text
+        """Return the TOML text that this was read from, with all that it includes."""
+        return self._source.text if self._source else ""
+
+    @property
+    def parts(self) -> dict[str, str]:
+        """Return file → hash of all that was put together; nothing where it is one file."""
+        parts = self._source.parts if self._source else []
+        return {str(each.file): each.sha256 for each in parts} if len(parts) > 1 else {}
 
     @property
     def file(self) -> Path | None:
@@ -268,12 +285,14 @@ class Protocol(Settings):
     @property
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
-        return hashlib.sha256(self._text.encode()).hexdigest()
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for something wrong at a key of the text."""
-        line, column = locate(self._text).of(path) if self._text else (None, None)
-        return InputError(message, file=self._file, line=line, column=column)
+        if self._source is None:
+            return InputError(message, file=self._file)
+        _, file, line, column = self._source.place(path)
+        return InputError(message, file=file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
         """Return how long an exposure is shown at most: as the protocol says, or shortened.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
+from vrcomfort.report.choices import choices_of
 from vrcomfort.report.comparisons import NO_VARIANCE, too_few
 from vrcomfort.report.models import guarded, is_between, level_of, points
 from vrcomfort.report.ordering import natural
@@ -21,6 +22,8 @@ from vrcomfort.stats.proportions import preference
 from vrcomfort.stats.t_tests import equivalence_of_groups, equivalence_of_pairs
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     import pandas as pd
     from numpy.typing import NDArray
 
@@ -119,22 +122,12 @@ def _equivalence(scored: Exposures, plan: Plan, asked: Equivalent) -> Row:
 
 def _preference(study: StudyData, plan: Plan, index: int) -> Row:
     asked: Preferred = plan.preferences[index]
-    columns = {name for person in study.participants for name in person}
-    if asked.column not in columns:
-        hint = did_you_mean(asked.column, columns)
-        message = f"`{asked.column}` is no column of participants.csv; {hint}"
-        raise plan.fault(message, "preferences", index, "column")
-    said = [
-        (person["participant"], person.get(asked.column, "").strip())
-        for person in study.participants
-        if person["status"] != "excluded"
-    ]
+    said = _chosen(study, plan, index) if asked.item else _in_column(study, plan, index)
     counts = Counter(value for _, value in said if value)
     known = {asked.a, asked.b, *asked.none}
     if unknown := sorted(counts.keys() - known):
         message = (
-            f"`{unknown[0]}` in column `{asked.column}` of participants.csv is neither a, b nor "
-            "none; name it, or correct it"
+            f"`{unknown[0]}` in {_where(asked)} is neither a, b nor none; name it, or correct it"
         )
         raise plan.fault(message, "preferences", index)
     none = sum(counts[value] for value in asked.none)
@@ -147,6 +140,51 @@ def _preference(study: StudyData, plan: Plan, index: int) -> Row:
         "not_tested": None if counts[asked.a] + counts[asked.b] else "nobody has a preference",
         **asdict(found),
     }  # fmt: skip
+
+
+def _where(asked: Preferred) -> str:
+    if asked.item:
+        return f"answers to {asked.item}"
+    return f"column `{asked.column}` of participants.csv"
+
+
+def _in_column(study: StudyData, plan: Plan, index: int) -> list[tuple[str, str]]:
+    """Return participant and value of a column, blank where it is missing."""
+    asked: Preferred = plan.preferences[index]
+    columns = {name for person in study.participants for name in person}
+    if asked.column not in columns:
+        hint = did_you_mean(asked.column, columns)
+        message = f"`{asked.column}` is no column of participants.csv; {hint}"
+        raise plan.fault(message, "preferences", index, "column")
+    return [
+        (person["participant"], person.get(asked.column, "").strip())
+        for person in study.participants
+        if person["status"] != "excluded"
+    ]
+
+
+def _chosen(study: StudyData, plan: Plan, index: int) -> list[tuple[str, str]]:
+    """Return participant and the condition that they chose most often, or none."""
+    asked: Preferred = plan.preferences[index]
+    try:
+        found = choices_of(study, asked.item)
+    except InputError as error:
+        raise plan.fault(str(error), "preferences", index, "item") from error
+    left_out = {p["participant"] for p in study.participants if p["status"] == "excluded"}
+    none = asked.none[0] if asked.none else "none"
+    return [
+        (who, _most_often(chosen, none)) for who, chosen in found.items() if who not in left_out
+    ]
+
+
+def _most_often(chosen: Sequence[str | None], none: str) -> str:
+    """Return what was chosen more often than all else; blank where nothing was said."""
+    counts = Counter(none if each is None else each for each in chosen)
+    ranked = counts.most_common(2)
+    if not ranked:
+        return ""
+    tied = len(ranked) == 2 and ranked[0][1] == ranked[1][1]
+    return none if tied else ranked[0][0]
 
 
 def _agreement(scored: Exposures, plan: Plan, asked: Agreed) -> Row:

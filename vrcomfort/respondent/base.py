@@ -38,11 +38,15 @@ class Form:
     ----------
     after_withdrawal
         True where the participant has just stopped an exposure and may well refuse.
+    compared
+        Conditions that the answers 1, 2, … mean, as the participant has met them; none where the
+        answers mean something else.
     """
 
     instrument: Instrument
     timepoint: str
     after_withdrawal: bool = False
+    compared: tuple[str, ...] = ()
 
 
 Heard: TypeAlias = Callable[[str, int | None, float], None]

@@ -21,6 +21,8 @@ LIST_LETTERS = 34
 """Of a question in the list of all answers; the whole of a longer one stands on its own page."""
 MANY = 5
 """Scales with more steps than this become a slider."""
+NUMBERED = 21
+"""A slider with more steps has no numbers: a line with two ends."""
 
 
 class Act(Enum):
@@ -122,6 +124,7 @@ def _answers(answers: Answers) -> list[Cell]:
     steps = [int(answer) for answer in answers.asked]
     many = len(steps) > MANY
     texts = list(answers.labels) if _stand_named(answers) else [str(step) for step in steps]
+    texts = texts if len(steps) <= NUMBERED else [""] * len(steps)
     boxes = _columns(len(steps), ANSWER_TOP_PX, ANSWER_BOTTOM_PX, gap_px=0 if many else GAP_PX)
     return [
         Cell(box, text, Act.ANSWER, step)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -179,7 +179,21 @@ class SimulatedRespondent:
             if self._rng.random() < self._settings.question_hazard * self.sickness:
                 raise Withdrew(f"stopped at the question {item.name}")
             took_s = _SECONDS_PER_ANSWER * math.exp(0.3 * self._rng.standard_normal())
-            heard(item.name, self._response(form.instrument, item), round(took_s, 2))
+            response = (
+                self._choice(item, form.compared)
+                if form.compared
+                else self._response(form.instrument, item)
+            )
+            heard(item.name, response, round(took_s, 2))
+
+    def _choice(self, item: Item, compared: Sequence[str]) -> int:
+        """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
+        liking = self._settings.liking
+        seems = [liking.get(each, 0.0) + self._rng.standard_normal() for each in compared]
+        best, next_best = sorted(seems, reverse=True)[:2]
+        if item.answers.low == 0 and best - next_best < self._settings.indifference:
+            return 0
+        return seems.index(best) + 1
 
     def _response(self, instrument: Instrument, item: Item) -> int:
         if len(instrument.items) == 1:

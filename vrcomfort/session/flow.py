@@ -14,6 +14,7 @@ from vrcomfort.errors import RuntimeLostError, headset_ended
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -195,6 +196,8 @@ class SessionFlow:
 
     def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
         for ask in self._context.protocol.asks(when):
+            if not is_due(ask, place):
+                continue
             if ask.wait_s:
                 self._rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from vrcomfort.errors import InputError
 from vrcomfort.protocol import Ask
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import QuestionnaireRow
 from vrcomfort.respondent import Form
+from vrcomfort.session.compared import compared
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.steering import Redone, Skipped
@@ -53,7 +55,7 @@ class Interview:
         Withdrew
             If the participant stops at a question.
         """
-        form = Form(self._instrument, self._ask.timepoint, after_withdrawal)
+        form = Form(self._instrument, self._ask.timepoint, after_withdrawal, self._compared())
         while True:
             words = f"questionnaire {self._ask.instrument} ({self._ask.timepoint})"
             self._context.steering.begin("questionnaire", words)
@@ -70,6 +72,25 @@ class Interview:
     def answers(self) -> dict[str, int | None]:
         """Return item → answer, of what was asked here."""
         return {item: row.response for item, row in self._rows.items()}
+
+    def _compared(self) -> tuple[str, ...]:
+        """Return the conditions that answers mean.
+
+        Raises
+        ------
+        InputError
+            If there are not as many as answers.
+        """
+        ask, place = self._ask, self._place
+        found = compared(ask, self._context.sequence, self._events.session, place)
+        for item in self._instrument.items if ask.compares else ():
+            if len(found) != item.answers.high:
+                message = f"{self._instrument.short} asks which of {item.answers.high} ways of"
+                raise InputError(
+                    f"{message} rendering, and in order `{self._context.sequence.name}` there are "
+                    f"{len(found)} until then; choose an instrument with as many answers"
+                )
+        return found
 
     def _skipped(self) -> list[str]:
         names = [item.name for item in self._instrument.items if item.name not in self._rows]

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from vrcomfort.protocol import Ask
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.records import Interrupted
+from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.interview import Interview
@@ -37,6 +38,8 @@ class OpenQuestions:
         """
         missed = []
         for ask in self.context.protocol.asks(when):
+            if not is_due(ask, place):
+                continue
             form = self._open_items(ask, place)
             if not form.items:
                 continue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, TypeAlias, get_args
 
-from pydantic import ConfigDict, Discriminator, Tag, field_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, field_validator
 from pydantic_core import PydanticCustomError
 
 from vrcomfort.settings import did_you_mean, union_tag
@@ -21,7 +21,7 @@ class OwnTask(TaskSettings):
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
-    kind: str
+    kind: Annotated[str, Field(json_schema_extra={"pattern": r"\.py$"})]
     """The file, relative to the protocol's; it names its settings `TASK` (docs/tasks.md)."""
 
     @field_validator("kind")

@@ -45,12 +45,16 @@ class Preferred(Settings):
     """What people preferred: one thing, the other, or neither."""
 
     name: Name
-    column: str
-    """Of participants.csv."""
+    column: str = ""
+    """Of participants.csv; or `item`."""
+    item: str = ""
+    """``instrument.item`` of a questionnaire that compares conditions: 1, 2, … are answered for the
+    first, the second, … that somebody met, and 0 for none. Who was asked several times counts for
+    what they chose more often."""
     label: str = ""
     a: str
     b: str
-    """Values of the column."""
+    """Values of the column, or conditions."""
     none: tuple[str, ...] = ("none",)
     """Values that say that there is no preference; blank cells are missing."""
 

@@ -115,6 +115,9 @@ def _of_designs(plan: Plan) -> Iterator[Problem]:
     for index, asked in enumerate(plan.preferences):
         if asked.a == asked.b or {asked.a, asked.b} & set(asked.none):
             yield Problem(("preferences", index), "a, b and none name one value twice")
+        if bool(asked.column) == bool(asked.item):
+            message = "say where it stands: `column` of participants.csv, or `item`, and not both"
+            yield Problem(("preferences", index), message)
 
 
 def _of_groups(contrast: Contrast) -> Iterator[str]:

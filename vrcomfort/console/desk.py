@@ -1,0 +1,264 @@
+"""What operators see of a session, put together between two frames."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from vrcomfort.console.messages import Entered
+from vrcomfort.frame import FocusSample, Frame
+
+STATE_EVERY_S = 0.2
+PICTURE_EVERY_S = 0.5
+LINES = 40
+REPLIES = 20
+
+
+class Server(Protocol):
+    """Shows a session; `process.ServerProcess`."""
+
+    pictures: int
+
+    def show(self, state: Mapping[str, Any]) -> None:
+        """Have a state shown."""
+
+    def show_picture(self, make: Callable[[], bytes]) -> None:
+        """Have a picture shown."""
+
+    def next_command(self) -> Entered | None:
+        """Return what an operator wants."""
+
+
+class Step(Protocol):
+    """A step of a session; `session.interfaces.OperatedStep`."""
+
+    @property
+    def number(self) -> int:
+        """Return its number."""
+
+    @property
+    def kind(self) -> str:
+        """Return its kind."""
+
+    @property
+    def words(self) -> str:
+        """Return its name."""
+
+
+class Order(Protocol):
+    """Who is run in which order; `session.interfaces.SessionOrder`."""
+
+    @property
+    def participant(self) -> str:
+        """Return who."""
+
+    @property
+    def session(self) -> int:
+        """Return the number of the session."""
+
+    @property
+    def sequence(self) -> str:
+        """Return the name of the order."""
+
+    @property
+    def trials(self) -> tuple[tuple[str, str], ...]:
+        """Return scene and condition of each exposure."""
+
+
+class Rendered(Protocol):
+    """What was drawn; `session.interfaces.RenderedFrame`."""
+
+    @property
+    def eyes(self) -> tuple[Any, Any]:
+        """Return both images."""
+
+    @property
+    def focus_samples(self) -> Any:
+        """Return the focus of earlier frames."""
+
+    @property
+    def max_blur_px(self) -> float | None:
+        """Return the largest blur."""
+
+
+class Trial(Protocol):
+    """How regularly frames came; `session.interfaces.TrialSoFar`."""
+
+    frames: int
+    dropped: int
+    untracked: int
+
+    @property
+    def frozen_so_far_s(self) -> float:
+        """Return for how long the picture stood still."""
+
+
+class Pictures(Protocol):
+    """Takes pictures of eyes' images without waiting for the GPU."""
+
+    def take(self, eyes: tuple[Any, Any]) -> None:
+        """Begin to copy both images."""
+
+    def arrived(self) -> Callable[[], bytes] | None:
+        """Count a frame; return what makes the picture that is there by now, if one is."""
+
+
+class ConsoleDesk:
+    """A desk with a page. All methods return at once.
+
+    Parameters
+    ----------
+    server
+        Shows the page.
+    allowed
+        Kind of step → what can be asked for in it.
+    say
+        Prints a line in the terminal for each step and action.
+    pictures
+        Of both eyes; None where they cannot be taken.
+    """
+
+    starts_sessions = True
+
+    def __init__(
+        self,
+        server: Server,
+        allowed: Mapping[Any, frozenset[str]],
+        *,
+        say: Callable[[str], None] = lambda _: None,
+        pictures: Pictures | None = None,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._server, self._allowed, self._say = server, allowed, say
+        self._pictures, self._now_s = pictures, now_s
+        self._state: dict[str, Any] = {"kind": "state", "pictures": pictures is not None}
+        self._ratings: list[tuple[str, float, float | None]] = []
+        self._lines: deque[str] = deque(maxlen=LINES)
+        self._replies: deque[tuple[str, str]] = deque(maxlen=REPLIES)
+        self._focus_m: float | None = None
+        self._paused = self._leaving = False
+        self._next_s = self._next_picture_s = 0.0
+
+    def open(self, order: Order) -> None:
+        """Show a session that begins."""
+        self._state |= {
+            "participant": order.participant,
+            "session": order.session,
+            "sequence": order.sequence,
+            "order": order.trials,
+            "trial": 0,
+            "ended": "",
+        }
+        self._line(f"session {order.session} of {order.participant}, order {order.sequence}")
+        self._publish()
+
+    def begin(self, step: Step) -> None:
+        """Show a step that begins."""
+        here = {"number": step.number, "kind": step.kind, "words": step.words}
+        self._state |= {"step": here, "done": 0.0, "total": 0.0, "frame": None}
+        self._state["allowed"] = sorted(self._allowed[step.kind])
+        if step.kind in {"training", "exposure"}:
+            self._ratings.clear()
+            self._focus_m = None
+        self._paused = False
+        self._line(f"step {step.number}: {step.words}")
+        self._publish()
+
+    def tell(self, progress: Any) -> None:
+        """Show how far the step has come; takes a `session.interfaces.Progress`."""
+        if progress.step == "notice":
+            self._line(progress.text)
+        elif progress.step == "end":
+            self._state |= {"ended": progress.text, "allowed": []}
+            self._line(f"the session has ended: {progress.text}")
+        else:
+            self._state |= {"done": progress.done, "total": progress.total}
+            self._state["trial"] = progress.trial or self._state.get("trial", 0)
+            if self._now_s() < self._next_s:
+                return
+        self._publish()
+
+    def see(self, frame: Frame, rendered: Rendered | None, trial: Trial) -> None:
+        """Look at a frame that was shown, if there is time and anybody to look."""
+        if rendered is not None:
+            for sample in rendered.focus_samples:
+                self._focus_m = _metres(sample)
+            self._look(rendered)
+        now_s = self._now_s()
+        if now_s < self._next_s:
+            return
+        self._state["frame"] = {
+            "head_m": frame.head_pose.position.tolist(),
+            "head_turn": frame.head_pose.orientation.tolist(),
+            "tracked": frame.head_tracked,
+            "focus_m": self._focus_m,
+            "max_blur_px": None if rendered is None else rendered.max_blur_px,
+            "frames": trial.frames,
+            "dropped": trial.dropped,
+            "untracked": trial.untracked,
+            "frozen_s": round(trial.frozen_so_far_s, 3),
+        }
+        self._publish()
+
+    def _look(self, rendered: Rendered) -> None:
+        """Take a picture now and then, where somebody wants to see it."""
+        pictures = self._pictures
+        if pictures is None:
+            return
+        if (make := pictures.arrived()) is not None:
+            self._server.show_picture(make)
+        now_s = self._now_s()
+        if self._server.pictures and now_s >= self._next_picture_s:
+            self._next_picture_s = now_s + PICTURE_EVERY_S
+            pictures.take(rendered.eyes)
+
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
+        """Show a rating; None was missed."""
+        self._ratings.append((instrument, round(elapsed_s, 2), response))
+        self._publish()
+
+    def next_command(self) -> Entered | None:
+        """Return what an operator wants, or None at once."""
+        return self._server.next_command()
+
+    def reply(self, command: Any, refusal: str) -> None:
+        """Show everybody what was asked for, and whoever asked whether it was refused."""
+        self._replies.append((command.id, refusal))
+        action, said = command.action.replace("_", " "), f": {command.text}" if command.text else ""
+        if action == "answer" and not refusal:
+            said = f"{said} {'rather not say' if command.value is None else f'{command.value:g}'}"
+        told = f"refused: {refusal}" if refusal else f"{action}{said}"
+        if not refusal and action in {"pause", "go on"}:
+            self._paused = action == "pause"
+        self._line(f"{command.operator}, {told}")
+        self._publish()
+
+    def ask_whether_to_withdraw(self, *, asked: bool) -> None:
+        """Ask all operators whether the withdrawal is meant, or no longer."""
+        self._leaving = asked
+        self._publish()
+
+    def ask(self, question: Mapping[str, Any] | None) -> None:
+        """Have operators ask a question aloud and enter the answer; None: no longer."""
+        self._state["question"] = question
+        self._publish()
+
+    def _line(self, text: str) -> None:
+        self._lines.append(f"{time.strftime('%H:%M:%S')} {text}")
+        self._say(text)
+
+    def _publish(self) -> None:
+        self._next_s = self._now_s() + STATE_EVERY_S
+        state = dict(self._state)
+        state |= {"paused": self._paused, "withdrawing": self._leaving}
+        state |= {"ratings": tuple(self._ratings), "lines": tuple(self._lines)}
+        state["replies"] = tuple(self._replies)
+        self._server.show(state)
+
+
+def _metres(sample: FocusSample) -> float | None:
+    """Return a distance that JSON can hold: 0 beyond all scenes, None where there is none."""
+    metres = float(sample.focus_m)
+    return round(metres, 3) if metres < 1e6 else None

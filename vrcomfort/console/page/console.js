@@ -1,0 +1,325 @@
+// The operator's page: shows the state that the server sends, and sends what operators want.
+"use strict";
+
+const at = (id) => document.getElementById(id);
+const RECONNECT_MS = 700;
+const BUTTONS_AT_MOST = 25; // a finer scale is typed
+let socket = null;
+let state = null;
+let shownQuestion = "";
+let correcting = null; // name of the item that is asked again
+let pictureUrl = null;
+let pageId = 0;
+const mine = new Set(); // ids of messages whose answer has not come
+const prefix = Math.random().toString(36).slice(2);
+
+function put(element, text) {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+function make(tag, text, attributes = {}) {
+  const element = document.createElement(tag);
+  element.textContent = text;
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  return element;
+}
+
+function connect() {
+  socket = new WebSocket(`ws://${location.host}/session`);
+  socket.binaryType = "blob";
+  socket.onopen = () => { put(at("link"), "Connected."); watch(); };
+  socket.onclose = () => {
+    if (state && state.ended) return put(at("link"), "The session has ended; this page can be closed.");
+    put(at("link"), "Not connected; the session goes on. Trying again …");
+    setTimeout(connect, RECONNECT_MS);
+  };
+  socket.onmessage = (message) => {
+    if (typeof message.data !== "string") return showPicture(message.data);
+    const content = JSON.parse(message.data);
+    if (content.kind === "you") put(at("you"), content.operator);
+    else if (content.kind === "reply") put(at("refusal"), content.refusal);
+    else show(content);
+  };
+}
+
+function send(action, more = {}) {
+  if (socket === null || socket.readyState !== WebSocket.OPEN) {
+    put(at("refusal"), "Not connected: nothing was sent. It can be asked for again in a moment.");
+    return;
+  }
+  const id = `${prefix}-${pageId += 1}`;
+  if (action !== "watch") mine.add(id);
+  const step = state && state.step ? state.step.number : 0;
+  socket.send(JSON.stringify({ id, action, step, ...more }));
+}
+
+function watch() {
+  const looks = at("look").checked && !document.hidden;
+  if (socket.readyState === WebSocket.OPEN) send("watch", { value: looks ? 1 : 0 });
+}
+
+function showPicture(blob) {
+  if (pictureUrl) URL.revokeObjectURL(pictureUrl);
+  pictureUrl = URL.createObjectURL(blob);
+  at("eyes").src = pictureUrl;
+  at("eyes").hidden = !at("look").checked;
+  put(at("eyes-words"), "");
+}
+
+function show(now) {
+  state = now;
+  if (state.step) {
+    put(at("who"), `${state.participant}, session ${state.session}, order ${state.sequence}`);
+    showStep();
+    showQuestion(state.question || null);
+    showRatings();
+    showFrames(state.frame);
+    showOrder();
+  }
+  showLines();
+  for (const [id, refusal] of state.replies) {
+    if (mine.delete(id)) put(at("refusal"), refusal);
+  }
+  if (!state.pictures) {
+    at("look").disabled = true;
+    put(at("eyes-words"), "Pictures are not available in this session.");
+  }
+}
+
+function showStep() {
+  const paused = state.paused ? " — paused" : "";
+  const words = state.ended ? `The session has ended: ${state.ended}` : state.step.words + paused;
+  put(at("step"), `Step ${state.step.number}: ${words}`);
+  const timed = ["training", "exposure", "rest"].includes(state.step.kind) && state.total > 0;
+  at("progress").max = state.total || 1;
+  at("progress").value = state.done || 0;
+  const left = Math.max(state.total - state.done, 0);
+  const count = state.total ? `${state.done} of ${state.total}` : "";
+  put(at("left"), timed ? `${clock(left)} left of ${clock(state.total)}` : count);
+  for (const button of document.querySelectorAll(".actions button")) {
+    const action = button.dataset.action;
+    const meant = state.allowed.includes(action);
+    const turn = action === "pause" ? !state.paused : action === "go_on" ? state.paused : true;
+    const hidden = !meant || !turn;
+    if (button.hidden !== hidden) {
+      const focused = document.activeElement === button;
+      button.hidden = hidden;
+      if (focused) (document.querySelector(".actions button:not([hidden])") || document.body).focus();
+    }
+  }
+  const asks = state.withdrawing && !state.ended;
+  if (at("withdrawing").hidden === asks) {
+    at("withdrawing").hidden = !asks;
+    if (asks) at("withdrawing-why").focus();
+  }
+}
+
+function clock(seconds) {
+  const whole = Math.round(seconds);
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+}
+
+function showQuestion(question) {
+  const text = JSON.stringify(question);
+  if (text === shownQuestion) return;
+  const before = shownQuestion ? JSON.parse(shownQuestion) : null;
+  shownQuestion = text;
+  at("question").hidden = question === null;
+  if (question === null || before === null || before.title !== question.title) correcting = null;
+  if (question === null) return;
+  put(at("question-title"), question.title);
+  put(at("instruction"), question.instruction);
+  const items = question.items;
+  const again = items.findIndex((item) => item.name === correcting);
+  const place = again < 0 ? question.current : again;
+  showItem(question, items[place], place);
+  at("items").replaceChildren(...(items.length > 1 ? items.map(itemLine) : []));
+  at("confirm").hidden = question.action !== "answer" || items.some((item) => !item.answered);
+  if (!at("confirm").hidden && again < 0) at("confirm").focus();
+}
+
+function itemLine(item) {
+  const line = make("li", `${item.text}: ${said(item)} `);
+  if (item.answered) {
+    const change = make("button", "Change", { "aria-label": `Change ${item.text}` });
+    change.onclick = () => { correcting = item.name; shownQuestion = ""; showQuestion(state.question); };
+    line.append(change);
+  }
+  return line;
+}
+
+function said(item) {
+  if (!item.answered) return "–";
+  if (item.answer === null) return "rather not say";
+  const label = item.labels[item.values.indexOf(item.answer)];
+  return label ? `${item.answer} ${label}` : String(item.answer);
+}
+
+function showItem(question, item, place) {
+  const group = at("answers");
+  if (item === undefined) {
+    put(at("item"), "All questions are answered. Look through the answers with the participant.");
+    group.replaceChildren();
+    return;
+  }
+  put(at("item"), question.items.length > 1 ? `${place + 1}. ${item.text}` : item.text);
+  const give = (value) => { correcting = null; send(question.action, { text: item.name, value }); };
+  const parts = item.values.length <= BUTTONS_AT_MOST ? item.values.map((value, index) => {
+    const label = item.labels[index] || "";
+    const button = make("button", `${value} ${label}`.trim(), { "data-value": value });
+    button.onclick = () => give(value);
+    return button;
+  }) : typed(item, give);
+  if (item.ends.length) {
+    parts.unshift(make("span", `${item.ends[0]} `));
+    parts.push(make("span", ` ${item.ends[1]}`));
+  }
+  if (question.action === "answer") {
+    const declined = make("button", "Rather not say", { "data-value": "" });
+    declined.onclick = () => give(null);
+    parts.push(declined);
+  }
+  group.replaceChildren(...parts);
+  const first = group.querySelector("button, input");
+  const busy = at("ask").open || !at("withdrawing").hidden || document.activeElement.tagName === "INPUT";
+  if (first && !busy) first.focus();
+}
+
+function typed(item, give) {
+  const [low, high] = [item.values[0], item.values[item.values.length - 1]];
+  const input = make("input", "", { type: "number", min: low, max: high, step: item.values[1] - low,
+    "aria-label": `${item.text}: ${low} to ${high}` });
+  const button = make("button", "Enter");
+  button.onclick = () => give(input.value === "" ? null : Number(input.value));
+  input.onkeydown = (event) => { if (event.key === "Enter") button.click(); };
+  return [input, button];
+}
+
+const SVG = "http://www.w3.org/2000/svg";
+function shape(tag, attributes, text = "") {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.textContent = text;
+  return element;
+}
+
+// One curve per instrument; the ends of the curves are named.
+function showRatings() {
+  const points = state.ratings;
+  const names = [...new Set(points.map(([name]) => name))];
+  const words = names.map((name) => ratingWords(name, points.filter(([of]) => of === name))).join(" ");
+  const text = words || "None yet.";
+  if (at("curve-words").textContent === text) return;
+  put(at("curve-words"), text);
+  const longest = Math.max(60, ...points.map(([, s]) => s));
+  const highest = Math.max(10, ...points.map(([, , value]) => value || 0));
+  const x = (s) => 30 + 330 * s / longest;
+  const y = (value) => 100 - 90 * value / highest;
+  const curves = names.flatMap((name) => {
+    const own = points.filter(([of]) => of === name);
+    const given = own.filter(([, , value]) => value !== null);
+    const line = given.map(([, s, value], n) => `${n ? "L" : "M"}${x(s)} ${y(value)}`).join(" ");
+    const last = given[given.length - 1];
+    return [
+      shape("path", { d: line || "M0 0" }),
+      ...given.map(([, s, value]) => shape("circle", { cx: x(s), cy: y(value), r: 3 })),
+      ...own.filter(([, , value]) => value === null).map(([, s]) => shape("text", { x: x(s) - 3, y: 98 }, "×")),
+      ...(last ? [shape("text", { x: x(last[1]) + 5, y: y(last[2]) + 4 }, name)] : []),
+    ];
+  });
+  at("curve").replaceChildren(
+    shape("line", { x1: 30, y1: 100, x2: 390, y2: 100 }),
+    shape("line", { x1: 30, y1: 10, x2: 30, y2: 100 }),
+    shape("text", { x: 2, y: 14 }, String(highest)),
+    shape("text", { x: 2, y: 104 }, "0"),
+    shape("text", { x: 350, y: 116 }, clock(longest)),
+    ...curves,
+  );
+}
+
+function ratingWords(name, points) {
+  const given = points.filter(([, , value]) => value !== null);
+  const said = given.map(([, s, value]) => `${value} at ${clock(s)}`).join(", ") || "none answered";
+  const missed = points.length - given.length;
+  return `${name}: ${said}${missed ? `; ${missed} missed` : ""}.`;
+}
+
+function showFrames(frame) {
+  const rows = [];
+  if (frame) {
+    const [x, y, z, w] = frame.head_turn;
+    const deg = (radians) => `${(radians * 180 / Math.PI).toFixed(0)}°`;
+    const pitch = deg(Math.asin(Math.max(-1, Math.min(1, 2 * (w * x - y * z)))));
+    const yaw = deg(Math.atan2(2 * (x * z + w * y), 1 - 2 * (x * x + y * y)));
+    const roll = deg(Math.atan2(2 * (x * y + w * z), 1 - 2 * (x * x + z * z)));
+    rows.push(["Head", frame.head_m.map((m) => m.toFixed(2)).join(", ") + " m"]);
+    rows.push(["Turned", `yaw ${yaw}, pitch ${pitch}, roll ${roll}`]);
+    rows.push(["Tracked", frame.tracked ? "yes" : "no"]);
+    rows.push(["Focus", frame.focus_m === null ? "–" : `${frame.focus_m.toFixed(2)} m`]);
+    rows.push(["Blur at most", frame.max_blur_px === null ? "–" : `${frame.max_blur_px.toFixed(1)} px`]);
+    rows.push(["Frames", String(frame.frames)]);
+    rows.push(["Dropped", String(frame.dropped)]);
+    rows.push(["Untracked", String(frame.untracked)]);
+    rows.push(["Stood still", `${frame.frozen_s.toFixed(2)} s`]);
+  }
+  at("frames").replaceChildren(...rows.flatMap(([name, value]) => [make("dt", name), make("dd", value)]));
+}
+
+function showOrder() {
+  const text = JSON.stringify([state.order, state.trial]);
+  if (at("order").dataset.shown === text) return;
+  at("order").dataset.shown = text;
+  at("order").replaceChildren(...state.order.map(([scene, condition], index) =>
+    make("li", `${condition} in ${scene}`, index + 1 === state.trial ? { "aria-current": "step" } : {})));
+}
+
+function showLines() {
+  const list = at("lines");
+  const last = state.lines[state.lines.length - 1] || "";
+  if (list.dataset.last === last && list.children.length === state.lines.length) return;
+  list.dataset.last = last;
+  list.replaceChildren(...state.lines.map((line) => make("li", line)));
+  list.scrollTop = list.scrollHeight;
+}
+
+// What needs words is asked for first; it is meant for the step in which that was opened.
+const ASKS = { note: "Note", abort: "Why is the session stopped? It can be resumed." };
+function wish(action) {
+  if (action === "withdraw_surely") return send(action, { text: at("withdrawing-why").value });
+  if (!ASKS[action]) return send(action);
+  put(at("ask-title"), ASKS[action]);
+  at("ask-text").value = "";
+  const step = state && state.step ? state.step.number : 0;
+  at("ask").onclose = () => {
+    if (at("ask").returnValue === "yes") send(action, { step, text: at("ask-text").value });
+    at("ask").returnValue = "";
+  };
+  at("ask").showModal();
+  at("ask-text").focus();
+}
+
+document.addEventListener("click", (event) => {
+  const button = event.target.closest("button[data-action]");
+  if (button) wish(button.dataset.action);
+});
+document.addEventListener("keydown", (event) => {
+  const typing = /^(INPUT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox";
+  if (typing || !at("keys").checked || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (at("ask").open || state === null) return;
+  const key = event.key.toLowerCase();
+  if (key === "p" && state.allowed.includes("pause")) wish(state.paused ? "go_on" : "pause");
+  else if (key === "n" && state.allowed.includes("note")) wish("note");
+  else if (/^[0-9]$/.test(key)) {
+    const button = at("answers").querySelector(`button[data-value="${key}"]`);
+    const longer = at("answers").querySelector('button[data-value="10"]'); // 1 may begin 12
+    if (!button || longer) return;
+    button.click();
+  } else return;
+  event.preventDefault();
+});
+at("look").addEventListener("change", () => {
+  if (!at("look").checked) at("eyes").hidden = true;
+  watch();
+});
+document.addEventListener("visibilitychange", watch);
+connect();

@@ -1,0 +1,221 @@
+"""The experimenter asks aloud and enters the answers on the console."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+from vrcomfort.questionnaire import Instrument, Item
+from vrcomfort.respondent import Exposure, Form
+from vrcomfort.respondent.base import Heard
+
+LISTEN = "Please listen to the experimenter."
+
+
+class Desk(Protocol):
+    """Where the questions stand; `desk.ConsoleDesk`."""
+
+    def ask(self, question: Mapping[str, Any] | None) -> None:
+        """Show a question, or none."""
+
+
+class Entries(Protocol):
+    """What operators enter; `session.steering.Steering`."""
+
+    entries: deque[Any]
+    entry_fault: Callable[[Any], str]
+
+    def look(self) -> None:
+        """Hear the operators."""
+
+    def idle(self) -> None:
+        """Let a moment pass."""
+
+
+class Screen(Protocol):
+    """Words in the headset; `session.panel_screen.PanelScreen`."""
+
+    def rest_on(self, words: str | None) -> None:
+        """Show words where nothing else is."""
+
+    def allow_absence(self, duration_s: float) -> None:
+        """Let the participant take the headset off for so long."""
+
+
+class VerbalRespondent:
+    """A person who is asked aloud, and experimenters at a console who enter what was said.
+
+    The answers have the rows of any other respondent; the events `operator_answer` and
+    `operator_rate` say who entered them.
+
+    Parameters
+    ----------
+    screen
+        Of the headset; None where it has none.
+    """
+
+    name = "console"
+
+    def __init__(
+        self,
+        desk: Desk,
+        entries: Entries,
+        screen: Screen | None = None,
+        *,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._desk, self._entries, self._screen, self._now_s = desk, entries, screen, now_s
+        self._rated: float | None = None
+        self._rates_until_s: float | None = None
+        self._nothing_asked = entries.entry_fault
+
+    def start_session(self, session: int) -> None:
+        """Do nothing: the page shows it."""
+
+    def start_exposure(self, exposure: Exposure) -> None:  # noqa: ARG002
+        """Forget the rating before."""
+        self._close_rating()
+
+    def endure(self, elapsed_s: float) -> None:
+        """Take the rating that was entered; close the question when its time is over."""
+        while self._entries.entries:
+            self._rated = self._entries.entries.popleft().value
+            self._close_rating()
+        if self._rates_until_s is not None and elapsed_s > self._rates_until_s:
+            self._close_rating()
+
+    def end_exposure(self, elapsed_s: float) -> None:  # noqa: ARG002
+        """Close the question."""
+        self._close_rating()
+
+    def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
+        """Have a rating asked for; it is picked up by `endure`."""
+        item = instrument.items[0]
+        self._rated, self._rates_until_s = None, elapsed_s + timeout_s
+        self._entries.entry_fault = lambda entry: _fault_of(item, entry, "rate")
+        self._desk.ask(
+            {"action": "rate", "title": instrument.title, "instruction": instrument.instruction,
+             "timeout_s": timeout_s, "items": [_shown(item, None, answered=False)], "current": 0}
+        )  # fmt: skip
+
+    def rating(self, elapsed_s: float) -> int | None:  # noqa: ARG002
+        """Return the rating that has been entered since `prompt`."""
+        return None if self._rated is None else int(self._rated)
+
+    def _close_rating(self) -> None:
+        if self._rates_until_s is not None:
+            self._rates_until_s = None
+            self._entries.entry_fault = self._nothing_asked
+            self._desk.ask(None)
+
+    def resting(self, left_s: float) -> bool:
+        """Let a frame pass in the headset, if there is one."""
+        if self._screen is None:
+            return False
+        self._screen.allow_absence(left_s)
+        self._screen.rest_on("Rest. You may take the headset off.")
+        self._entries.idle()
+        return True
+
+    def rest(self, duration_s: float) -> None:  # noqa: ARG002
+        """Clear the view."""
+        self._show(None)
+
+    def ask(self, form: Form, heard: Heard) -> None:
+        """Have every item asked, and all answers looked through."""
+        sheet = _Sheet(form, self._now_s)
+        self._show(LISTEN)
+        self._entries.entry_fault = sheet.fault
+        try:
+            self._desk.ask(sheet.shown())
+            while not sheet.confirmed:
+                self._entries.look()
+                while self._entries.entries:
+                    sheet.take(self._entries.entries.popleft(), heard)
+                    self._desk.ask(sheet.shown())
+                self._entries.idle()
+        finally:
+            self._entries.entry_fault = self._nothing_asked
+            self._desk.ask(None)
+            self._show(None)
+
+    def _show(self, words: str | None) -> None:
+        if self._screen is not None:
+            self._screen.rest_on(words)
+
+
+class _Sheet:
+    """A questionnaire that is being filled in."""
+
+    def __init__(self, form: Form, now_s: Callable[[], float]) -> None:
+        self._form, self._now_s = form, now_s
+        self._items = {item.name: item for item in form.instrument.items}
+        self._answers: dict[str, float | None] = {}
+        self._since_s = now_s()
+        self.confirmed = False
+
+    def fault(self, entry: Any) -> str:
+        """Return why an entry cannot be taken; blank where it can."""
+        if entry.action == "confirm":
+            left = len(self._items) - len(self._answers)
+            return f"{left} questions are open; answer them first" if left else ""
+        item = self._items.get(entry.text)
+        if item is None:
+            return f"this questionnaire has no question {entry.text[:40]!r}"
+        return _fault_of(item, entry, "answer")
+
+    def take(self, entry: Any, heard: Heard) -> None:
+        """Take an entry that has no fault."""
+        if entry.action == "confirm":
+            self.confirmed = True
+            return
+        now_s = self._now_s()
+        took_s, self._since_s = now_s - self._since_s, now_s
+        self._answers[entry.text] = entry.value
+        value = entry.value
+        heard(entry.text, None if value is None else _whole(value), took_s)
+
+    def shown(self) -> dict[str, Any]:
+        """Return the questionnaire as the page shows it."""
+        instrument, items = self._form.instrument, list(self._items.values())
+        left = [place for place, item in enumerate(items) if item.name not in self._answers]
+        return {
+            "action": "answer",
+            "title": f"{instrument.title}, {self._form.timepoint}",
+            "instruction": instrument.instruction,
+            "items": [
+                _shown(item, self._answers.get(item.name), answered=item.name in self._answers)
+                for item in items
+            ],
+            "current": left[0] if left else len(items),
+        }
+
+
+def _fault_of(item: Item, entry: Any, action: str) -> str:
+    if entry.action != action:
+        return f"this question takes no {entry.action}"
+    declined = entry.value is None and action == "answer"
+    if declined or (entry.value is not None and item.answers.offers(entry.value)):
+        return ""
+    return f"{item.answers.asked_in_words} is an answer to {item.text!r}"
+
+
+def _whole(value: float) -> int:
+    return int(value)
+
+
+def _shown(item: Item, answer: float | None, *, answered: bool) -> dict[str, Any]:
+    """Return an item as the page shows it."""
+    answers = item.answers
+    labels = answers.labels
+    return {
+        "name": item.name,
+        "text": item.text,
+        "values": list(answers.asked),
+        "labels": list(labels) if answers.named else [],
+        "ends": [labels[0], labels[-1]] if labels and not answers.named else [],
+        "answer": answer,
+        "answered": answered,
+    }
