@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 EXACT_UP_TO = {2: 30, 3: 27, 4: 16, 5: 13, 6: 12}
 """Number of groups → people up to whom the exact distribution is computed: there it takes at most a
-second or so, and the asymptotic p is off by 2 to 30 % of itself (``python -m bench.p_values``)."""
+second or so, and the asymptotic p can be off by half of itself (``python -m bench.p_values``)."""
 
 
 @dataclass(frozen=True)
