@@ -24,9 +24,14 @@ from vrcomfort.cli.options import (
     typed_words,
 )
 from vrcomfort.cli.playback import PlaybackSetup, open_trace
-from vrcomfort.cli.run_console import open_console, require_console
+from vrcomfort.cli.run_console import open_console
 from vrcomfort.cli.run_desktop import desktop_setup
-from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.run_headset import (
+    HeadsetKind,
+    require_console,
+    require_meaning,
+    usual_respondent,
+)
 from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse

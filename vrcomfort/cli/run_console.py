@@ -7,9 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vrcomfort.cli.study_setup import RespondentKind
 from vrcomfort.cli.terminal import dialogue, warn
-from vrcomfort.errors import InputError
 
 if TYPE_CHECKING:
     from vrcomfort.console import ConsoleDesk, VerbalRespondent
@@ -35,22 +33,6 @@ class OperatorsConsole:
         from vrcomfort.console import VerbalRespondent
 
         return VerbalRespondent(self.desk, self.steering, screen)
-
-
-def require_console(kind: RespondentKind, *, with_console: bool) -> None:
-    """Refuse a console without its packages, and answers on one that is not asked for.
-
-    Raises
-    ------
-    InputError
-        Says what to type.
-    """
-    if with_console:
-        from vrcomfort.console import require_server
-
-        require_server()
-    elif kind is RespondentKind.CONSOLE:
-        raise InputError("--respondent console needs --console, where answers are entered")
 
 
 @contextmanager
