@@ -11,6 +11,7 @@ from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
 from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
 from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.texts import Words
 
 if TYPE_CHECKING:
     import moderngl
@@ -101,7 +102,7 @@ def openxr_setup(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        person = _person(screen, rehearsal, keyboard=mirror)
+        person = _person(screen, rehearsal, keyboard=mirror, words=protocol.words)
         yield HeadsetSetup(headset, renderer, person, screen, machine, watchdog)
 
 
@@ -114,12 +115,14 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     return Mirror(ctx, window), ctx
 
 
-def _person(screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool) -> PanelRespondent:
+def _person(
+    screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool, words: Words
+) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
     from vrcomfort.respondent.panel import PanelRespondent
 
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard)
+        return PanelRespondent(screen, keyboard=keyboard, words=words)
     rehearsal.screen = screen
     watch, chose = rehearsal.watch, rehearsal.chose
-    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard)
+    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard, words=words)
