@@ -8,6 +8,7 @@ from vrcomfort.records.met import what_was_met
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
+    ClockRow,
     EventRow,
     ParticipantRow,
     QuestionnaireRow,
@@ -35,6 +36,7 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 
 __all__ = [
     "ENDED_THE_STUDY",
+    "ClockRow",
     "Durability",
     "EventRow",
     "FrameRow",
