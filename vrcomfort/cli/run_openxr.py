@@ -11,7 +11,6 @@ from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
 from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
 from vrcomfort.protocol import Protocol
-from vrcomfort.protocol.texts import Words
 
 if TYPE_CHECKING:
     import moderngl
@@ -89,7 +88,7 @@ def openxr_setup(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         headset.prepare_panel(SIZE_PX)
-        screen = PanelScreen(headset)
+        screen = PanelScreen(headset, points_with_head=protocol.answering.head)
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,
@@ -102,7 +101,7 @@ def openxr_setup(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        person = _person(screen, rehearsal, keyboard=mirror, words=protocol.words)
+        person = _person(protocol, screen, rehearsal, keyboard=mirror)
         yield HeadsetSetup(headset, renderer, person, screen, machine, watchdog)
 
 
@@ -116,13 +115,20 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
 
 
 def _person(
-    screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool, words: Words
+    protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
     from vrcomfort.respondent.panel import PanelRespondent
 
+    dwell_s = protocol.answering.dwell_s
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard, words=words)
+        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s, words=protocol.words)
     rehearsal.screen = screen
-    watch, chose = rehearsal.watch, rehearsal.chose
-    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard, words=words)
+    return PanelRespondent(
+        screen,
+        watch=rehearsal.watch,
+        chose=rehearsal.chose,
+        keyboard=keyboard,
+        dwell_s=dwell_s,
+        words=protocol.words,
+    )

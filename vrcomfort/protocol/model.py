@@ -48,6 +48,15 @@ class Headset(Settings):
     """Distance between the eyes, where no headset says it."""
 
 
+class Answering(Settings):
+    """How participants answer on the panel in a headset."""
+
+    dwell_s: Annotated[float, Field(ge=0.3, le=10)] = 1.2
+    """So long a look must rest on an answer, twice, where there is no button to press."""
+    head: bool = True
+    """Without controllers and an eye tracker, the middle of the head's view points."""
+
+
 class Visibility(Settings):
     """What `vrcomfort check` would refuse, and the study means so."""
 
@@ -233,6 +242,8 @@ class Protocol(Settings):
     """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
+    answering: Answering = Answering()
+    """How they answer in it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()

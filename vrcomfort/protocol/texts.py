@@ -46,6 +46,8 @@ class Words(Settings):
     """In the last minute of one."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
+    look_twice: Sentence = "Look at an answer, look away, and look at it again"
+    """Where looks choose."""
 
 
 ENGLISH = Words()
@@ -64,6 +66,7 @@ GERMAN = Words(
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
+    look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 """Languages that are shipped."""

@@ -11,6 +11,7 @@ from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.dwell import DWELL_S, Dwell, Progress
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
     Act,
@@ -28,11 +29,6 @@ from vrcomfort.respondent.pointing import Pointing, Screen
 UNABLE_S = 2.0
 """So long nothing to point with may be out of sight before the panel says so."""
 
-NO_CONTROLLER = ENGLISH.no_controller
-
-DWELL_S = 1.2
-"""So long a look must rest on a cell to choose it, where there is no controller."""
-
 
 class PanelRespondent:
     """A person who answers in the headset.
@@ -48,6 +44,8 @@ class PanelRespondent:
         The participant has one: each question says how to use it.
     words
         What stands beside questions and answers, in the participant's language.
+    dwell_s
+        So long a look must rest on a cell, twice, to choose it, where there is no controller.
     """
 
     name = "panel"
@@ -61,6 +59,7 @@ class PanelRespondent:
         chose: Callable[[Cell], None] = lambda _: None,
         keyboard: bool = False,
         words: Words = ENGLISH,
+        dwell_s: float = DWELL_S,
     ) -> None:
         self._words = words
         self._screen = screen
@@ -69,10 +68,11 @@ class PanelRespondent:
         self._keyboard = keyboard
         self._keys = KeyChoice()
         self._pointed: Cell | None = None
-        self._dwell: tuple[Cell | None, float] = (None, 0.0)
+        self._dwell = Dwell(dwell_s)
         self._unable_since_s: float | None = None
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
+        self._with_hint_of: tuple[Page, str, Page] | None = None
         self._scale: Page | None = None
         self._scale_until_s = 0.0
         self._stopping: Page | None = None
@@ -94,6 +94,7 @@ class PanelRespondent:
         if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
             self._stopping = stop_page(self._words)
             self._keys.forget()
+            self._dwell.forget()
             self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
         elif self._stopping is not None:
             self._take_decision(self._step(self._stopping, pointing))
@@ -130,6 +131,7 @@ class PanelRespondent:
         cells = answer_cells(question_cells(answers, first=True, words=self._words))
         self._rating, self._scale_until_s = None, elapsed_s + timeout_s
         self._keys.forget()
+        self._dwell.forget()
         ends, hint = ends_of(answers), self._hint(answers)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
         self._watch(self._scale)
@@ -233,7 +235,7 @@ class PanelRespondent:
     def _wait(self, page: Page) -> Cell:
         self._watch(page)
         self._keys.forget()
-        self._dwell = None, 0.0
+        self._dwell.forget()
         while True:
             self._screen.next_frame()  # first: a press belongs to one frame, and to one page
             cell = self._step(page, self._screen.pointing())
@@ -247,13 +249,13 @@ class PanelRespondent:
             self._keys.forget()  # whoever moves on pointing wants to point
         self._pointed = pointed
         self._keys.move(page.cells, pointing.arrow, pointing.digits, page.chosen)
-        shown = replace(page, hint=self._words.no_controller) if self._is_unable(pointing) else page
-        self._draw(shown, pointing.point, self._keys.cell or pointed)
+        looked = self._dwell.update(pointed, self._now_s()) if pointing.dwelling else None
+        self._draw(self._hinted(page, pointing), pointing, self._keys.cell or pointed)
         wanted = by_button(page.cells, pointing)
         if wanted is None and pointing.enter:
             wanted = self._keys.entered(page.cells)
-        if wanted is None and pointed is not None and self._confirms(pointed, pointing):
-            wanted = pointed
+        if wanted is None:
+            wanted = looked if pointing.dwelling else pointed if pointing.select else None
         if wanted is not None:
             self._screen.tick(pointing.hand)
             self._chose(wanted)
@@ -268,23 +270,26 @@ class PanelRespondent:
             self._unable_since_s = self._now_s()
         return self._now_s() - self._unable_since_s > UNABLE_S
 
-    def _confirms(self, pointed: Cell, pointing: Pointing) -> bool:
-        """Return whether the pointed cell is chosen: by a button, or by a look that rests."""
-        if not pointing.dwelling:
-            return pointing.select
-        cell, since = self._dwell
-        if cell != pointed:
-            self._dwell = pointed, self._now_s()
-            return False
-        return self._now_s() - since >= DWELL_S
+    def _hinted(self, page: Page, pointing: Pointing) -> Page:
+        """Return the page with what somebody must know who has no controller."""
+        if self._is_unable(pointing):
+            return self._with_hint(page, self._words.no_controller)
+        return self._with_hint(page, self._words.look_twice) if pointing.dwelling else page
 
-    def _draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> None:
+    def _with_hint(self, page: Page, hint: str) -> Page:
+        """Return the same page for the same hint, so that it is drawn once."""
+        if self._with_hint_of is None or self._with_hint_of[:2] != (page, hint):
+            self._with_hint_of = page, hint, replace(page, hint=hint)
+        return self._with_hint_of[2]
+
+    def _draw(self, page: Page, pointing: Pointing, pointed: Cell | None) -> None:
         """Show a new picture only where it looks different; the pointer moves without."""
-        drawn = (page, pointed)
+        looks = self._dwell.progress(self._now_s()) if pointing.dwelling else Progress()
+        drawn = (page, pointed, looks)
         if drawn != self._drawn:
-            self._screen.show(self._painter.draw(page, pointed))
+            self._screen.show(self._painter.draw(page, pointed, looks))
             self._drawn = drawn
-        self._screen.point_at(point)
+        self._screen.point_at(pointing.point)
 
     def _hide(self) -> None:
         self._scale = self._stopping = self._drawn = None

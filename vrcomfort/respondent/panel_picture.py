@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from vrcomfort.protocol.texts import ENGLISH, Words
+from vrcomfort.respondent.dwell import STEPS, Progress
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
     HINT_PX,
@@ -27,6 +28,10 @@ BACKGROUND = 28, 32, 38, 255
 CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
 STOP = 112, 44, 44, 255
 TEXT, QUIET = (240, 240, 240, 255), (176, 184, 194, 255)
+
+LOOKED = 255, 210, 80, 255
+FRAME_PX, BAR_PX = 6, 14
+"""Of a cell that a look has prepared, and of how far a look has come."""
 
 LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
 QUESTION_TOP_PX, QUESTION_PX = 190, (LARGE_PX, 52, 44, MIDDLE_PX, SMALL_PX)
@@ -83,8 +88,15 @@ class Painter:
         self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
         self._cells: dict[Cell, Picture] = {}
 
-    def draw(self, page: Page, pointed: Cell | None) -> Picture:
-        """Return the page as (height, width, 4) pixels, with a pointed cell in its colour."""
+    def draw(self, page: Page, pointed: Cell | None, looks: Progress | None = None) -> Picture:
+        """Return the page as (height, width, 4) pixels, with a pointed cell in its colour.
+
+        Parameters
+        ----------
+        looks
+            How far a look has come, as a bar at the foot of its cell; the cell that the next look
+            chooses has a frame.
+        """
         if page is not self._page:
             self._page, self._pixels = page, np.asarray(_draw_page(page))
             self._whole = _needs_whole(page)
@@ -93,6 +105,8 @@ class Painter:
         if pointed is not None:
             left, top, right, bottom = _around(pointed)
             picture[top:bottom, left:right] = self._pointed_cell(pointed)
+        if looks is not None:
+            _draw_looks(picture, looks)
         return picture
 
     def _pointed_cell(self, cell: Cell) -> Picture:
@@ -110,6 +124,22 @@ def _around(cell: Cell) -> tuple[int, int, int, int]:
     """Return the pixels that a cell covers, from left and top, up to right and bottom."""
     left, top, right, bottom = cell.box
     return left, top, right + 1, bottom + 1
+
+
+def _draw_looks(picture: Picture, looks: Progress) -> None:
+    if looks.prepared is not None:
+        left, top, right, bottom = _around(looks.prepared)
+        for rows, columns in (
+            (slice(top, bottom), slice(left, left + FRAME_PX)),
+            (slice(top, bottom), slice(right - FRAME_PX, right)),
+            (slice(top, top + FRAME_PX), slice(left, right)),
+            (slice(bottom - FRAME_PX, bottom), slice(left, right)),
+        ):
+            picture[rows, columns] = LOOKED
+    if looks.cell is not None and looks.step:
+        left, _, right, bottom = _around(looks.cell)
+        done = left + (right - left) * looks.step // STEPS
+        picture[bottom - BAR_PX : bottom, left:done] = LOOKED
 
 
 def _draw_page(page: Page) -> Image.Image:
