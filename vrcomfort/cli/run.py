@@ -13,6 +13,7 @@ from vrcomfort.cli.options import (
     CovariateOption,
     ExposureOption,
     GroupReadable,
+    LanguageOption,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -109,6 +110,7 @@ def run(
         typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
     ] = None,
     covariate: CovariateOption = None,
+    language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -125,6 +127,7 @@ def run(
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --console`
     """
     study = load_protocol(protocol)
+    study = study.spoken(language or _language_of(study, out, participant))
     options = {
         "--trace": trace,
         "--refresh-hz": refresh_hz,
@@ -184,6 +187,16 @@ def run(
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def _language_of(protocol: Protocol, study: Path, participant: str) -> str | None:
+    """Return the language of a participant's last session, where the protocol still has it."""
+    from vrcomfort.records import read_manifest, recorded_sessions, session_folder
+
+    for number in reversed(recorded_sessions(study, participant)):
+        language = read_manifest(session_folder(study, participant, number)).get("language")
+        return language if language in protocol.languages else None
+    return None
 
 
 def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:
