@@ -1,0 +1,82 @@
+"""The shipped protocols of the sources: variants differ in what they say, and studies run as printed."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import pairwise
+
+import pytest
+
+from vrcomfort.design import build_design
+from vrcomfort.protocol.load import load_protocol
+
+NOT_COMPARED = {"name", "title", "text", "source", "path"}
+
+
+def settings(name, *without):
+    """Return what a protocol sets, but for its names and some paths like `conditions.1.focus`."""
+    data = load_protocol(name).model_dump(mode="json", exclude=NOT_COMPARED)
+    for path in without:
+        *parts, last = path.split(".")
+        table = data
+        for part in parts:
+            table = table[int(part) if part.isdigit() else part]
+        table.pop(last)
+    return data
+
+
+@pytest.mark.parametrize(
+    ("variant", "differences"),
+    [
+        ("carnegie_2015_sessions", ["order"]),
+        ("carnegie_2015_scatter", ["conditions.1.depth_of_field.kernel"]),
+        (
+            "carnegie_2015_dioptre",
+            [
+                "conditions.1.depth_of_field.law",
+                "conditions.1.depth_of_field.full_blur_m",
+                "conditions.1.depth_of_field.full_blur_dioptre",
+            ],
+        ),
+    ],
+)
+def test_a_variant_differs_in_what_it_says_and_in_nothing_else(variant, differences):
+    assert settings(variant, *differences) == settings("carnegie_2015", *differences)
+    for path in differences:
+        others = [each for each in differences if each != path]
+        if path.endswith(("full_blur_m", "full_blur_dioptre")):
+            continue  # each says what the law of its own file needs
+        assert settings(variant, *others) != settings("carnegie_2015", *others)
+
+
+def test_blur_by_session_has_one_condition_a_session_and_each_first_equally_often():
+    first = Counter()
+    for participant in build_design(load_protocol("carnegie_2015_sessions"), seed=5).plan(20):
+        kinds = [{trial.condition for trial in session} for session in participant.sessions]
+        assert sorted(map(sorted, kinds)) == [["dof_off"], ["dof_on"]]
+        one, two = ([trial.scene for trial in session] for session in participant.sessions)
+        assert one == two[::-1]
+        first[(*kinds[0], one[0])] += 1
+    assert set(first.values()) == {5}
+
+
+def test_mantiuk_shows_each_of_four_views_in_four_ways_and_none_twice_in_a_row():
+    protocol = load_protocol("mantiuk_2011")
+    length_s = {view.name: view.exposure_s or protocol.exposure_s for view in protocol.views}
+    assert sorted(length_s.values()) == [8, 8, 15, 15]
+    for participant in build_design(protocol, seed=3).plan(21):
+        (trials,) = participant.sessions
+        pairs = Counter((trial.condition, trial.scene) for trial in trials)
+        assert len(pairs) == 16
+        assert set(pairs.values()) == {1}
+        assert all(a.scene != b.scene for a, b in pairwise(trials))
+
+
+def test_the_factorial_example_crosses_both_factors_and_both_scenes():
+    protocol = load_protocol("factorial_example")
+    assert {tuple(each.levels.values()) for each in protocol.conditions} == {
+        (lens, motion) for lens in ("sharp", "dof") for motion in ("still", "streaks")
+    }
+    for participant in build_design(protocol, seed=1).plan(16):
+        trials = [trial for session in participant.sessions for trial in session]
+        assert len({(trial.condition, trial.scene) for trial in trials}) == len(trials) == 8
