@@ -8,7 +8,9 @@ from vrcomfort.records.met import what_was_met
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
+    FACTS,
     EventRow,
+    GazeValidationRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,
@@ -28,6 +30,7 @@ from vrcomfort.records.study import (
     open_study,
     read_participants,
     recorded_sessions,
+    set_fact,
     set_status,
     unfinished_sessions,
 )
@@ -35,10 +38,12 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 
 __all__ = [
     "ENDED_THE_STUDY",
+    "FACTS",
     "Durability",
     "EventRow",
     "FrameRow",
     "GazeRow",
+    "GazeValidationRow",
     "ImageRow",
     "Interrupted",
     "Machine",
@@ -65,6 +70,7 @@ __all__ = [
     "read_participants",
     "recorded_sessions",
     "session_folder",
+    "set_fact",
     "set_status",
     "take_up",
     "told_of_the_other_kind",

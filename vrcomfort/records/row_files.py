@@ -14,6 +14,7 @@ from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
     EventRow,
+    GazeValidationRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -27,7 +28,7 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, TaskRow)
+OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, TaskRow, GazeValidationRow)
 """Their files appear with their first rows."""
 
 SYNC_EVERY_S = 0.5
