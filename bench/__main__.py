@@ -11,7 +11,7 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, many_answers, mask, memory, python_time, recordings, requires
+from bench import effects, many_answers, mask, memory, python_time, recordings, requires, smaller
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -42,6 +42,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     "answers": lambda _, options: many_answers.measure(options.people),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
+    "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }
 
 

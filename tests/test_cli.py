@@ -95,6 +95,7 @@ def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) ->
     assert not needed["mountain", "dof_on", "velocity"]
 
 
+@pytest.mark.slow
 def test_plan_says_what_conditions_cost_and_what_has_not_been_measured(
     run: Run, tmp_path: Path
 ) -> None:
@@ -143,6 +144,7 @@ def test_plan_is_readable_and_needs_no_opengl(run: Run, monkeypatch: pytest.Monk
     assert "nothing is out of focus without depth of field" in words
 
 
+@pytest.mark.slow
 def test_plan_says_where_a_level_would_change_the_stimulus(run: Run, tmp_path: Path) -> None:
     text = (data_folder("protocols") / "smoke.toml").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"

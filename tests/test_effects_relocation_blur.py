@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_render_pipeline import SIZE, standing
 
-from tests.oracles.relocation_blur import at_level
+from tests.oracles.mip_level import at_level
 from tests.support.effects import rgb_of, seen, textures
 from tests.support.render import still_life
 from vrcomfort.geometry import Pose

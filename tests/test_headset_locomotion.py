@@ -81,6 +81,7 @@ strides = st.lists(st.tuples(wishes, st.integers(1, 40)), min_size=1, max_size=8
 houses = st.sampled_from([[L_SHAPE], STAIRS, HOUSE, CLIFF])
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(houses, strides, st.floats(0.001, LONGEST_S))
 def test_nobody_leaves_the_floor_or_is_too_fast(

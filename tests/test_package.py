@@ -20,7 +20,8 @@ import vrcomfort
 from vrcomfort.headset.eye_painter import EyePainter
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import (
-    FocusRuleName, Kernel, MoveRamp, RefocusLawName, RelocationBlur, SpeedBlur, Vignette
+    BackgroundBlur, FocusRuleName, Kernel, MoveRamp, RefocusLawName, RelocationBlur, SpeedBlur,
+    Vignette,
 )
 from vrcomfort.gpu import shaders
 from vrcomfort.gpu.gl import create_context
@@ -55,6 +56,8 @@ later = Condition(name="l", effect_order=("motion_blur", "depth_of_field"), **bo
 StereoRenderer(context, (16, 16)).begin(scene, later)
 narrow = Condition(name="n", vignette=Vignette(colour="scene"), relocation_blur=RelocationBlur())
 StereoRenderer(context, (16, 16)).begin(scene, narrow)
+layers = Condition(name="l", background_blur=BackgroundBlur(foreground=("*",)))
+StereoRenderer(context, (16, 16)).begin(scene, layers)
 for kernel in get_args(Kernel):
     wide = DepthOfField(kernel=kernel, max_radius_percent=10)
     StereoRenderer(context, (128, 16)).begin(scene, Condition(name="k", depth_of_field=wide))

@@ -13,6 +13,7 @@ from test_render_pipeline import SIZE, standing
 from tests.support.render import still_life
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.protocol.conditions import (
+    BackgroundBlur,
     Condition,
     DepthOfField,
     Focus,
@@ -40,6 +41,7 @@ NOTHING_TO_BLUR = {
     "no speed counts": {"speed_blur": SpeedBlur()},
     "nothing narrows the field": {"vignette": Vignette(open_deg=180)},
     "level 0 at a cut": {"relocation_blur": RelocationBlur(level=0)},
+    "background at level 0": {"background_blur": BackgroundBlur(foreground=("brass",), level=0)},
     "focus of nothing": {"focus": Focus(method="autofocus_zone")},
     "order of nothing": {"effect_order": ("motion_blur", "depth_of_field")},
     "level of nothing": {"quality": "reference"},

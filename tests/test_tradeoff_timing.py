@@ -85,7 +85,7 @@ def test_a_gpu_is_given_more_frames_than_a_software_rasteriser(ctx, monkeypatch)
     assert rounds_of(Scope(quick=True), ctx) >= 300
 
 
-@pytest.mark.parametrize("on_gpu", [False, True])
+@pytest.mark.parametrize("on_gpu", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch, on_gpu):
     if on_gpu:
         monkeypatch.setattr(gpu_timer, "SOFTWARE", ())

@@ -16,15 +16,20 @@ NEAR_M = 0.02
 
 def textures(ctx, rgb, distance_m, near_m=NEAR_M):
     """Return colour and depth textures of (h, w, 3) radiance and (h, w) distances, inf for sky."""
+    size_px = rgb.shape[1], rgb.shape[0]
+    colour, depth = gl.color_texture(ctx, size_px), gl.depth_texture(ctx, size_px)
+    write_scene(colour, depth, rgb, distance_m, near_m)
+    return colour, depth
+
+
+def write_scene(colour, depth, rgb, distance_m, near_m=NEAR_M):
+    """Write radiance and distances into textures of their size."""
     height, width, _ = rgb.shape
-    colour = gl.color_texture(ctx, (width, height))
     alpha = np.ones((height, width, 1))
     colour.write(np.concatenate([rgb, alpha], axis=-1).astype("f2").tobytes())
-    depth = gl.depth_texture(ctx, (width, height))
     distance = np.broadcast_to(np.asarray(distance_m, float), (height, width))
     with np.errstate(divide="ignore"):
         depth.write((near_m / distance).astype("f4").tobytes())
-    return colour, depth
 
 
 def coc_passes_of(ctx, settings, distance_m, focus_m, size_px):
@@ -62,21 +67,35 @@ def seen(fov=None, *, near_m=NEAR_M, head_from_eye=None, eye_index=0, time_ns=0,
     return EyeFrame(eye_index, time_ns, head_from_eye, camera, **known)
 
 
+class Lens:
+    """Depth of field at one size, for as many images as a test has."""
+
+    def __init__(self, ctx, size_px, **settings):
+        self._colour, self._depth = gl.color_texture(ctx, size_px), gl.depth_texture(ctx, size_px)
+        self._focus = ctx.texture((1, 1), 4, dtype="f4")
+        self._size_px = size_px
+        self._effect = DepthOfFieldPass(
+            ctx,
+            colour=self._colour,
+            depth=self._depth,
+            focus=self._focus,
+            settings=DepthOfField(**settings),
+            size_px=size_px,
+        )
+
+    def blur(self, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, eye=None):
+        """Return the (h, w, 3) blurred image."""
+        write_scene(self._colour, self._depth, rgb, distance_m, near_m)
+        self._focus.write(np.full(4, focus_m, "f4").tobytes())
+        fov = fov or square_pixels(self._size_px)
+        self._effect.render(seen(fov, near_m=near_m, head_from_eye=eye))
+        return rgb_of(self._effect.target)
+
+
 def depth_of_field(ctx, rgb, distance_m, focus_m, *, near_m=NEAR_M, fov=None, eye=None, **settings):
     """Return the (h, w, 3) blurred image."""
-    size_px = rgb.shape[1], rgb.shape[0]
-    colour, depth = textures(ctx, rgb, distance_m, near_m)
-    focus = ctx.texture((1, 1), 4, np.full(4, focus_m, "f4").tobytes(), dtype="f4")
-    effect = DepthOfFieldPass(
-        ctx,
-        colour=colour,
-        depth=depth,
-        focus=focus,
-        settings=DepthOfField(**settings),
-        size_px=size_px,
-    )
-    effect.render(seen(fov or square_pixels(size_px), near_m=near_m, head_from_eye=eye))
-    return rgb_of(effect.target)
+    lens = Lens(ctx, (rgb.shape[1], rgb.shape[0]), **settings)
+    return lens.blur(rgb, distance_m, focus_m, near_m=near_m, fov=fov, eye=eye)
 
 
 def motion_blur_pass(ctx, rgb, distance_m, velocity, *, step=None, **settings):

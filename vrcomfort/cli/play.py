@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import typer
 
@@ -134,7 +134,7 @@ def play(
     else:
         _refuse(of_sessions, "a head trace; give a session's folder")
     _require_place(out, video)
-    level = None if quality is None else cast("Quality", quality.value)
+    level: Quality | None = None if quality is None else quality.value
     size_px = None if size is None else parse_size(size)
     if is_session:
         options = ReplayOptions(

@@ -30,6 +30,7 @@ from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respon
 from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
+from vrcomfort.cli.run_relay import open_relays
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import RuntimeLostError
@@ -94,6 +95,14 @@ def run(
             help="The participant's distance between the pupils; recorded.", min=40, max=85
         ),
     ] = None,
+    lsl: Annotated[
+        bool,
+        typer.Option("--lsl", help="Send markers, ratings, head and gaze to LabStreamingLayer."),
+    ] = False,
+    ttl: Annotated[
+        str | None,
+        typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
+    ] = None,
     covariate: CovariateOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
@@ -146,6 +155,9 @@ def run(
         )
         _tell_of_the_other_kind(out, kind)
         headset_setup = _connect(owned, headset, study, size_px, options, rehearsal, watchdog)
+        simulated = kind is RespondentKind.SIMULATED
+        relays = open_relays(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
+        relay = owned.enter_context(relays)
         console = owned.enter_context(open_console()) if with_console else None
         progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
         try:
@@ -156,6 +168,7 @@ def run(
                 headset_setup,
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
                 console=console,
+                relay=relay,
             )
         except RuntimeLostError as error:
             complain(str(error))

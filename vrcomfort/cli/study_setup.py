@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
     from vrcomfort.session import Enrolment, Outcome, ProgressCallback
+    from vrcomfort.session.interfaces import Relay
 
 
 class RespondentKind(StrEnum):
@@ -107,6 +108,7 @@ class StudySetup:
         *,
         ipd_measured_m: float | None = None,
         console: OperatorsConsole | None = None,
+        relay: Relay | None = None,
     ) -> Outcome:
         """Run a participant's sessions in a headset, or without one on the playback."""
         from vrcomfort import session
@@ -127,6 +129,7 @@ class StudySetup:
             steering=console.steering if console else None,
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
+            relay=relay,
             progress=progress,
         )
 

@@ -284,8 +284,9 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
         "texts": "notes, reasons and details of events that people may have typed are blank",
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
-        "left_out": "distances between pupils; memory of respondents; moved-aside rows (.cut, "
-        ".schemaN), Parquet files, locks, files that are not of vrcomfort's making",
+        "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "
+        "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
+        "of vrcomfort's making",
         "still_there": {
             "people_are_recognised_by": kept,
             "covariates": known,

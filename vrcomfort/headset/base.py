@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 from vrcomfort.frame import Frame, HeadsetEvent
 
@@ -38,3 +38,11 @@ class Headset(Protocol):
 
     def take_events(self) -> list[HeadsetEvent]:
         """Return what happened since the last call: taken off, tracking lost, recentered ..."""
+
+
+@runtime_checkable
+class TellsTime(Protocol):
+    """A headset whose display times can be put on the system's clock."""
+
+    def display_now_ns(self) -> int | None:
+        """Return the present moment as a display time; None where it is not known."""

@@ -122,6 +122,10 @@ class DesktopHeadset:
         """Return the monitor's rate."""
         return self._window.refresh_hz or USUAL_HZ
 
+    def display_now_ns(self) -> int:
+        """Return the present moment as a display time: they are the system's monotonic clock."""
+        return time.monotonic_ns()
+
     @property
     def image_size_px(self) -> tuple[int, int]:
         """Return (width, height) of one eye's image."""

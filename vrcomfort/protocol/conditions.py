@@ -24,6 +24,7 @@ Arcmin = Annotated[float, Field(ge=0, le=10_800)]
 """Up to half a turn."""
 ScriptEntry = tuple[Annotated[float, Field(ge=0, le=14_400)], Distance]
 Weight = Annotated[float, Field(ge=0.001, le=1)]
+NodePattern = Annotated[str, Field(min_length=1, max_length=256)]
 ZoneSide = Annotated[int, Field(ge=1, le=1024)]
 
 
@@ -364,6 +365,22 @@ class RelocationBlur(Settings):
     """Whether a snap turn is a relocation, too."""
 
 
+class BackgroundBlur(Settings):
+    """A blur of everything but named nodes, which are drawn over it, sharp: layers by node.
+
+    After "Four Tricks for Fast Blurring in Software and Hardware", 2001, trick three, "Bringing
+    Back Some Clarity" and Figure 8: the background is drawn and blurred, and the foreground is
+    drawn over the result. It is drawn before all effects, which see it as the scene.
+    """
+
+    foreground: Annotated[tuple[NodePattern, ...], Field(min_length=1, max_length=64)]
+    """Nodes that stay sharp, with all below them; * and ? stand for letters. The background may
+    hide them, as in the scene."""
+    level: Annotated[float, Field(ge=0, le=9)] = 3.0
+    """MIP level of the background: its texels are 2^level px wide. The angle of a pixel is the
+    headset's."""
+
+
 class Vignette(SpeedRamps):
     """A field-of-view restrictor that closes with the participant's speed, alike in both eyes.
 
@@ -404,6 +421,8 @@ class Condition(Settings):
     """Factor → level, where the condition is a combination of them; [[factors]] fill this in."""
     quality: Quality | None = None
     """Speed against accuracy: gives the effects' settings that are not written here."""
+    background_blur: BackgroundBlur | None = None
+    """Blur of everything but named nodes; none without it."""
     task: Word | None = None
     """Name of what is done in exposures to it; `none` for nothing."""
     focus: Focus = Focus()

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from vrcomfort.protocol.conditions import (
+    BackgroundBlur,
     Condition,
     DepthOfField,
     EffectName,
@@ -34,6 +35,8 @@ class Level(Settings):
     """In words; part of the labels of conditions."""
     quality: Quality | None = None
     """Speed against accuracy."""
+    background_blur: BackgroundBlur | None = None
+    """As a condition's."""
     task: Word | None = None
     """As a condition's."""
     focus: Focus | None = None

@@ -15,8 +15,9 @@ from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.tasks import find_tasks
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
-from vrcomfort.settings import Problem, first_problem, in_words, parse_settings, read_text
+from vrcomfort.settings import Problem, in_words, read_text
 from vrcomfort.settings.hints import did_you_mean
+from vrcomfort.settings.include import Source
 from vrcomfort.tasks import TaskSettings
 
 
@@ -41,20 +42,20 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     InputError
         As `load_protocol`.
     """
-    protocol = parse_settings(Protocol, text, file)
-    protocol = _with_crossed_factors(protocol, text, file)
-    protocol._text, protocol._file = text, file
+    source = Source(text, file, "protocol")
+    protocol = _with_crossed_factors(source.parse(Protocol), source)
+    protocol._source, protocol._file = source, file
     instruments, found = find_instruments(protocol)
     tasks, faults = find_tasks(protocol)
     found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
     if found:
-        raise first_problem(found, text, file)
+        raise source.first_problem(found)
     return _by_name(protocol, instruments, tasks)
 
 
-def _with_crossed_factors(protocol: Protocol, text: str, file: Path | None) -> Protocol:
+def _with_crossed_factors(protocol: Protocol, source: Source) -> Protocol:
     """Return a protocol whose conditions are the combinations of its factors' levels."""
     if not protocol.factors:
         return protocol
@@ -68,7 +69,7 @@ def _with_crossed_factors(protocol: Protocol, text: str, file: Path | None) -> P
         except ValidationError as error:
             message = f"these levels cannot be combined: {in_words(error.errors()[0])}"
             found.append(Problem(("factors",), message))
-    raise first_problem(found, text, file)
+    raise source.first_problem(found)
 
 
 def _by_name(

@@ -20,7 +20,7 @@ from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
-from vrcomfort.settings.locate import locate
+from vrcomfort.settings.include import Source
 from vrcomfort.settings.schema import or_one_table
 from vrcomfort.tasks import AnyTask, TaskSettings
 
@@ -174,6 +174,9 @@ class Simulation(Settings):
 class Protocol(Settings):
     """A study: what is shown, in which order, what is asked and when."""
 
+    include: tuple[str, ...] = ()
+    """TOML files, relative to this one, that come before it: tables are joined, lists of tables put
+    one after the other, and of other keys the last one counts."""
     name: Name
     """Of the study: letters, digits, - and _; study folders keep it."""
     title: str
@@ -242,7 +245,7 @@ class Protocol(Settings):
         """Take the single [ratings] table of earlier protocols."""
         return (value,) if isinstance(value, dict) else value
 
-    _text: str = PrivateAttr(default="")
+    _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
@@ -270,8 +273,14 @@ class Protocol(Settings):
 
     @property
     def text(self) -> str:
-        """Return the TOML text that this was read from."""
-        return self._text
+        """Return the TOML text that this was read from, with all that it includes."""
+        return self._source.text if self._source else ""
+
+    @property
+    def parts(self) -> dict[str, str]:
+        """Return file → hash of all that was put together; nothing where it is one file."""
+        parts = self._source.parts if self._source else []
+        return {str(each.file): each.sha256 for each in parts} if len(parts) > 1 else {}
 
     @property
     def file(self) -> Path | None:
@@ -281,12 +290,14 @@ class Protocol(Settings):
     @property
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
-        return hashlib.sha256(self._text.encode()).hexdigest()
+        return hashlib.sha256(self.text.encode()).hexdigest()
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for something wrong at a key of the text."""
-        line, column = locate(self._text).of(path) if self._text else (None, None)
-        return InputError(message, file=self._file, line=line, column=column)
+        if self._source is None:
+            return InputError(message, file=self._file)
+        _, file, line, column = self._source.place(path)
+        return InputError(message, file=file, line=line, column=column)
 
     def shown_s(self, shortened_s: float | None) -> float:
         """Return how long an exposure is shown at most: as the protocol says, or shortened.

@@ -144,6 +144,10 @@ class Manifest:
                 "file": protocol.file.name if protocol.file else None,
                 "sha256": protocol.sha256,
                 "text": protocol.text,
+                "parts": [
+                    {"file": Path(file).name, "sha256": sha256}
+                    for file, sha256 in protocol.parts.items()
+                ],
             },
             "settings": protocol.model_dump(mode="json"),
             "earlier_runs": self.earlier_runs,

@@ -13,6 +13,7 @@ from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
+    ClockRow,
     EventRow,
     GazeValidationRow,
     QuestionnaireRow,
@@ -28,7 +29,9 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, TaskRow, GazeValidationRow)
+OPTIONAL_ROWS: tuple[type[Row], ...] = (
+    GazeRow, ImageRow, ClockRow, TaskRow, GazeValidationRow,
+)  # fmt: skip
 """Their files appear with their first rows."""
 
 SYNC_EVERY_S = 0.5

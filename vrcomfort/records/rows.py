@@ -293,6 +293,33 @@ class EventRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class ClockRow(FlatRow):
+    """All clocks, read at one moment.
+
+    Parameters
+    ----------
+    xr_time_ns
+        The moment as a display time, as ``frames.csv`` has them; None where the headset does not
+        tell.
+    monotonic_ns, unix_ns
+        The system's monotonic clock, and its time since 1970.
+    lsl_s
+        The clock of LabStreamingLayer; None where it is not used.
+    took_ns
+        How long the reading took: they are of one moment to half of this.
+    """
+
+    FILE: ClassVar[str] = "clocks.csv"
+    session_s: float
+    xr_time_ns: int | None
+    monotonic_ns: int
+    unix_ns: int
+    lsl_s: float | None
+    took_ns: int
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class TimingRow(FlatRow):
     """How regularly the frames of one attempt at a trial came, and what they cost.
 

@@ -66,6 +66,7 @@ class ConditionPasses:
             velocity="velocity" in self.names,
             samples=samples,
             lens_law="dioptre" if self._views > 1 else None,
+            background=condition if "background_blur" in self.names else None,
         )
         self.focus: FocusPass | None = None
         if any("focus" in kind.reads for kind in kinds):

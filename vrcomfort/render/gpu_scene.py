@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.gpu import gl, shaders
@@ -72,6 +73,10 @@ class _Layer(NamedTuple):
     triangles: int
 
 
+_LAYERS, _OF_FOREGROUND = 4, 2
+"""Opaque, blended; then those of the foreground."""
+
+
 class GpuScene:
     """Draws a scene into whatever framebuffer is in use.
 
@@ -79,12 +84,19 @@ class GpuScene:
     ----------
     defines
         What the colour programs are compiled for besides the scene: VELOCITY, LENS, LAW_DIOPTRE.
+    foreground
+        (nodes,) which are drawn apart from the others; none without it.
 
     Call `update` once per frame, then `see` once for all eyes and `draw` for each; or `draw_depth`.
     """
 
     def __init__(
-        self, ctx: moderngl.Context, scene: Scene, *, defines: shaders.Defines | None = None
+        self,
+        ctx: moderngl.Context,
+        scene: Scene,
+        *,
+        defines: shaders.Defines | None = None,
+        foreground: NDArray[np.bool_] | None = None,
     ) -> None:
         self.scene = scene
         self._ctx = ctx
@@ -104,9 +116,10 @@ class GpuScene:
         self._semantic_surfaces: list[Surface] | None = None
         self._semantic = partial(_semantic_surfaces, factory, table)
         self.has_blended = bool(table.blended.any())
+        self._foreground = None if foreground is None else foreground[table.node]
         self._triangles_of_row = table.commands["index_count"].astype(np.int64) // 3
         self._layers: list[_Layer] = []
-        """Opaque and blended of the first view, of the second, …"""
+        """Of the first view, of the second, …: `_LAYERS` each."""
         self.draws = 0
 
     def _factory(self, defines: shaders.Defines) -> SurfaceFactory:
@@ -169,10 +182,12 @@ class GpuScene:
         order = self._order(np.asarray(seen.any(axis=0)).nonzero()[0])
         view, place = seen[:, order].nonzero()
         row = self._rows.in_use[order[place]]
-        layer = view * 2 + self._list.blended[row]
+        layer = view * _LAYERS + self._list.blended[row]
+        if self._foreground is not None:
+            layer += _OF_FOREGROUND * self._foreground[row]
         run = layer * len(self._surfaces) + self._list.key[row]
         self._rows.write(self._color_rows, row, origins[view])
-        triangles = np.bincount(layer, self._triangles_of_row[row], minlength=2 * len(views))
+        triangles = np.bincount(layer, self._triangles_of_row[row], minlength=_LAYERS * len(views))
         self._layers = [_Layer([], int(count)) for count in triangles]
         for batch in batches(run):
             number, key = divmod(batch.key, len(self._surfaces))
@@ -181,10 +196,14 @@ class GpuScene:
     def _order(self, seen: Rows) -> Rows:
         """Order places in `SceneRows.in_use` by their distance from the head: alike in both eyes.
 
-        Blended things come last, and from back to front.
+        Blended things come last, and from back to front; what is in the foreground comes after
+        what is not.
         """
         rows, distance = self._rows.in_use[seen], self._rows.distance_m[seen]
         order = seen[front_to_back(self._list.key[rows], distance)]
+        if self._foreground is not None:
+            apart = self._foreground[self._rows.in_use[order]]
+            order = order[np.argsort(apart, kind="stable")]
         if not self.has_blended:
             return order
         blended = self._list.blended[self._rows.in_use[order]]
@@ -192,15 +211,17 @@ class GpuScene:
         back_to_front = np.argsort(-self._rows.distance_m[over], kind="stable")
         return np.concatenate([order[~blended], over[back_to_front]])
 
-    def draw(self, view: int, *, blended: bool) -> int:
+    def draw(self, view: int, *, blended: bool, foreground: bool = False) -> int:
         """Draw what a view of the last `see` sees, and return the number of triangles.
 
         Parameters
         ----------
         blended
             False: opaque and masked surfaces. True: blended ones.
+        foreground
+            Whether what is drawn apart is drawn, or all else.
         """
-        layer = self._layers[2 * view + blended]
+        layer = self._layers[_LAYERS * view + _OF_FOREGROUND * foreground + blended]
         self._begin()
         self._drawer.draw(layer.batches, self._surfaces, self._color_rows.commands)
         self.draws += len(layer.batches)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vrcomfort.protocol.conditions import Condition, EffectName
+from vrcomfort.render import background_blur
 from vrcomfort.render.effects.kinds import EFFECTS, in_order
 from vrcomfort.render.focus.rules import RULES
 from vrcomfort.render.planned_pass import PlannedPass
@@ -21,6 +22,7 @@ def plan_passes(scene: Scene, condition: Condition) -> list[PlannedPass]:
         focus(scene, condition),
         PlannedPass("scene", True, "always: colour and depth of both eyes"),
         velocity(scene, condition),
+        background_blur.plan(scene, condition),
         *(kind.plan(scene, condition) for kind in in_order(condition)),
         PlannedPass("tone_map", True, "always: linear light to display values"),
     ]

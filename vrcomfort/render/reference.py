@@ -180,6 +180,7 @@ class Reference:
             "peripheral blur": lens and lens.peripheral,
             "the distance along each ray": lens and lens.distance_along == "ray",
             "fading with turning": shutter and shutter.fade_with_turning,
+            "background blur": self._condition.background_blur,
             **{
                 name.replace("_", " "): plan.effect(name, self._scene, self._condition).needed
                 for name in EFFECTS

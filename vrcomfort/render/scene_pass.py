@@ -8,7 +8,9 @@ import moderngl
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
+from vrcomfort.protocol.conditions import BackgroundBlur, Condition
 from vrcomfort.render import lighting
+from vrcomfort.render.background_blur import BackgroundBlurPass, foreground
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
 from vrcomfort.render.eye_blocks import EyeBlocks
 from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
@@ -34,6 +36,8 @@ class ScenePass:
         Compile the shaders for cameras with a `Lens` of this law of defocus.
     velocity_dtype
         ``f2`` half floats, or ``f4`` where rounding must not hide an error.
+    background
+        The condition whose background is blurred behind its foreground, where it is.
     """
 
     def __init__(
@@ -46,11 +50,13 @@ class ScenePass:
         samples: int = 4,
         lens_law: LensLaw | None = None,
         velocity_dtype: str = "f2",
+        background: Condition | None = None,
     ) -> None:
         self.size_px = size_px
         self._ctx = ctx
         defines = _defines(velocity=velocity, lens_law=lens_law)
-        self.gpu = GpuScene(ctx, scene, defines=defines)
+        sharp = None if background is None else foreground(scene, background)
+        self.gpu = GpuScene(ctx, scene, defines=defines, foreground=sharp)
         self._shadow = (
             ShadowMap(ctx, self.gpu, radius_m=scene.environment.shadow_distance_m)
             if lighting.has_sun(scene.environment)
@@ -60,6 +66,8 @@ class ScenePass:
         self._targets = _Targets(
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
+        settings = None if background is None else background.background_blur
+        self._background = None if settings is None else self._targets.background_blur(settings)
         self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None, velocity=velocity)
         self._eyes: tuple[EyeCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
@@ -142,7 +150,7 @@ class ScenePass:
             self.update(time_s, camera.head, before.time_s, [camera])
             view = 0
         self._blocks.update(camera, before, self._shadow, self.lens_focus)
-        self._draw(view)
+        self._draw(view, camera)
         self.triangles += self._shadow_triangles
         self._shadow_triangles = 0  # the next eye reads the same map
         if resolve:
@@ -153,23 +161,38 @@ class ScenePass:
         place = _place(camera)
         return next((view for view, eye in enumerate(self._eyes) if _place(eye) == place), None)
 
-    def _draw(self, view: int) -> None:
-        ctx = self._ctx
+    def _draw(self, view: int, camera: EyeCamera) -> None:
         if self._shadow is not None:
             self._shadow.bind()
         self._targets.begin()
-        ctx.enable_only(moderngl.DEPTH_TEST)
-        ctx.depth_func = gl.DEPTH_FUNC
-        self.triangles = self.gpu.draw(view, blended=False)
-        ctx.enable_only(moderngl.DEPTH_TEST)
-        ctx.depth_func = ">="
+        self.triangles = self._draw_opaque(view)
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = ">="
         self._sky.draw()
-        if self.gpu.has_blended:
-            self._targets.blend()
-            ctx.depth_func = gl.DEPTH_FUNC
-            ctx.enable(moderngl.BLEND)
-            self.triangles += self.gpu.draw(view, blended=True)
-        ctx.enable_only(moderngl.NOTHING)
+        self.triangles += self._draw_blended(view)
+        if self._background is not None:
+            self._ctx.enable_only(moderngl.NOTHING)
+            self.resolve.render(camera)
+            self._background.render()
+            if self._shadow is not None:
+                self._shadow.bind()
+            self._targets.use()
+            self.triangles += self._draw_opaque(view, foreground=True)
+            self.triangles += self._draw_blended(view, foreground=True)
+        self._ctx.enable_only(moderngl.NOTHING)
+
+    def _draw_opaque(self, view: int, *, foreground: bool = False) -> int:
+        self._ctx.enable_only(moderngl.DEPTH_TEST)
+        self._ctx.depth_func = gl.DEPTH_FUNC
+        return self.gpu.draw(view, blended=False, foreground=foreground)
+
+    def _draw_blended(self, view: int, *, foreground: bool = False) -> int:
+        if not self.gpu.has_blended:
+            return 0
+        self._targets.blend()
+        self._ctx.depth_func = gl.DEPTH_FUNC
+        self._ctx.enable(moderngl.BLEND)
+        return self.gpu.draw(view, blended=True, foreground=foreground)
 
 
 def _viewpoint(camera: EyeCamera) -> Viewpoint:
@@ -217,6 +240,7 @@ class _Targets:
         many_colour, many_velocity = _colours(ctx, size_px, velocity_dtype, samples)
         many_depth = gl.depth_texture(ctx, size_px, samples=samples)
         many = [many_colour, *([many_velocity] if many_velocity else [])]
+        self._colours = many_colour
         self._many = ctx.framebuffer(many, many_depth)
         self._many_colour_only = ctx.framebuffer([many_colour], many_depth)
         self.resolve = ResolvePass(
@@ -228,9 +252,19 @@ class _Targets:
         )
         self.count = 2 * (len(many) + 1)
 
+    def use(self) -> None:
+        """Draw colour, depth and velocity from now on."""
+        self._many.use()
+
+    def background_blur(self, settings: BackgroundBlur) -> BackgroundBlurPass:
+        """Return what blurs the colour of all samples."""
+        return BackgroundBlurPass(
+            self._ctx, colour=self.resolve.colour, samples=self._colours, settings=settings
+        )
+
     def begin(self) -> None:
         """Clear to black at infinity."""
-        self._many.use()
+        self.use()
         self._many.clear(depth=0.0)
         self.resolve.learn_sample_places()
 

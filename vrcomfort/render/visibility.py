@@ -147,9 +147,14 @@ def _has_sizes(condition: Condition) -> bool:
 
 
 def _others(condition: Condition) -> dict[str, Any]:
-    """Return the effects whose strength is not measured here."""
+    """Return what blurs besides, whose strength is not measured here."""
     measured = ("depth_of_field", "motion_blur")
-    return {name: each for name, each in condition.effects.items() if name not in measured}
+    found: dict[str, Any] = {
+        name: each for name, each in condition.effects.items() if name not in measured
+    }
+    if condition.background_blur is not None:
+        found["background_blur"] = condition.background_blur
+    return found
 
 
 def _p90(size: StimulusSize) -> float:

@@ -16,6 +16,8 @@ _LATENCY_S = 0.2
 _SPREAD_OF_LOG = 0.5
 _SACCADE_S, _SACCADE_S_PER_DEG = 0.021, 0.0022
 """Duration of a saccade: 21 ms and 2.2 ms per degree (Carpenter 1988, from the main sequence)."""
+_JUMP_DEG = 2.0
+"""What moves further from one frame to the next is another thing to look at."""
 _WANDER_DEG = 0.15
 """How far, along each axis, a fixation misses what is looked at."""
 
@@ -40,8 +42,9 @@ class Eyes:
         self._until_s = -math.inf
         self._from = self._to = np.array([0.0, 0.0, -1.0])
         self._jump_s = self._jumped_s = 0.0
-        self._point: Array | None = None
-        self._off = np.zeros(2)
+        self._way: Array | None = None
+        self._off_rad = np.zeros(2)
+        self._follows = False
         self._blink_s = math.nan
 
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze:
@@ -56,12 +59,15 @@ class Eyes:
         """
         if math.isnan(self._blink_s):
             self._blink_s = time_s + self._random.exponential(self._settings.blink_every_s)
-        came = point is not None and (self._point is None or not np.array_equal(point, self._point))
-        if came:
+        way = None if point is None else normalize(point - head.position)
+        if way is not None and (self._way is None or angles_deg(way, self._way) > _JUMP_DEG):
             self._until_s = min(self._until_s, time_s + _LATENCY_S)
-        self._point = point
+            self._follows = False
+        self._way = way
+        if way is not None and self._follows:
+            self._to = self._beside(way)
         if time_s >= self._until_s:
-            self._fixate(time_s, head, point)
+            self._fixate(time_s, head)
         truth = self._direction(time_s)
         closed = self._blinks(time_s)
         measured = self._measured(head, truth)
@@ -69,21 +75,28 @@ class Eyes:
             return Gaze(Pose(), valid=False)
         return Gaze(Pose(head.position, turn_to(measured)))
 
-    def _fixate(self, time_s: float, head: Pose, point: Array | None) -> None:
+    def _fixate(self, time_s: float, head: Pose) -> None:
         """Choose where to look next, and begin to turn there."""
         settings, random = self._settings, self._random
         self._from = self._direction(time_s)
-        if point is None:
+        self._follows = self._way is not None
+        if self._way is None:
             side, up = np.radians(settings.spread_deg) * random.standard_normal(2)
             self._to = (head @ Pose(orientation=yaw_pitch_roll(-side, up, 0.0))).forward
         else:
-            ahead = Pose(orientation=turn_to(normalize(point - head.position)))
-            side, up = np.radians(_WANDER_DEG) * random.standard_normal(2)
-            self._to = (ahead @ Pose(orientation=yaw_pitch_roll(-side, up, 0.0))).forward
+            self._off_rad = np.radians(_WANDER_DEG) * random.standard_normal(2)
+            self._to = self._beside(self._way)
         size_deg = float(angles_deg(self._from, self._to))
         self._jumped_s, self._jump_s = time_s, _SACCADE_S + _SACCADE_S_PER_DEG * size_deg
         length_s = settings.fixation_s * math.exp(_SPREAD_OF_LOG * random.standard_normal())
         self._until_s = time_s + self._jump_s + length_s
+
+    def _beside(self, way: Array) -> Array:
+        """Return where a fixation of something is: it is followed while it or the head moves."""
+        side, up = self._off_rad
+        return (
+            Pose(orientation=turn_to(way)) @ Pose(orientation=yaw_pitch_roll(-side, up, 0.0))
+        ).forward
 
     def _direction(self, time_s: float) -> Array:
         """Return the true (3,) direction in the stage: held while the head moves, or on its way."""

@@ -9,6 +9,10 @@ from typing import Protocol
 class Clock(Protocol):
     """Seconds since the session began."""
 
+    @property
+    def is_real(self) -> bool:
+        """Whether it is the machine's, which passes by itself."""
+
     def start(self, at_s: float = 0.0) -> None:
         """Set the time: 0, or where an interrupted session goes on."""
 
@@ -27,6 +31,8 @@ class Clock(Protocol):
 
 class VirtualClock:
     """Passes only when told. Counts nanoseconds, so that sums are exact."""
+
+    is_real = False
 
     def __init__(self) -> None:
         self._now_ns = 0
@@ -54,6 +60,8 @@ class VirtualClock:
 
 class WallClock:
     """The machine's monotonic clock."""
+
+    is_real = True
 
     def __init__(self) -> None:
         self.start()

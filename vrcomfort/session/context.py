@@ -13,6 +13,7 @@ from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
     ProgressCallback,
+    Relay,
     Renderer,
     Watchdog,
 )
@@ -44,6 +45,8 @@ class SessionContext:
         Closes the records where the headset's runtime hangs.
     steering
         What operators want.
+    relay
+        Other devices that are told what happens.
     """
 
     protocol: Protocol
@@ -64,6 +67,7 @@ class SessionContext:
     progress: ProgressCallback
     watchdog: Watchdog
     steering: Steering
+    relay: Relay
 
     @property
     def stretch(self) -> float:

@@ -31,7 +31,9 @@ class EventLog:
 
     def event(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now; without a start it is a moment."""
-        self.recorder.write(self._event(name, start_s, detail))
+        row = self._event(name, start_s, detail)
+        self.context.relay.mark(row)
+        self.recorder.write(row)
 
     def note(self, happened: HeadsetEvent) -> None:
         """Write, between two frames, what happened; tell what an operator must know at once."""
@@ -41,7 +43,9 @@ class EventLog:
 
     def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now, between two frames: nothing waits for the disk."""
-        self.recorder.write_soon(self._event(name, start_s, detail))
+        row = self._event(name, start_s, detail)
+        self.context.relay.mark(row)
+        self.recorder.write_soon(row)
 
     def now_s(self) -> float:
         """Return the session clock."""

@@ -13,6 +13,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
 from vrcomfort.scene.camera_path import CameraPath
+from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
@@ -42,6 +43,10 @@ Ending = Literal["completed", "task_done", "headset_ended"]
 FREEZE_S = 0.5
 """A picture that stands still for longer is a freeze: what fell due in it was missed. After a
 shorter one, it is asked late."""
+
+
+CLOCKS_EVERY_S = 10.0
+"""So often all clocks are read at once in an exposure, the first time at its first frame."""
 
 
 @dataclass(frozen=True)
@@ -85,6 +90,8 @@ class FrameLoop:
         self._rating: tuple[Stimulus, RatingSchedules] | None = None
         self._cut_unseen = self._snap_unseen = False
         self._was_paused = self._back_at_start = False
+        self._clocks = ClockBridge(self.context, self.events.recorder)
+        self._clocks_due_s: float | None = None
         self._task: Doing | None = None
 
     def show(
@@ -107,6 +114,7 @@ class FrameLoop:
         self._back_at_start = self.path is not None
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
+        self._clocks_due_s = None
         self._task = task
         try:
             with collector_at_rest():
@@ -119,6 +127,14 @@ class FrameLoop:
             finally:  # a disk that refuses a frame may yet take a rating
                 self._close_rating()
                 self._finish_task()
+                self._end_relay(stimulus)
+
+    def _end_relay(self, stimulus: Stimulus) -> None:
+        relay = self.context.relay
+        relay.end_exposure(stimulus.trial)
+        if left_out := relay.take_left_out():
+            detail = f"{left_out} samples: other devices were too slow to take them"
+            self.events.event_soon("not_passed_on", detail=detail)
 
     def abandon(self) -> None:
         """Write all rows that wait, from another thread, while the loop's own hangs."""
@@ -230,6 +246,19 @@ class FrameLoop:
         self.headset.submit(frame, rendered.eyes if rendered else None)
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
         self.context.steering.desk.see(frame, rendered, self.log.timing)
+        self._pass_on(frame, stimulus)
+
+    def _pass_on(self, frame: Frame, stimulus: Stimulus) -> None:
+        """Tell other devices of a frame that was submitted; read all clocks now and then."""
+        begins = self._clocks_due_s is None
+        if self._clocks_due_s is None or self.elapsed_s >= self._clocks_due_s:
+            self._clocks.read(self.headset, self.log.recorded_minus_display_ns)
+            self._clocks_due_s = self.elapsed_s + CLOCKS_EVERY_S
+        relay = self.context.relay
+        seen_ns = self._clocks.monotonic_ns(frame.predicted_display_time_ns)
+        if begins:
+            relay.begin_exposure(stimulus.trial, stimulus.condition, seen_ns)
+        relay.show(frame, seen_ns)
 
     def _carried(self, frame: Frame) -> Frame:
         """Return a frame where the path has taken the participant, by shown time."""
@@ -245,7 +274,7 @@ class FrameLoop:
         respondent = self.context.respondent
         if frame.gaze is not None or not isinstance(respondent, Looks):
             return frame
-        demand = self._task.demand() if self._task else None
+        demand = self._task.demand(frame) if self._task else None
         point = (
             None
             if demand is None
@@ -278,17 +307,17 @@ class FrameLoop:
             self._record(stimulus, *missed)
 
     def _record(self, stimulus: Stimulus, schedule: RatingSchedule, rated: Rated) -> None:
-        self.events.recorder.write_soon(
-            RatingRow(
-                self.context.participant,
-                self.events.session,
-                stimulus.trial,
-                stimulus.condition,
-                onset_s=rated.onset_s,
-                latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
-                instrument=schedule.instrument.name,
-                response=rated.response,
-                missed=schedule.missed_code if rated.response is None else 0,
-            )
+        row = RatingRow(
+            self.context.participant,
+            self.events.session,
+            stimulus.trial,
+            stimulus.condition,
+            onset_s=rated.onset_s,
+            latency_s=None if rated.latency_s is None else round(rated.latency_s, 9),
+            instrument=schedule.instrument.name,
+            response=rated.response,
+            missed=schedule.missed_code if rated.response is None else 0,
         )
+        self.context.relay.rate(row)
+        self.events.recorder.write_soon(row)
         self.context.steering.desk.rated(schedule.instrument.name, self.felt_s, rated.response)

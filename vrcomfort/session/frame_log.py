@@ -71,6 +71,11 @@ class FrameLog:
         """Return the dropped frames of the trial."""
         return self.timing.dropped
 
+    @property
+    def recorded_minus_display_ns(self) -> int:
+        """Return what is added to display times, so that time on record runs forwards."""
+        return self._offset_ns
+
     def start_trial(self) -> None:
         """Count from zero; the first interval is none."""
         self.timing = TrialTiming()

@@ -32,7 +32,7 @@ _GREY = (0.15, 0.15, 0.15)
 
 @dataclass
 class _Shown:
-    """One point, and what the gaze did on it: unit vectors in the stage."""
+    """One point in the stage, and what the gaze did on it: unit vectors in the stage."""
 
     at: Point
     since_s: float
@@ -72,30 +72,30 @@ class PointsRun:
         """Return whether all is over before its time."""
         return False
 
-    def demand(self) -> Demand | None:
+    def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be looked at."""
         if not self.shown:
             return None
-        return Demand(self.shown[-1].ball.position_m, self.shown[-1].since_s, press=False)
+        point = self.shown[-1]
+        return Demand(_in_world(frame, point.ball), point.since_s, press=False)
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
         del headset, scene_time_s
-        head = frame.avatar_pose @ frame.head_pose
         due = not self.shown or elapsed_s >= self.shown[-1].since_s + self._settings.each_s - 1e-6
         if due and self._left:
-            self._appear(head, elapsed_s)
+            self._appear(frame.head_pose, elapsed_s)
         point = self.shown[-1]
-        self._markers.place([(point.ball.position_m, point.ball.radius_m)])
+        # It goes with the stage: whoever is moved by a stick or a path is not led past it.
+        self._markers.place([(_in_world(frame, point.ball), point.ball.radius_m)])
         self.saw_gaze |= frame.gaze is not None
         if elapsed_s < point.since_s + self._settings.settle_s:
             return
         point.frames += 1
         gaze = frame.gaze
         if gaze is not None and gaze.valid:
-            looks = frame.avatar_pose @ gaze.pose
-            point.directions.append(looks.forward)
-            point.towards.append(normalize(point.ball.position_m - looks.position))
+            point.directions.append(gaze.pose.forward)
+            point.towards.append(normalize(point.ball.position_m - gaze.pose.position))
 
     def finish(self) -> None:
         """End with the exposure; nothing is open."""
@@ -107,6 +107,11 @@ class PointsRun:
         radius_m = away_m * float(np.sin(np.radians(self._settings.diameter_deg / 2)))
         ball = Ball(head.position + ray.forward * away_m, radius_m)
         self.shown.append(_Shown(at, elapsed_s, self.now_s, ball))
+
+
+def _in_world(frame: Frame, ball: Ball) -> Array:
+    """Return where in the world a ball of the stage is."""
+    return (frame.avatar_pose @ Pose(ball.position_m)).position
 
 
 class Validation:

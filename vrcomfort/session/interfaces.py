@@ -14,6 +14,7 @@ from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
+from vrcomfort.records import EventRow, RatingRow
 from vrcomfort.tasks import Demand
 
 
@@ -96,7 +97,7 @@ class Doing(Protocol):
     def done(self) -> bool:
         """Return whether all of it is done, before its time."""
 
-    def demand(self) -> Demand | None:
+    def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be looked at, and perhaps pointed at, now."""
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
@@ -131,6 +132,61 @@ class NoWatchdog:
         """Do nothing."""
         del close
         return nullcontext()
+
+
+class Relay(Protocol):
+    """Passes on what happens to other devices, such as LabStreamingLayer; never waits."""
+
+    def now_s(self) -> float | None:
+        """Return its own clock, if it has one."""
+
+    def mark(self, row: EventRow) -> None:
+        """Pass on an event, now."""
+
+    def rate(self, row: RatingRow) -> None:
+        """Pass on a rating, now."""
+
+    def show(self, frame: Frame, monotonic_ns: int | None) -> None:
+        """Pass on the head and the gaze of a frame.
+
+        `monotonic_ns` is its display time on the system's monotonic clock, None where not known.
+        """
+
+    def begin_exposure(self, trial: int, condition: str, monotonic_ns: int | None) -> None:
+        """Pass on that the first frame of an exposure (trial 0: of training) was submitted."""
+
+    def end_exposure(self, trial: int) -> None:
+        """Pass on that an exposure is over."""
+
+    def take_left_out(self) -> int:
+        """Return how much could not be passed on since the last call."""
+
+
+class NoRelay:
+    """Where no other device listens."""
+
+    def now_s(self) -> float | None:
+        """Return None."""
+        return None
+
+    def mark(self, row: EventRow) -> None:
+        """Do nothing."""
+
+    def rate(self, row: RatingRow) -> None:
+        """Do nothing."""
+
+    def show(self, frame: Frame, monotonic_ns: int | None) -> None:
+        """Do nothing."""
+
+    def begin_exposure(self, trial: int, condition: str, monotonic_ns: int | None) -> None:
+        """Do nothing."""
+
+    def end_exposure(self, trial: int) -> None:
+        """Do nothing."""
+
+    def take_left_out(self) -> int:
+        """Return 0."""
+        return 0
 
 
 StepKind = Literal["session", "ready", "training", "exposure", "questionnaire", "rest"]

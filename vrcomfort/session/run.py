@@ -11,8 +11,10 @@ from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
     NoDesk,
+    NoRelay,
     NoWatchdog,
     ProgressCallback,
+    Relay,
     Renderer,
     Watchdog,
 )
@@ -36,6 +38,7 @@ def run(
     durability: Durability = "each_row",
     watchdog: Watchdog | None = None,
     steering: Steering | None = None,
+    relay: Relay | None = None,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
     """Run the sessions that an enrolment has chosen.
@@ -56,6 +59,8 @@ def run(
         Closes the records where the headset's runtime hangs.
     steering
         Hears the operators; without it, nobody steers but by Ctrl-C.
+    relay
+        Passes on what happens to other devices.
 
     Returns
     -------
@@ -89,6 +94,7 @@ def run(
         progress=progress,
         watchdog=watchdog or NoWatchdog(),
         steering=steering or Steering(NoDesk()),
+        relay=relay or NoRelay(),
     )
     enrolment.interrupted.check_memory(respondent)  # before anything is written
     interrupted = enrolment.interrupted.take_up(context.sequence)

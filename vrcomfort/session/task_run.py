@@ -85,8 +85,9 @@ class TaskRun:
         """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
         return self._task.done
 
-    def demand(self) -> Demand | None:
+    def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be done now."""
+        del frame
         return self._task.demand()
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:

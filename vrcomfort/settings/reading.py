@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
@@ -84,12 +84,21 @@ def parse_settings(model: type[Model], text: str, file: Path | None) -> Model:
     InputError
         If it is not TOML, or a key or value is wrong, with line and column.
     """
-    data = _toml(text, file)
+    data = read_toml(text, file)
+    return parse_data(model, data, lambda found: first_problem(found, text, file))
+
+
+def parse_data(
+    model: type[Model],
+    data: Mapping[str, Any],
+    refuse: Callable[[Iterable[Problem]], InputError],
+) -> Model:
+    """Return the settings that tables say; `refuse` makes the error of what is wrong with them."""
     try:
         # Strict: "900" is not a number and true is not 1. Lists become tuples, which strict wants.
         return model.model_validate(_frozen(data), strict=True)
     except ValidationError as error:
-        raise first_problem(problems_of(model, error), text, file) from error
+        raise refuse(problems_of(model, error)) from error
 
 
 def problems_of(model: type[BaseModel], error: ValidationError) -> list[Problem]:
@@ -117,16 +126,45 @@ def first_problem(found: Iterable[Problem], text: str, file: Path | None) -> Inp
     What is missing comes last: it is often there, misspelt.
     """
     places = locate(text)
-    ordered = sorted(found, key=lambda problem: (problem.missing, places.of(problem.path)))
+    return problems_at(found, lambda path: Place(0, file, *places.of(path)))
+
+
+class Place(NamedTuple):
+    """Where something stands; places of several files sort by `part` first."""
+
+    part: int
+    file: Path | None
+    line: int
+    column: int
+
+
+def problems_at(
+    found: Iterable[Problem], place_of: Callable[[Sequence[str | int]], Place]
+) -> InputError:
+    """Return the fault that stands first; the others are its `others`. See `first_problem`."""
+
+    def moment(problem: Problem) -> tuple[bool, int, int, int]:
+        place = place_of(problem.path)
+        return problem.missing, place.part, place.line, place.column
+
     errors = []
-    for each in ordered:
-        line, column = places.of(each.path)
+    for each in sorted(found, key=moment):
+        _, file, line, column = place_of(each.path)
         errors.append(InputError(each.message, file=file, line=line, column=column))
     first, others = errors[0], errors[1:]
-    return InputError(first.message, file=file, line=first.line, column=first.column, others=others)
+    return InputError(
+        first.message, file=first.file, line=first.line, column=first.column, others=others
+    )
 
 
-def _toml(text: str, file: Path | None) -> dict[str, Any]:
+def read_toml(text: str, file: Path | None) -> dict[str, Any]:
+    """Return the tables of a TOML text.
+
+    Raises
+    ------
+    InputError
+        If it is not TOML.
+    """
     try:
         return tomllib.loads(text)
     except RecursionError:

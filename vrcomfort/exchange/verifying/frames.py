@@ -120,3 +120,15 @@ def check_times(
     if last is not None and every_frame and count != len(frames.times):
         message = f"has {count} rows, and frames.csv {len(frames.times)}"
         found.fault(last.file, f"{message}; restore the shorter one from a copy", last.line)
+
+
+def check_clocks(rows: Iterable[RecordedRow], found: Verified) -> None:
+    """Check that the session's clock and the system's go forwards together."""
+    before: RecordedRow | None = None
+    for row in rows:
+        if before is not None and row["resumed"] == before["resumed"]:
+            for column in ("session_s", "monotonic_ns"):
+                if row[column] < before[column]:
+                    message = f"{column} {row[column]} is before {before[column]} in the row before"
+                    found.fault(row.file, message + _BACKWARDS, row.line)
+        before = row

@@ -11,7 +11,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying.answers import check_answers, check_places
 from vrcomfort.exchange.verifying.findings import Verified
-from vrcomfort.exchange.verifying.frames import check_counts, check_times, read_frames
+from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.rows import read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
@@ -20,6 +20,7 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
     OVER,
+    ClockRow,
     EventRow,
     QuestionnaireRow,
     RatingRow,
@@ -79,6 +80,8 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
     if (folder / ImageRow.FILE).exists():
         check_times(read(folder, ImageRow, version, found), frames, found)
+    if (folder / ClockRow.FILE).exists():
+        check_clocks(read(folder, ClockRow, version, found), found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
     return manifest
 

@@ -9,7 +9,7 @@ import moderngl
 import xr
 
 from vrcomfort.frame import HeadsetEvent
-from vrcomfort.headset.openxr import depth, display
+from vrcomfort.headset.openxr import depth, display, display_clock
 from vrcomfort.headset.openxr.actions import Actions
 from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
@@ -111,6 +111,7 @@ class Connection:
             "image_format": FORMATS[self._format],
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
             "eye_tracker": "yes" if self.runtime.has_gaze else "no",
+            "display_clock": display_clock.extension(self.runtime) or "not told",
             "extensions": " ".join(sorted(self.runtime.extensions)),
             "left_controller": self.actions.profile(0),
             "right_controller": self.actions.profile(1),

@@ -15,7 +15,7 @@ from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.locomotion import Locomotion
-from vrcomfort.headset.openxr import display, faults, layers
+from vrcomfort.headset.openxr import display, display_clock, faults, layers
 from vrcomfort.headset.openxr.connection import Connection
 from vrcomfort.headset.openxr.native import native, watched
 from vrcomfort.headset.openxr.panels import Panels
@@ -128,6 +128,11 @@ class OpenXrHeadset:
     def refresh_rates_hz(self) -> list[float]:
         """Return the rates that can be asked for in the settings."""
         return display.refresh_rates_hz(self._xr.session) if self._xr.switches_rate else []
+
+    def display_now_ns(self) -> int | None:
+        """Return the present moment as a display time; None where the runtime does not tell."""
+        with faults.running():
+            return display_clock.now_ns(self._xr.runtime)
 
     @property
     def image_size_px(self) -> tuple[int, int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import os
+import sys
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -15,7 +16,11 @@ from vrcomfort.headset.openxr.messages import DEBUG_UTILS, Messenger, Notify
 from vrcomfort.headset.openxr.native import check, watched
 from vrcomfort.headset.openxr.settings import OpenXrSettings
 
+CONVERTS_TIMESPEC = "XR_KHR_convert_timespec_time"
+CONVERTS_WIN32 = "XR_KHR_win32_convert_performance_counter_time"
+
 WANTED_EXTENSIONS = (
+    CONVERTS_WIN32 if sys.platform == "win32" else CONVERTS_TIMESPEC,
     xr.EXT_LOCAL_FLOOR_EXTENSION_NAME,
     xr.EXT_USER_PRESENCE_EXTENSION_NAME,
     xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,

@@ -54,7 +54,7 @@ class RelocationBlurPass:
         self._chain = MipChain(ctx, colour, levels(settings.level), size_px)
         self._pass = FullscreenPass(
             ctx,
-            "relocation_blur/relocation_blur.frag",
+            "common/mip_level.frag",
             size_px=size_px,
             inputs={"image": colour, "levels": self._chain.levels},
             filtered={"levels"},

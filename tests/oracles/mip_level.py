@@ -1,4 +1,4 @@
-"""The image at one MIP level: NumPy twin, in float64, of ``shaders/relocation_blur``."""
+"""The image at one MIP level: NumPy twin, in float64, of ``shaders/common/mip_level.frag``."""
 
 import numpy as np
 

@@ -1,5 +1,5 @@
 #version 450 core
-// The whole image at one MIP level, blown up to full size.
+// The whole image at one MIP level, blown up to full size: after relocations, and behind a foreground.
 //
 // Input:  image (linear HDR), levels of common/mip_downsample.frag (level 1 first); level, above 0 and
 //         at most CHAIN. A texel of level k is 2^k px WIDE.
@@ -7,7 +7,7 @@
 //
 // Trilinear: each level is blown up bilinearly, and between levels k and k + 1 the image cross-fades
 // linearly, which "is visually indistinguishable from an extremely smooth change in the level".
-// NumPy twin: tests/oracles/relocation_blur.py. "Four Tricks for Fast Blurring in Software and
+// NumPy twin: tests/oracles/mip_level.py. "Four Tricks for Fast Blurring in Software and
 // Hardware" (Gamasutra 2001), trick three, "MIP-Mapping Abused for Full-Screen Blurs".
 uniform sampler2D image;
 uniform sampler2D levels[CHAIN];

@@ -1,0 +1,71 @@
+"""What other devices are told waits for nobody; a serial port gets a byte for each exposure."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+
+import pytest
+
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.queued import Queued
+from vrcomfort.exchange.ttl import TtlRelay, byte_of
+
+needs_a_terminal = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pty")
+
+
+def test_work_is_done_in_order_and_whoever_gives_it_does_not_wait() -> None:
+    done: list[int] = []
+    gate = threading.Event()
+    queued = Queued("test", capacity=3)
+    queued.put(gate.wait)
+    while queued._work.qsize():  # until the thread hangs in it
+        time.sleep(0.001)
+    for number in range(10):
+        queued.put(lambda number=number: done.append(number))
+    assert done == []
+    assert queued.take_left_out() == 7
+    gate.set()
+    queued.close()
+    assert done == [0, 1, 2]
+    assert queued.take_left_out() == 0
+
+
+def test_work_that_fails_is_counted_and_the_rest_is_done() -> None:
+    done: list[str] = []
+    queued = Queued("test")
+    queued.put(lambda: 1 // 0)
+    queued.put(lambda: done.append("after"))
+    queued.close()
+    assert done == ["after"]
+    assert queued.take_left_out() == 1
+
+
+@needs_a_terminal
+def test_a_serial_port_gets_a_byte_as_an_exposure_begins_and_ends() -> None:
+    pytest.importorskip("serial")
+    ours, theirs = os.openpty()
+    with TtlRelay(os.ttyname(theirs)) as relay:
+        for trial in (0, 3, 500):
+            relay.begin_exposure(trial, "plain", None)
+            relay.end_exposure(trial)
+    got = os.read(ours, 100)
+    os.close(ours)
+    os.close(theirs)
+    assert list(got) == [1, 129, 4, 132, 127, 255]
+    assert relay.take_left_out() == 0
+    assert len({byte_of(trial) for trial in range(127)}) == 127
+
+
+def test_a_port_that_is_not_there_is_refused_in_a_sentence() -> None:
+    pytest.importorskip("serial")
+    with pytest.raises(InputError, match="the serial port /dev/none cannot be opened"):
+        TtlRelay("/dev/none")
+
+
+def test_without_pyserial_a_sentence_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "serial", None)
+    with pytest.raises(InputError, match=r"pip install 'vrcomfort\[ttl\]'"):
+        TtlRelay("COM3")

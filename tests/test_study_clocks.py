@@ -1,0 +1,118 @@
+"""clocks.csv: every time on record can be put on the system's clock."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.support.exchange import cell
+from tests.support.resume import go
+from tests.support.study import PROTOCOL, AheadHeadset, read_rows, tiny_protocol
+from vrcomfort.exchange.anonymising import Wishes, anonymise
+from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.frame import Frame
+from vrcomfort.session.clock import WallClock
+
+SESSION = "S/sub-P01/ses-1"
+
+
+class Tells(AheadHeadset):
+    """A headset whose display clock counts from when it was made, and goes on afterwards."""
+
+    def __init__(self, **settings: object) -> None:
+        super().__init__(**settings)
+        self.zero_ns = time.monotonic_ns()
+
+    def display_now_ns(self) -> int:
+        return time.monotonic_ns() - self.zero_ns
+
+    def frames(self) -> Iterator[Frame]:
+        start_ns = self.display_now_ns()
+        for each in super().frames():
+            yield replace(each, predicted_display_time_ns=start_ns + each.predicted_display_time_ns)
+
+
+def record(folder: Path, **more: object) -> None:
+    text = PROTOCOL.replace("wait_s = 60.0", "wait_s = 0.0")
+    protocol = tiny_protocol(folder, text)
+    go(folder, protocol=protocol, headset_for=lambda *_: Tells(), clock=WallClock(), **more)
+
+
+def test_each_exposure_has_readings_from_its_first_frame_on(tmp_path: Path) -> None:
+    before_ns, unix_ns = time.monotonic_ns(), time.time_ns()
+    record(tmp_path)
+    after_ns = time.monotonic_ns()
+    rows = read_rows(tmp_path / SESSION / "clocks.csv")
+    assert len(rows) == 3  # training, and two exposures of 10 s
+    for row in rows:
+        assert before_ns < int(row["monotonic_ns"]) < after_ns
+        assert abs(int(row["unix_ns"]) - unix_ns) < 60e9
+        assert 0 < int(row["took_ns"]) < 50e6
+        assert row["lsl_s"] == ""
+    seconds = [float(row["session_s"]) for row in rows]
+    monotonic = [int(row["monotonic_ns"]) / 1e9 for row in rows]
+    steps = zip(seconds, monotonic, strict=True)
+    assert len({round(m - s, 2) for s, m in steps}) <= 2
+    assert verify_study(tmp_path / "S").findings == []
+
+
+def test_display_times_on_record_go_on_through_an_interruption(tmp_path: Path) -> None:
+    """A headset that starts anew tells smaller times; those on record, and the bridge, do not."""
+    text = PROTOCOL.replace("wait_s = 60.0", "wait_s = 0.0")
+    stops = Tells(interrupt_at=95)
+    headsets = iter([Tells(), stops])
+    protocol = tiny_protocol(tmp_path, text)
+    go(tmp_path, protocol=protocol, headset_for=lambda *_: next(headsets), clock=WallClock())
+    again = Tells()
+    go(
+        tmp_path,
+        protocol=protocol,
+        headset_for=lambda *_: again,
+        clock=WallClock(),
+        resume=True,
+    )
+    frames = read_rows(tmp_path / SESSION / "frames.csv")
+    times = [int(row["xr_time_ns"]) for row in frames]
+    assert times == sorted(times)
+    last = read_rows(tmp_path / SESSION / "clocks.csv")[-1]
+    first = next(row for row in frames if row["resumed"] == "1")
+    monotonic_minus_xr_ns = int(last["monotonic_ns"]) - int(last["xr_time_ns"])
+    seen_ns = int(first["xr_time_ns"]) + monotonic_minus_xr_ns
+    assert abs(seen_ns - int(last["monotonic_ns"])) < 2e9
+    assert last["resumed"] == "1"
+
+
+def test_a_headset_that_does_not_tell_leaves_display_time_blank(tmp_path: Path) -> None:
+    text = PROTOCOL.replace("wait_s = 60.0", "wait_s = 0.0")
+    go(tmp_path, protocol=tiny_protocol(tmp_path, text), clock=WallClock())
+    rows = read_rows(tmp_path / SESSION / "clocks.csv")
+    assert rows
+    assert {row["xr_time_ns"] for row in rows} == {""}
+
+
+def test_a_simulated_session_has_no_clocks(tmp_path: Path) -> None:
+    go(tmp_path)
+    assert not (tmp_path / SESSION / "clocks.csv").exists()
+
+
+def test_verify_finds_a_clock_that_goes_back_and_a_copy_has_none(tmp_path: Path) -> None:
+    record(tmp_path)
+    anonymise(tmp_path / "S", tmp_path / "out", Wishes(keep_motion=True, keep_gaze=True))
+    assert not list((tmp_path / "out").rglob("clocks.csv"))
+    cell(tmp_path / SESSION / "clocks.csv", 4, "monotonic_ns", "17")
+    told = [str(each) for each in verify_study(tmp_path / "S").faults]
+    assert any("clocks.csv, line 4: monotonic_ns 17 is before" in each for each in told)
+
+
+@pytest.mark.parametrize("elapsed_s", [35.0])
+def test_readings_come_every_ten_seconds(tmp_path: Path, elapsed_s: float) -> None:
+    text = PROTOCOL.replace("wait_s = 60.0", "wait_s = 0.0").replace(
+        "exposure_s = 10.0", f"exposure_s = {elapsed_s}"
+    )
+    protocol = tiny_protocol(tmp_path, text)
+    go(tmp_path, protocol=protocol, headset_for=lambda *_: Tells(), clock=WallClock())
+    assert len(read_rows(tmp_path / SESSION / "clocks.csv")) == 1 + 2 * 4

@@ -1,0 +1,209 @@
+"""Settings in several files: `include` puts shared parts before what a file says itself."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import date, datetime, time
+from pathlib import Path
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from vrcomfort.errors import InputError
+from vrcomfort.settings.locate import Path as KeyPath
+from vrcomfort.settings.locate import Places, locate
+from vrcomfort.settings.reading import Place, Problem, parse_data, problems_at, read_text, read_toml
+
+Model = TypeVar("Model", bound=BaseModel)
+
+INCLUDE = "include"
+_WORD = frozenset("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-")
+
+
+@dataclass(frozen=True)
+class Part:
+    """One file, or the text of one."""
+
+    file: Path | None
+    text: str
+    data: Mapping[str, Any] = field(repr=False)
+    places: Places = field(repr=False)
+
+    @property
+    def sha256(self) -> str:
+        """Return the hash of the file's text."""
+        return hashlib.sha256(self.text.encode()).hexdigest()
+
+
+class Source:
+    """A file and all that it includes, put together.
+
+    Tables are joined key by key, lists of tables are put one after the other, and of everything
+    else what comes last counts: the includes in their order, then the file itself.
+
+    Parameters
+    ----------
+    what
+        What the file should be, for sentences about it.
+
+    Attributes
+    ----------
+    parts
+        Included files before those that include them; the file itself is the last.
+    data
+        Everything, without `include`.
+    text
+        The file's own, or where it includes others the TOML of `data`.
+
+    Raises
+    ------
+    InputError
+        If a part cannot be read or is no TOML, or includes itself.
+    """
+
+    def __init__(self, text: str, file: Path | None, what: str) -> None:
+        self.parts: list[Part] = []
+        self._what = what
+        self._read(text, file, ())
+        self._origin: dict[KeyPath, tuple[Part, KeyPath]] = {}
+        self.data: dict[str, Any] = {}
+        for part in self.parts:
+            own = {key: value for key, value in part.data.items() if key != INCLUDE}
+            self._join(self.data, own, part, (), ())
+        self.text = text if len(self.parts) == 1 else to_toml(self.data)
+
+    def _read(self, text: str, file: Path | None, chain: tuple[Path, ...]) -> None:
+        data = read_toml(text, file)
+        places = locate(text)
+        for index, name in enumerate(_names(data, file, places)):
+            inner = (file.parent if file else Path()) / name
+            line, column = places.of((INCLUDE, index))
+            if file is None or not inner.is_file():
+                message = f"there is no file {inner} to include; paths begin at this file"
+                raise InputError(message, file=file, line=line, column=column)
+            above = (*chain, file.resolve())
+            if inner.resolve() in above:
+                names = [each.name for each in (*above[above.index(inner.resolve()) :], inner)]
+                message = f"files include each other: {' → '.join(names)}; take one include out"
+                raise InputError(message, file=file, line=line, column=column)
+            read = [part.file.resolve() for part in self.parts if part.file]
+            if inner.resolve() not in read:
+                self._read(read_text(inner, f"part of a {self._what}"), inner, above)
+        self.parts.append(Part(file, text, data, places))
+
+    def _join(
+        self,
+        whole: dict[str, Any],
+        own: Mapping[str, Any],
+        part: Part,
+        path: KeyPath,
+        local: KeyPath,
+    ) -> None:
+        for key, value in own.items():
+            there, here, at = whole.get(key), (*path, key), (*local, key)
+            if isinstance(there, dict) and isinstance(value, dict):
+                self._join(there, value, part, here, at)
+            elif isinstance(there, list) and _are_tables(there) and _are_tables(value):
+                for index, each in enumerate(value):
+                    self._mark(each, part, (*here, len(there) + index), (*at, index))
+                whole[key] = [*there, *value]
+            else:
+                whole[key] = _copied(value)
+                self._mark(value, part, here, at)
+
+    def _mark(self, value: Any, part: Part, path: KeyPath, local: KeyPath) -> None:
+        self._origin[path] = part, local
+        inner: Iterable[tuple[str | int, Any]] = ()
+        if isinstance(value, dict):
+            inner = value.items()
+        elif isinstance(value, list):
+            inner = enumerate(value)
+        for key, each in inner:
+            self._mark(each, part, (*path, key), (*local, key))
+
+    def place(self, path: Sequence[str | int]) -> Place:
+        """Return file, line and column of a key, or of its nearest parent that is written."""
+        parts = tuple(path)
+        alone = tuple(part for part in parts if part != 0)  # a table may stand for a list of one
+        if parts not in self._origin and alone in self._origin:
+            parts = alone
+        while parts and parts not in self._origin:
+            parts = parts[:-1]
+        part, local = self._origin.get(parts, (self.parts[-1], ()))
+        line, column = part.places.of((*local, *tuple(path)[len(parts) :]))
+        return Place(self.parts.index(part), part.file, line, column)
+
+    def first_problem(self, found: Iterable[Problem]) -> InputError:
+        """Return the fault that stands first; the others are its `others`."""
+        return problems_at(found, self.place)
+
+    def parse(self, model: type[Model]) -> Model:
+        """Return the settings that all parts say together.
+
+        Raises
+        ------
+        InputError
+            If a key or value is wrong, with file, line and column.
+        """
+        return parse_data(model, self.data, self.first_problem)
+
+
+def _names(data: Mapping[str, Any], file: Path | None, places: Places) -> list[str]:
+    names = data.get(INCLUDE, [])
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in names):
+        line, column = places.of((INCLUDE,))
+        message = '`include` should be a list of files: ["shared.toml"]'
+        raise InputError(message, file=file, line=line, column=column)
+    return names
+
+
+def _are_tables(value: Any) -> bool:
+    return isinstance(value, list) and bool(value) and all(isinstance(each, dict) for each in value)
+
+
+def _copied(value: Any) -> Any:
+    """Return a value whose tables can be added to."""
+    if isinstance(value, dict):
+        return {key: _copied(each) for key, each in value.items()}
+    return [_copied(each) for each in value] if isinstance(value, list) else value
+
+
+def to_toml(data: Mapping[str, Any]) -> str:
+    """Return TOML text that reads back as `data`: keys, then tables, then lists of tables."""
+    simple = {k: v for k, v in data.items() if not isinstance(v, dict) and not _are_tables(v)}
+    lines = [f"{_key(key)} = {_value(value)}" for key, value in simple.items()]
+    for key, value in data.items():
+        if isinstance(value, dict):
+            lines += ["", f"[{_key(key)}]", *_pairs(value)]
+    for key, value in data.items():
+        for table in value if _are_tables(value) else ():
+            lines += ["", f"[[{_key(key)}]]", *_pairs(table)]
+    return "\n".join(lines) + "\n"
+
+
+def _pairs(table: Mapping[str, Any]) -> list[str]:
+    return [f"{_key(key)} = {_value(value)}" for key, value in table.items()]
+
+
+def _key(key: str) -> str:
+    return key if key and set(key) <= _WORD else _quoted(key)
+
+
+def _quoted(text: str) -> str:
+    """Return a TOML string: as JSON writes it, and DEL escaped."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _quoted(value)
+    if isinstance(value, dict):
+        return "{ " + ", ".join(_pairs(value)) + " }" if value else "{}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return value.isoformat() if isinstance(value, date | datetime | time) else repr(value)
