@@ -12,9 +12,10 @@ from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent.base import Exposure, Form, Withdrew
-from vrcomfort.respondent.panel import DWELL_S, PanelRespondent
+from vrcomfort.respondent.dwell import AWAY_S, DWELL_S
+from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
-from vrcomfort.respondent.panel_picture import Page, Picture
+from vrcomfort.respondent.panel_picture import LOOKED, Page, Picture
 from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.rehearsal import aim_at
@@ -275,15 +276,98 @@ def test_a_pointer_that_moves_on_a_cell_redraws_nothing() -> None:
     assert screen.points[-1] is None
 
 
-def test_a_look_chooses_after_it_has_rested() -> None:
-    clock = iter(np.arange(0.0, 100.0, DWELL_S / 10))
+class Looks:
+    """Somebody who looks at cells of a page, one after the other: (cell or None, seconds)."""
 
-    def look(page: Page) -> Pointing:
-        return Pointing(page.cells[1].center, dwelling=True)
+    def __init__(self, screen: ScriptedScreen, looks: list[tuple[int | None, float]]) -> None:
+        self.now_s = 0.0
+        self._screen, self._looks = screen, looks
+        self._page: Page | None = None
+        self._until_s = -1.0
+        screen.next_frame = self.next_frame  # type: ignore[method-assign]
 
-    screen = ScriptedScreen([look, choose(Act.ANSWER, 0)])
-    person = PanelRespondent(screen, watch=screen.watch, now_s=lambda: float(next(clock)))
+    def watch(self, page: Page) -> None:
+        self._page = page
+
+    def next_frame(self) -> None:
+        self.now_s += 0.05
+        if self.now_s < self._until_s:
+            return
+        cell, seconds = self._looks.pop(0)
+        self._until_s = self.now_s + seconds
+        assert self._page is not None
+        point = None if cell is None else self._page.cells[cell].center
+        self._screen.do(Pointing(point, dwelling=True))
+
+
+def look(looks: list[tuple[int | None, float]], **more: float) -> tuple[list[int | None], float]:
+    """Answer one question by looks; return what was heard, and after how long."""
+    screen = ScriptedScreen([])
+    person = Looks(screen, looks)
+    panel = PanelRespondent(screen, watch=person.watch, now_s=lambda: person.now_s, **more)
     heard: list[int | None] = []
-    person.ask(Form(FMS, "post"), lambda _, value, __: heard.append(value))
+    panel.ask(Form(FMS, "post"), lambda _, value, __: heard.append(value))
+    return heard, person.now_s
+
+
+def test_two_looks_with_a_look_away_between_them_choose() -> None:
+    heard, took_s = look([(None, 0.1), (1, 2.0), (None, 0.5), (1, 9.0)])
     assert heard == [1]
-    assert 8 <= screen.frames <= 12
+    assert took_s == pytest.approx(0.1 + 2.0 + 0.5 + AWAY_S + DWELL_S, abs=0.2)
+
+
+def test_a_look_that_was_there_when_the_page_opened_chooses_nothing() -> None:
+    """The next question's answers stand where the last one was given."""
+    with pytest.raises(IndexError):
+        look([(1, 60.0), (None, 0.5), (1, 2.0), (None, 60.0)])
+    heard, _ = look([(1, 60.0), (None, 0.5), (1, 2.0), (None, 0.5), (1, 9.0)])
+    assert heard == [1]
+
+
+def test_one_long_look_and_looks_at_different_cells_choose_nothing() -> None:
+    for looks in ([(None, 0.1), (2, 60.0)], [(None, 0.1), (2, 2.0), (3, 2.0), (2, 2.0), (4, 2.0)]):
+        with pytest.raises(IndexError):
+            look(looks)
+
+
+def test_a_blink_or_a_slip_over_the_rim_is_no_look_away() -> None:
+    looks = [(None, 0.1), (1, 0.7), (None, AWAY_S - 0.1), (1, 0.7), (2, AWAY_S - 0.1), (1, 60.0)]
+    with pytest.raises(IndexError):
+        look(looks)
+
+
+def test_how_long_a_look_rests_is_a_setting() -> None:
+    _, slow_s = look([(None, 0.1), (1, 4.0), (None, 0.5), (1, 9.0)], dwell_s=3.0)
+    _, fast_s = look([(None, 0.1), (1, 4.0), (None, 0.5), (1, 9.0)], dwell_s=0.5)
+    assert slow_s - fast_s == pytest.approx(2.5, abs=0.1)
+
+
+def test_the_panel_shows_how_far_a_look_has_come_and_what_it_has_prepared() -> None:
+    screen = ScriptedScreen([])
+    person = Looks(screen, [(None, 0.1), (1, 2.0), (None, 0.5), (1, 9.0)])
+    seen: list[tuple[float, int]] = []
+
+    def show(picture: Picture | None) -> None:
+        if picture is not None:
+            seen.append((person.now_s, int((picture == LOOKED).all(axis=2).sum())))
+
+    screen.show = show  # type: ignore[method-assign]
+    panel = PanelRespondent(screen, watch=person.watch, now_s=lambda: person.now_s)
+    panel.ask(Form(FMS, "post"), lambda *_: None)
+    growing = [pixels for at_s, pixels in seen if at_s < 1.4]
+    assert growing == sorted(growing)
+    assert len(set(growing)) >= 6
+    framed = {pixels for at_s, pixels in seen if 1.8 < at_s < 2.6}
+    assert len(framed) == 1
+    assert 0 < framed.pop() < max(pixels for _, pixels in seen)
+
+
+def test_the_head_points_where_nothing_else_does() -> None:
+    headset = TwoHands()
+    for points_with_head in (False, True):
+        screen = PanelScreen(headset, points_with_head=points_with_head)
+        screen.show(np.zeros((768, 1024, 4), np.uint8))
+        pointing = screen.pointing()
+        assert pointing.unable != points_with_head
+        assert (pointing.point is not None) == points_with_head
+        assert pointing.dwelling == points_with_head

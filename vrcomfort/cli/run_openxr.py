@@ -88,7 +88,7 @@ def openxr_setup(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         headset.prepare_panel(SIZE_PX)
-        screen = PanelScreen(headset)
+        screen = PanelScreen(headset, points_with_head=protocol.answering.head)
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,
@@ -101,7 +101,7 @@ def openxr_setup(
             runtime=headset.details["runtime"],
             timing_trust=headset.timing.trust,
         )
-        person = _person(screen, rehearsal, keyboard=mirror)
+        person = _person(protocol, screen, rehearsal, keyboard=mirror)
         yield HeadsetSetup(headset, renderer, person, screen, machine, watchdog)
 
 
@@ -114,12 +114,21 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     return Mirror(ctx, window), ctx
 
 
-def _person(screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool) -> PanelRespondent:
+def _person(
+    protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
+) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
     from vrcomfort.respondent.panel import PanelRespondent
 
+    dwell_s = protocol.answering.dwell_s
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard)
+        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s, words=protocol.words)
     rehearsal.screen = screen
-    watch, chose = rehearsal.watch, rehearsal.chose
-    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard)
+    return PanelRespondent(
+        screen,
+        watch=rehearsal.watch,
+        chose=rehearsal.chose,
+        keyboard=keyboard,
+        dwell_s=dwell_s,
+        words=protocol.words,
+    )

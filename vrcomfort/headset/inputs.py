@@ -9,7 +9,7 @@ from vrcomfort.geometry import Gaze, Pose
 
 @dataclass(frozen=True)
 class HandInput:
-    """One controller at one frame.
+    """One controller, or one bare hand, at one frame.
 
     Parameters
     ----------
@@ -19,6 +19,8 @@ class HandInput:
         True in the one frame in which the button goes down.
     held
         True as long as the button of `select` is down.
+    fist, closed
+        Of a bare hand: whether it is a fist, and whether it became one in this frame.
     thumbstick
         (right, forward), each −1 to 1.
     """
@@ -28,6 +30,8 @@ class HandInput:
     back: bool = False
     stop: bool = False
     held: bool = False
+    fist: bool = False
+    closed: bool = False
     thumbstick: tuple[float, float] = (0.0, 0.0)
 
 
@@ -91,8 +95,10 @@ class Inputs:
 
     @property
     def stop(self) -> bool:
-        """Return whether the participant asks to stop, with either hand or by key."""
-        return self.left.stop or self.right.stop or self.keys.stop
+        """Return whether the participant asks to stop: with a button, by key, or with two fists."""
+        left, right = self.hands
+        two_fists = left.fist and right.fist and (left.closed or right.closed)
+        return left.stop or right.stop or self.keys.stop or two_fists
 
     @property
     def back(self) -> bool:

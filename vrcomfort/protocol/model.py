@@ -17,6 +17,7 @@ from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.stopping import Stopping
+from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
@@ -46,6 +47,15 @@ class Headset(Settings):
     """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
     ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
     """Distance between the eyes, where no headset says it."""
+
+
+class Answering(Settings):
+    """How participants answer on the panel in a headset."""
+
+    dwell_s: Annotated[float, Field(ge=0.3, le=10)] = 1.2
+    """So long a look must rest on an answer, twice, where there is no button to press."""
+    head: bool = True
+    """Without controllers and an eye tracker, the middle of the head's view points."""
 
 
 class Visibility(Settings):
@@ -215,6 +225,11 @@ class Protocol(Settings):
     """What is entered of everybody who is enrolled."""
     allocation: Allocation | None = None
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
+    languages: tuple[Word, ...] = ()
+    """In which participants can be asked (`run --language`), the usual one first: `["en", "de"]`.
+    Without it, each instrument is asked in its own."""
+    text: dict[str, LanguageTable] = Field(default_factory=dict)
+    """Words of other languages, or other words: `[text.fr]`."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     """What is asked, and when."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
@@ -232,6 +247,8 @@ class Protocol(Settings):
     """`task`: an exposure is over when its task is done, at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
+    answering: Answering = Answering()
+    """How they answer in it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()
@@ -247,6 +264,7 @@ class Protocol(Settings):
 
     _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
+    _language: str | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
 
@@ -257,7 +275,7 @@ class Protocol(Settings):
     def form(self, ask: Ask) -> Instrument:
         """Return the instrument of a questionnaire with what is asked of it, in its language."""
         whole = self.instrument(ask.instrument)
-        worded = whole.in_language(ask.language or whole.language) or whole
+        worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
@@ -266,13 +284,58 @@ class Protocol(Settings):
         return None if name in (None, NO_TASK) else self._tasks[name]
 
     @property
+    def language(self) -> str | None:
+        """Return the language that was chosen for a participant; None: each instrument's own."""
+        return self._language
+
+    @property
+    def words(self) -> Words:
+        """Return the panel's words in the participant's language."""
+        return words_of(self._language or "en", self.text)
+
+    @property
+    def wordings(self) -> list[dict[str, str]]:
+        """Return which instrument is asked in which language, and whose wording it is."""
+        found: list[dict[str, str]] = []
+        forms = [self.form(ask) for ask in self.questionnaires]
+        for form in [*forms, *(self.rated(each) for each in self.ratings)]:
+            entry = {"instrument": form.name, "language": form.language}
+            entry["source"] = self.instrument(form.name).wording_source(form.language)
+            found += [] if entry in found else [entry]
+        return found
+
+    def spoken(self, language: str | None) -> Protocol:
+        """Return the protocol as a participant of a language is asked; None: in the usual one.
+
+        Raises
+        ------
+        InputError
+            If the protocol has no such language.
+        """
+        if language is None and not self.languages:
+            return self
+        chosen = language or self.languages[0]
+        if chosen not in self.languages:
+            known = ", ".join(self.languages) or "none: write `languages`"
+            message = f"protocol {self.name} is not asked in `{chosen}`; it has {known}"
+            raise InputError(message, file=self._file)
+        spoken = self.model_copy()
+        spoken._language = chosen
+        return spoken
+
+    def rated(self, ratings: Ratings) -> Instrument:
+        """Return the instrument of a rating in the participant's language."""
+        whole = self.instrument(ratings.instrument)
+        return whole.in_language(self._language or whole.language) or whole
+
+    @property
     def own_instruments(self) -> dict[str, str]:
         """Return name → TOML text of the instruments that are the lab's."""
         shipped = shipped_instruments()
         return {n: each.text for n, each in self._instruments.items() if n not in shipped}
 
     @property
-    def text(self) -> str:
+    def toml(self) -> str:
         """Return the TOML text that this was read from, with all that it includes."""
         return self._source.text if self._source else ""
 
@@ -290,7 +353,7 @@ class Protocol(Settings):
     @property
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        return hashlib.sha256(self.toml.encode()).hexdigest()
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for something wrong at a key of the text."""

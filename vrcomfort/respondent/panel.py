@@ -7,9 +7,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.dwell import DWELL_S, Dwell, Progress
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
     Act,
@@ -27,11 +29,6 @@ from vrcomfort.respondent.pointing import Pointing, Screen
 UNABLE_S = 2.0
 """So long nothing to point with may be out of sight before the panel says so."""
 
-NO_CONTROLLER = "No controller is seen: switch one on, or ask for help"
-
-DWELL_S = 1.2
-"""So long a look must rest on a cell to choose it, where there is no controller."""
-
 
 class PanelRespondent:
     """A person who answers in the headset.
@@ -45,6 +42,10 @@ class PanelRespondent:
         participant looks on here.
     keyboard
         The participant has one: each question says how to use it.
+    words
+        What stands beside questions and answers, in the participant's language.
+    dwell_s
+        So long a look must rest on a cell, twice, to choose it, where there is no controller.
     """
 
     name = "panel"
@@ -57,17 +58,21 @@ class PanelRespondent:
         watch: Callable[[Page], None] = lambda _: None,
         chose: Callable[[Cell], None] = lambda _: None,
         keyboard: bool = False,
+        words: Words = ENGLISH,
+        dwell_s: float = DWELL_S,
     ) -> None:
+        self._words = words
         self._screen = screen
         self._now_s = now_s
         self._watch, self._chose = watch, chose
         self._keyboard = keyboard
         self._keys = KeyChoice()
         self._pointed: Cell | None = None
-        self._dwell: tuple[Cell | None, float] = (None, 0.0)
+        self._dwell = Dwell(dwell_s)
         self._unable_since_s: float | None = None
         self._painter = Painter()
         self._drawn: tuple[object, ...] | None = None
+        self._with_hint_of: tuple[Page, str, Page] | None = None
         self._scale: Page | None = None
         self._scale_until_s = 0.0
         self._stopping: Page | None = None
@@ -87,8 +92,9 @@ class PanelRespondent:
         """
         pointing = self._screen.pointing()
         if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
-            self._stopping = stop_page()
+            self._stopping = stop_page(self._words)
             self._keys.forget()
+            self._dwell.forget()
             self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
         elif self._stopping is not None:
             self._take_decision(self._step(self._stopping, pointing))
@@ -122,9 +128,10 @@ class PanelRespondent:
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
         answers = instrument.items[0].answers
-        cells = answer_cells(question_cells(answers, first=True))
+        cells = answer_cells(question_cells(answers, first=True, words=self._words))
         self._rating, self._scale_until_s = None, elapsed_s + timeout_s
         self._keys.forget()
+        self._dwell.forget()
         ends, hint = ends_of(answers), self._hint(answers)
         self._scale = Page("", instrument.instruction, cells, ends, hint=hint)
         self._watch(self._scale)
@@ -142,10 +149,9 @@ class PanelRespondent:
             If the participant stops, and says so twice.
         """
         self._screen.allow_absence(left_s)
-        minutes = math.ceil(left_s / 60)
-        words = f"{minutes} minutes" if minutes > 1 else "less than a minute"
-        question = f"You may take the headset off. It goes on in {words}."
-        page = Page("Rest", question, rest_cells())
+        minutes, words = math.ceil(left_s / 60), self._words
+        later = words.rest_minutes.format(minutes=minutes)
+        page = Page(words.rest, later if minutes > 1 else words.rest_soon, rest_cells(words))
         self._screen.next_frame()
         cell = self._step(page, self._screen.pointing())
         if cell is not None:
@@ -182,9 +188,11 @@ class PanelRespondent:
         item = instrument.items[index]
         count = len(instrument.items)
         page = Page(
-            title=f"{index + 1} of {count}. {instrument.instruction}",
+            title=self._words.place.format(
+                number=index + 1, count=count, instruction=instrument.instruction
+            ),
             question=item.text,
-            cells=question_cells(item.answers, first=index == 0),
+            cells=question_cells(item.answers, first=index == 0, words=self._words),
             ends=ends_of(item.answers),
             done=index / count,
             chosen=answers[index],
@@ -202,14 +210,14 @@ class PanelRespondent:
         """Show all answers; return the index of the one to correct, or None if all are right."""
         if len(answers) == 1:
             return None
-        title = "These are your answers. Choose one to change it."
-        cell = self._choose(Page(title, "", review_cells(instrument, answers)))
+        cells = review_cells(instrument, answers, self._words)
+        cell = self._choose(Page(self._words.review, "", cells))
         return cell.value if cell.act is Act.CORRECT else None
 
     def _hint(self, answers: Answers) -> str:
         if not self._keyboard:
             return ""
-        return f"Click, or type {answers.asked_in_words}, then Enter"
+        return self._words.hint.format(answers=answers.asked_in_words)
 
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""
@@ -220,14 +228,14 @@ class PanelRespondent:
             self._stop_if_sure("withdrew at a question")
 
     def _stop_if_sure(self, note: str) -> None:
-        if self._wait(stop_page()).act is Act.WITHDRAW:
+        if self._wait(stop_page(self._words)).act is Act.WITHDRAW:
             self._hide()
             raise Withdrew(note)
 
     def _wait(self, page: Page) -> Cell:
         self._watch(page)
         self._keys.forget()
-        self._dwell = None, 0.0
+        self._dwell.forget()
         while True:
             self._screen.next_frame()  # first: a press belongs to one frame, and to one page
             cell = self._step(page, self._screen.pointing())
@@ -241,13 +249,13 @@ class PanelRespondent:
             self._keys.forget()  # whoever moves on pointing wants to point
         self._pointed = pointed
         self._keys.move(page.cells, pointing.arrow, pointing.digits, page.chosen)
-        shown = replace(page, hint=NO_CONTROLLER) if self._is_unable(pointing) else page
-        self._draw(shown, pointing.point, self._keys.cell or pointed)
+        looked = self._dwell.update(pointed, self._now_s()) if pointing.dwelling else None
+        self._draw(self._hinted(page, pointing), pointing, self._keys.cell or pointed)
         wanted = by_button(page.cells, pointing)
         if wanted is None and pointing.enter:
             wanted = self._keys.entered(page.cells)
-        if wanted is None and pointed is not None and self._confirms(pointed, pointing):
-            wanted = pointed
+        if wanted is None:
+            wanted = looked if pointing.dwelling else pointed if pointing.select else None
         if wanted is not None:
             self._screen.tick(pointing.hand)
             self._chose(wanted)
@@ -262,23 +270,26 @@ class PanelRespondent:
             self._unable_since_s = self._now_s()
         return self._now_s() - self._unable_since_s > UNABLE_S
 
-    def _confirms(self, pointed: Cell, pointing: Pointing) -> bool:
-        """Return whether the pointed cell is chosen: by a button, or by a look that rests."""
-        if not pointing.dwelling:
-            return pointing.select
-        cell, since = self._dwell
-        if cell != pointed:
-            self._dwell = pointed, self._now_s()
-            return False
-        return self._now_s() - since >= DWELL_S
+    def _hinted(self, page: Page, pointing: Pointing) -> Page:
+        """Return the page with what somebody must know who has no controller."""
+        if self._is_unable(pointing):
+            return self._with_hint(page, self._words.no_controller)
+        return self._with_hint(page, self._words.look_twice) if pointing.dwelling else page
 
-    def _draw(self, page: Page, point: tuple[float, float] | None, pointed: Cell | None) -> None:
+    def _with_hint(self, page: Page, hint: str) -> Page:
+        """Return the same page for the same hint, so that it is drawn once."""
+        if self._with_hint_of is None or self._with_hint_of[:2] != (page, hint):
+            self._with_hint_of = page, hint, replace(page, hint=hint)
+        return self._with_hint_of[2]
+
+    def _draw(self, page: Page, pointing: Pointing, pointed: Cell | None) -> None:
         """Show a new picture only where it looks different; the pointer moves without."""
-        drawn = (page, pointed)
+        looks = self._dwell.progress(self._now_s()) if pointing.dwelling else Progress()
+        drawn = (page, pointed, looks)
         if drawn != self._drawn:
-            self._screen.show(self._painter.draw(page, pointed))
+            self._screen.show(self._painter.draw(page, pointed, looks))
             self._drawn = drawn
-        self._screen.point_at(point)
+        self._screen.point_at(pointing.point)
 
     def _hide(self) -> None:
         self._scale = self._stopping = self._drawn = None

@@ -21,9 +21,9 @@ class Pointing:
     held
         True as long as the button of `select` is down.
     dwelling
-        True where they point with their eyes and have no button.
+        True where they point with their eyes or their head and have no button.
     unable
-        True where nothing is seen that could point: neither a controller nor the eyes.
+        True where nothing is seen that could point.
     hand
         Which controller points (0 left, 1 right).
     arrow, digits, letters, enter

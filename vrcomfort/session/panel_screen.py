@@ -74,6 +74,11 @@ class PanelHeadset(Protocol):
 class PanelScreen:
     """A panel that appears before the participant, and then stays where it is.
 
+    Parameters
+    ----------
+    points_with_head
+        Where neither a controller nor the eyes are seen, the middle of the head's view points.
+
     Attributes
     ----------
     notice
@@ -82,8 +87,9 @@ class PanelScreen:
         Called before each frame that passes while a question is open.
     """
 
-    def __init__(self, headset: PanelHeadset) -> None:
+    def __init__(self, headset: PanelHeadset, *, points_with_head: bool = False) -> None:
         self._headset = headset
+        self._points_with_head = points_with_head
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
         self._picture: Picture | None = None
@@ -130,7 +136,7 @@ class PanelScreen:
             self._headset.show_pointer(pointer_quad(self._panel.quad, point))
 
     def pointing(self) -> Pointing:
-        """Return where a controller points, else where the eyes look; and what keys do.
+        """Return where a controller points, else the eyes, else the head; and what keys do.
 
         Of two controllers that point at the panel, the one that presses counts, else the one that
         pressed last.
@@ -157,6 +163,8 @@ class PanelScreen:
         gaze = inputs.gaze
         point = self._hit(gaze.pose) if gaze is not None and gaze.valid else None
         seen = any(hand.aim for hand in hands) or (gaze is not None and gaze.valid)
+        if not seen and gaze is None and self._points_with_head:
+            return Pointing(self._hit(self._headset.head_pose), dwelling=True)
         return Pointing(point, dwelling=point is not None, unable=not seen)
 
     def show_loading(self) -> None:

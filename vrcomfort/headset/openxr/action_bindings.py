@@ -23,12 +23,15 @@ class Profile:
         that all controllers share come on top.
     extension
         What must be switched on for it.
+    ticks
+        Whether it can vibrate: bare hands cannot.
     """
 
     path: str
     left: dict[str, str]
     right: dict[str, str]
     extension: str | None = None
+    ticks: bool = True
 
     def pairs(self) -> list[tuple[str, str]]:
         """Return (action, full path) of each binding."""
@@ -36,6 +39,7 @@ class Profile:
             (action, f"/user/hand/{hand}/{place}")
             for hand, own in zip(HANDS, (self.left, self.right), strict=True)
             for action, place in {**BOTH, **own}.items()
+            if self.ticks or action != "haptic"
         ]
 
 
@@ -58,6 +62,7 @@ _VIVE = {
 _WMR = {**_TRIGGER, "back": "input/squeeze/click", "stop": "input/menu/click"}
 _HP = {"stop": "input/menu/click"}
 _FOCUS3 = {"select": "input/trigger/click"}
+_BARE = {"select": "input/aim_activate_ext/value", "fist": "input/grasp_ext/value"}
 _NEO3 = {"stop": "input/menu/click"}
 
 PROFILES = (
@@ -85,8 +90,16 @@ PROFILES = (
         _AB | _NEO3,
         xr.BD_CONTROLLER_INTERACTION_EXTENSION_NAME,
     ),
+    Profile(
+        "ext/hand_interaction_ext",
+        _BARE,
+        _BARE,
+        xr.EXT_HAND_INTERACTION_EXTENSION_NAME,
+        ticks=False,
+    ),
 )
-"""``stop`` is the menu button where an application may have it, and A on the Index."""
+"""``stop`` is the menu button where an application may have it, and A on the Index; bare
+hands have none, and stop with two fists."""
 
 GAZE_PROFILE = "ext/eye_gaze_interaction"
 GAZE_PATH = "/user/eyes_ext/input/gaze_ext/pose"

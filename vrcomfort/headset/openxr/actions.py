@@ -24,6 +24,7 @@ _KINDS = {
     "select": xr.ActionType.BOOLEAN_INPUT,
     "back": xr.ActionType.BOOLEAN_INPUT,
     "stop": xr.ActionType.BOOLEAN_INPUT,
+    "fist": xr.ActionType.BOOLEAN_INPUT,
     "move": xr.ActionType.VECTOR2F_INPUT,
     "aim": xr.ActionType.POSE_INPUT,
     "haptic": xr.ActionType.VIBRATION_OUTPUT,
@@ -101,12 +102,15 @@ class Actions:
         self._state_of_stick(self._session, self._get["move", hand], self._stick)
         stick = self._stick.current_state
         held, select = self._pressed("select", hand)
+        fist, closed = self._pressed("fist", hand)
         return HandInput(
             aim=stage.locate(self._aims[hand], time_ns) if self._pose.is_active else None,
             select=select,
             back=self._pressed("back", hand)[1],
             stop=self._pressed("stop", hand)[1],
             held=held,
+            fist=fist,
+            closed=closed,
             thumbstick=(stick.x, stick.y),
         )
 

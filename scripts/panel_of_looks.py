@@ -1,0 +1,29 @@
+"""Draw the panel of somebody who answers by looks: ``python scripts/panel_of_looks.py OUT``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.respondent.dwell import Progress
+from vrcomfort.respondent.panel import LOOK_TWICE
+from vrcomfort.respondent.panel_layout import ends_of, question_cells
+from vrcomfort.respondent.panel_picture import Page, Painter
+
+
+def main(out: Path) -> None:
+    """Write ``panel_looks.png``: the second look at a prepared answer, five eighths done."""
+    ssq = shipped_instruments()["ssq"]
+    item = ssq.items[0]
+    cells = question_cells(item.answers, first=True)
+    title = f"1 of {len(ssq.items)}. {ssq.instruction}"
+    page = Page(title, item.text, cells, ends_of(item.answers), 0.0, hint=LOOK_TWICE)
+    picture = Painter().draw(page, cells[1], Progress(cells[1], 5, cells[1]))
+    Image.fromarray(picture).convert("RGB").save(out / "panel_looks.png", optimize=True)
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
