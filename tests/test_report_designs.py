@@ -170,6 +170,9 @@ def test_three_groups_have_a_kruskal_wallis_test(tmp_path: Path) -> None:
     text = 'outcomes = ["tasks.hits"]\n[[anova]]\nname = "group"\ncolumn = "group"'
     (row,) = results_of(tmp_path / "study", text)["kruskal_wallis"]
     assert (row["levels"], row["sizes"], row["df"]) == (["a", "b", "c"], [4, 4, 4], 2)
+    assert row["method"] == "exact"
+    (row,) = results_of(tmp_path / "study", 'p_value = "asymptotic"\n' + text)["kruskal_wallis"]
+    assert row["method"] == "asymptotic"
 
 
 @pytest.mark.parametrize(

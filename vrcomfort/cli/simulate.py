@@ -11,6 +11,7 @@ from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.options import (
     ExposureOption,
     GroupReadable,
+    LanguageOption,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -45,6 +46,7 @@ def simulate(
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -57,7 +59,7 @@ def simulate(
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_study(
-        load_protocol(protocol),
+        load_protocol(protocol).spoken(language),
         participants=participants,
         out=out,
         seed=seed,

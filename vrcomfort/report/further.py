@@ -224,4 +224,4 @@ def _of_levels(scored: Exposures, plan: Plan, place: int, outcome: str) -> Row:
     group = dict(zip(scored.table["participant"], levels, strict=True))
     names = sorted({str(level) for level in levels.dropna().unique()}, key=natural)
     groups = [np.array([v for who, v in of.items() if group[who] == name]) for name in names]
-    return {"levels": names, **asdict(kruskal_wallis(groups))}
+    return {"levels": names, **asdict(kruskal_wallis(groups, p_value=plan.p_value))}

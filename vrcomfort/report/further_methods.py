@@ -97,7 +97,8 @@ def _kruskal_wallis(results: Results) -> list[Method]:
     return [Method(
         "More than two groups",
         "More than two groups were compared with the test of Kruskal & Wallis (1952), corrected "
-        "for ties, on each person’s mean over exposures; ε² = H / (N − 1) is its effect size.",
+        "for ties, on each person’s mean over exposures; ε² = H / (N − 1) is its effect size. p is "
+        "exact given the ties where it is not marked.",
         ("kruskal_1952",),
     )]  # fmt: skip
 
