@@ -17,7 +17,7 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder
 from vrcomfort.session.dry_run import dry_run
 
-SHIPPED = ["carnegie_2015", "hillaire_2008", "mantiuk_2011", "motion_blur_2020", "smoke"]
+SHIPPED = sorted(path.stem for path in data_folder("protocols").glob("*.toml"))
 
 
 def test_a_session_without_pictures_takes_its_time(tmp_path):

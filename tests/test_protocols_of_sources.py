@@ -1,4 +1,4 @@
-"""The shipped protocols of the sources: variants differ in what they say, and studies run as printed."""
+"""Shipped protocols of the sources: variants differ in what they say, studies are as printed."""
 
 from __future__ import annotations
 

@@ -68,6 +68,7 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
         If a session does not come to its end.
     """
     study = folder / "dry_run"
+    protocol = _that_ends_for_nobody(protocol)
     design = build_design(protocol)
     wanted = {group.name for group in protocol.groups} or {""}
     lengths: list[SessionLength] = []
@@ -82,6 +83,15 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
             sessions = range(1, design.sessions + 1)
             lengths += [_length(study, name, group, sequence, each) for each in sessions]
     return lengths
+
+
+def _that_ends_for_nobody(protocol: Protocol) -> Protocol:
+    """Return the protocol with a validation of the gaze that ends no session, whatever it finds."""
+    validation = protocol.gaze_validation
+    if validation is None:
+        return protocol
+    noting = validation.model_copy(update={"above": "note"})
+    return protocol.model_copy(update={"gaze_validation": noting})
 
 
 def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str]) -> str:
