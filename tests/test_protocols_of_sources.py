@@ -80,3 +80,21 @@ def test_the_factorial_example_crosses_both_factors_and_both_scenes():
     for participant in build_design(protocol, seed=1).plan(16):
         trials = [trial for session in participant.sessions for trial in session]
         assert len({(trial.condition, trial.scene) for trial in trials}) == len(trials) == 8
+
+
+def test_hillaires_groups_of_six_begin_each_part_three_and_three():
+    people = build_design(load_protocol("hillaire_2008"), seed=2).plan(30)
+    for start in range(0, 30, 6):
+        orders = [[trial.condition for trial in each.trials] for each in people[start : start + 6]]
+        for first in (0, 2):  # of the first part, of the second
+            assert Counter(each[first] for each in orders) == {"blur_on": 3, "blur_off": 3}
+        assert all(a != b for each in orders for a, b in (each[:2], *pairwise(each[2:])))
+
+
+def test_hillaires_situations_have_their_lengths_and_tasks():
+    protocol = load_protocol("hillaire_2008_gaze")
+    (person,) = build_design(protocol).plan(1)
+    lengths_s = [protocol.length_s(trial.scene) for trial in person.trials]
+    assert lengths_s == [180, 300, 300, 300]
+    assert person.trials[0].task == "none"
+    assert len({trial.task for trial in person.trials}) == 4
