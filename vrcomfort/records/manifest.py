@@ -105,8 +105,8 @@ class Manifest:
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
 
-    def write(self, folder: Path, access: Access = OWNER) -> None:
-        """Write ``manifest.json`` as a whole; it is on the disk at return.
+    def write(self, folder: Path, access: Access = OWNER, *, sync: bool = True) -> None:
+        """Write ``manifest.json`` as a whole; it is on the disk at return, if `sync`.
 
         Raises
         ------
@@ -114,7 +114,7 @@ class Manifest:
             If the disk refuses.
         """
         text = indented(self._content())
-        replace_text(folder / "manifest.json", text + "\n", access)
+        replace_text(folder / "manifest.json", text + "\n", access, sync=sync)
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol
