@@ -157,13 +157,15 @@ def test_a_form_that_the_panel_cannot_show_is_refused(tmp_path, old, new, says):
 def test_a_translation_is_asked_in_its_language(tmp_path):
     words = "\n".join(f'{name} = "{name} auf Deutsch"' for name in ("felt_there", "felt_flat"))
     german = (
-        f'{OWN}\n[translations.de]\ninstruction = "Wie sehr?"\n[translations.de.items]\n{words}\n'
+        f'{OWN}\n[translations.de]\ninstruction = "Wie sehr?"\n'
+        f'labels = ["gar nicht", "völlig"]\n[translations.de.items]\n{words}\n'
         'would_return = { text = "Gerne wieder", aliases = ["Wieder"] }\n'
     )
     ask = 'instrument = "room.toml"\nlanguage = "de"'
     protocol = protocol_of(tmp_path, BOTH.replace('instrument = "room.toml"', ask), german)
     form = protocol.form(next(iter(protocol.asks("after_trial"))))
     assert form.instruction == "Wie sehr?"
+    assert form.items[0].answers.labels == ("gar nicht", "völlig")
     assert [item.text for item in form.items][2] == "Gerne wieder"
     assert protocol.instrument("room_quality").item("Wieder").name == "would_return"
 

@@ -39,7 +39,7 @@ def test_parts_say_together_what_one_file_says(tmp_path):
 def test_the_resolved_text_is_a_protocol_of_its_own(tmp_path):
     file = write(tmp_path, main=f'include = ["shared.toml"]\n{HEAD}{REST}', shared=SHARED)
     protocol = load_protocol(file)
-    again = parse_protocol(protocol.text, file=tmp_path / "again.toml")
+    again = parse_protocol(protocol.toml, file=tmp_path / "again.toml")
     assert again.model_dump() == protocol.model_dump()
     assert again.sha256 == protocol.sha256
 

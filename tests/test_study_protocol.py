@@ -20,7 +20,7 @@ from vrcomfort.settings.locate import locate
 
 def test_a_protocol_knows_its_text_and_its_scene_files(tmp_path):
     protocol = tiny_protocol(tmp_path)
-    assert protocol.text == PROTOCOL
+    assert protocol.toml == PROTOCOL
     assert len(protocol.sha256) == 64
     assert protocol.scene_source("room.glb") == str(tmp_path / "room.glb")
     assert protocol.condition("blur").depth_of_field is not None

@@ -189,7 +189,7 @@ def test_the_manifest_holds_the_protocol_and_what_was_overridden(tmp_path):
     manifest = Manifest("P1", 1, "ab", protocol, machine, {}, "simulated", 7, 0.5, "now")
     manifest.write(tmp_path)
     content = json.loads((tmp_path / "manifest.json").read_text())
-    assert content["protocol"]["text"] == protocol.text
+    assert content["protocol"]["text"] == protocol.toml
     assert content["protocol"]["sha256"] == protocol.sha256
     assert content["settings"]["conditions"][1]["depth_of_field"]["max_radius_percent"] == 1.75
     assert (content["exposure_override_s"], content["seed"]) == (0.5, 7)

@@ -198,7 +198,7 @@ def test_places_that_are_not_there_are_told_with_line(tmp_path, old, new, told):
     (fault,) = place_faults(protocol)
     assert told in str(fault)
     assert fault.line is not None
-    written = protocol.text.splitlines()[fault.line - 1]
+    written = protocol.toml.splitlines()[fault.line - 1]
     assert written.startswith(("viewpoint", "path"))
 
 

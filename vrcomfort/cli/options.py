@@ -135,6 +135,13 @@ def parse_covariates(texts: list[str] | None) -> dict[str, str]:
     return known
 
 
+LanguageOption = Annotated[
+    str | None,
+    typer.Option(
+        help="What the participant reads, one of the protocol's `languages`; without it, that of "
+        "their last session, else the protocol's first."
+    ),
+]
 SceneOption = Annotated[
     str, typer.Option(metavar="NAME|FILE.glb", help="A shipped scene, or any glTF 2.0 file.")
 ]

@@ -13,6 +13,7 @@ from vrcomfort.cli.options import (
     CovariateOption,
     ExposureOption,
     GroupReadable,
+    LanguageOption,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -26,7 +27,12 @@ from vrcomfort.cli.options import (
 from vrcomfort.cli.playback import PlaybackSetup, open_trace
 from vrcomfort.cli.run_console import open_console
 from vrcomfort.cli.run_desktop import desktop_setup
-from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.run_headset import (
+    HeadsetKind,
+    require_console,
+    require_meaning,
+    usual_respondent,
+)
 from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
@@ -104,6 +110,7 @@ def run(
         typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
     ] = None,
     covariate: CovariateOption = None,
+    language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -120,6 +127,7 @@ def run(
     - `vrcomfort run carnegie_2015 --participant P01 --out my_study --headset openxr --console`
     """
     study = load_protocol(protocol)
+    study = study.spoken(language or _language_of(study, out, participant))
     options = {
         "--trace": trace,
         "--refresh-hz": refresh_hz,
@@ -139,6 +147,7 @@ def run(
     )
     study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
     kind = respondent or usual_respondent(headset, with_console=with_console)
+    require_console(kind, with_console=with_console)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
@@ -178,6 +187,16 @@ def run(
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def _language_of(protocol: Protocol, study: Path, participant: str) -> str | None:
+    """Return the language of a participant's last session, where the protocol still has it."""
+    from vrcomfort.records import read_manifest, recorded_sessions, session_folder
+
+    for number in reversed(recorded_sessions(study, participant)):
+        language = read_manifest(session_folder(study, participant, number)).get("language")
+        return language if language in protocol.languages else None
+    return None
 
 
 def _tell_of_the_other_kind(study: Path, kind: RespondentKind) -> None:

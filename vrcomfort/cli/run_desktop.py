@@ -52,7 +52,7 @@ def desktop_setup(
             timing_trust="low: a window's frames pass through the desktop's compositor",
         )
         screen = PanelScreen(headset)
-        panel = PanelRespondent(screen, keyboard=True)
+        panel = PanelRespondent(screen, keyboard=True, words=protocol.words)
         yield HeadsetSetup(headset, renderer, panel, screen, machine)
 
 

@@ -122,7 +122,13 @@ def _person(
 
     dwell_s = protocol.answering.dwell_s
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s)
+        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s, words=protocol.words)
     rehearsal.screen = screen
-    watch, chose = rehearsal.watch, rehearsal.chose
-    return PanelRespondent(screen, watch=watch, chose=chose, keyboard=keyboard, dwell_s=dwell_s)
+    return PanelRespondent(
+        screen,
+        watch=rehearsal.watch,
+        chose=rehearsal.chose,
+        keyboard=keyboard,
+        dwell_s=dwell_s,
+        words=protocol.words,
+    )

@@ -11,6 +11,7 @@ from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.options import (
     ExposureOption,
     GroupReadable,
+    LanguageOption,
     ProtocolArgument,
     Quiet,
     RefreshRate,
@@ -45,6 +46,7 @@ def simulate(
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
@@ -57,7 +59,7 @@ def simulate(
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_study(
-        load_protocol(protocol),
+        load_protocol(protocol).spoken(language),
         participants=participants,
         out=out,
         seed=seed,
@@ -98,7 +100,8 @@ def simulate_study(
     from vrcomfort.records import open_study, told_of_the_other_kind
 
     size_px, trace, refresh_hz = playback_options
-    require_recorded_gaze(protocol.conditions, trace)
+    if protocol.simulation.eyes is None:
+        require_recorded_gaze(protocol.conditions, trace)
     playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     setup = StudySetup(protocol, out, playback, seed, exposure_s, durability="session_end")
     resume_check = ResumeCheck(protocol, playback, exposure_s)

@@ -155,9 +155,7 @@ class StudySetup:
             return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
         if kind is RespondentKind.TERMINAL:
             return TerminalRespondent(dialogue())
-        if kind is RespondentKind.CONSOLE:
-            if console is None:
-                raise InputError("--respondent console needs --console, where answers are entered")
+        if console is not None and kind is RespondentKind.CONSOLE:
             return console.respondent(headset.screen if headset else None)
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")

@@ -13,6 +13,7 @@ from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.tasks import find_tasks
+from vrcomfort.protocol.texts import text_problems, translated
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
 from vrcomfort.settings import Problem, in_words, read_text
@@ -50,6 +51,7 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
+    found += text_problems(protocol.languages, protocol.text, _asked(protocol, instruments))
     if found:
         raise source.first_problem(found)
     return _by_name(protocol, instruments, tasks)
@@ -72,6 +74,13 @@ def _with_crossed_factors(protocol: Protocol, source: Source) -> Protocol:
     raise source.first_problem(found)
 
 
+def _asked(protocol: Protocol, instruments: Mapping[str, Instrument]) -> dict[str, Instrument]:
+    """Return name → instrument of those that are asked in the participant's language."""
+    called = [ask.instrument for ask in protocol.questionnaires if ask.language is None]
+    called += [ratings.instrument for ratings in protocol.ratings]
+    return {instruments[c].name: instruments[c] for c in called if c in instruments}
+
+
 def _by_name(
     protocol: Protocol, instruments: Mapping[str, Instrument], tasks: Mapping[str, TaskSettings]
 ) -> Protocol:
@@ -91,7 +100,12 @@ def _by_name(
         for each in protocol.ratings
     )
     named = protocol.model_copy(update=changes)
-    named._instruments = {each.name: each for each in instruments.values()}
+    named._instruments = {}
+    for each in instruments.values():
+        worded = each
+        for language in protocol.languages:
+            worded = translated(worded, language, protocol.text)
+        named._instruments[each.name] = worded
     named._tasks = dict(tasks)
     return named
 

@@ -14,8 +14,10 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.stopping import Stopping
+from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
@@ -169,6 +171,8 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    eyes: SimulatedEyes | None = None
+    """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
     liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
     """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
     indifference: Coefficient = 0.5
@@ -221,6 +225,11 @@ class Protocol(Settings):
     """What is entered of everybody who is enrolled."""
     allocation: Allocation | None = None
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
+    languages: tuple[Word, ...] = ()
+    """In which participants can be asked (`run --language`), the usual one first: `["en", "de"]`.
+    Without it, each instrument is asked in its own."""
+    text: dict[str, LanguageTable] = Field(default_factory=dict)
+    """Words of other languages, or other words: `[text.fr]`."""
     questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
     """What is asked, and when."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
@@ -228,6 +237,8 @@ class Protocol(Settings):
     the second waits for the answer to the first."""
     tasks: tuple[AnyTask, ...] = ()
     """What participants do during an exposure (docs/tasks.md)."""
+    gaze_validation: GazeValidation | None = None
+    """How the eye tracker is validated; not at all without it."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
@@ -253,6 +264,7 @@ class Protocol(Settings):
 
     _source: Source | None = PrivateAttr(default=None)
     _file: Path | None = PrivateAttr(default=None)
+    _language: str | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
 
@@ -263,7 +275,7 @@ class Protocol(Settings):
     def form(self, ask: Ask) -> Instrument:
         """Return the instrument of a questionnaire with what is asked of it, in its language."""
         whole = self.instrument(ask.instrument)
-        worded = whole.in_language(ask.language or whole.language) or whole
+        worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
@@ -272,13 +284,58 @@ class Protocol(Settings):
         return None if name in (None, NO_TASK) else self._tasks[name]
 
     @property
+    def language(self) -> str | None:
+        """Return the language that was chosen for a participant; None: each instrument's own."""
+        return self._language
+
+    @property
+    def words(self) -> Words:
+        """Return the panel's words in the participant's language."""
+        return words_of(self._language or "en", self.text)
+
+    @property
+    def wordings(self) -> list[dict[str, str]]:
+        """Return which instrument is asked in which language, and whose wording it is."""
+        found: list[dict[str, str]] = []
+        forms = [self.form(ask) for ask in self.questionnaires]
+        for form in [*forms, *(self.rated(each) for each in self.ratings)]:
+            entry = {"instrument": form.name, "language": form.language}
+            entry["source"] = self.instrument(form.name).wording_source(form.language)
+            found += [] if entry in found else [entry]
+        return found
+
+    def spoken(self, language: str | None) -> Protocol:
+        """Return the protocol as a participant of a language is asked; None: in the usual one.
+
+        Raises
+        ------
+        InputError
+            If the protocol has no such language.
+        """
+        if language is None and not self.languages:
+            return self
+        chosen = language or self.languages[0]
+        if chosen not in self.languages:
+            known = ", ".join(self.languages) or "none: write `languages`"
+            message = f"protocol {self.name} is not asked in `{chosen}`; it has {known}"
+            raise InputError(message, file=self._file)
+        spoken = self.model_copy()
+        spoken._language = chosen
+        return spoken
+
+    def rated(self, ratings: Ratings) -> Instrument:
+        """Return the instrument of a rating in the participant's language."""
+        whole = self.instrument(ratings.instrument)
+        return whole.in_language(self._language or whole.language) or whole
+
+    @property
     def own_instruments(self) -> dict[str, str]:
         """Return name → TOML text of the instruments that are the lab's."""
         shipped = shipped_instruments()
         return {n: each.text for n, each in self._instruments.items() if n not in shipped}
 
     @property
-    def text(self) -> str:
+    def toml(self) -> str:
         """Return the TOML text that this was read from, with all that it includes."""
         return self._source.text if self._source else ""
 
@@ -296,7 +353,7 @@ class Protocol(Settings):
     @property
     def sha256(self) -> str:
         """Return the hash of the text, by which two runs of the same protocol are known."""
-        return hashlib.sha256(self.text.encode()).hexdigest()
+        return hashlib.sha256(self.toml.encode()).hexdigest()
 
     def fault(self, path: KeyPath, message: str) -> InputError:
         """Return the error for something wrong at a key of the text."""

@@ -34,7 +34,7 @@ TAKEN = frozenset(["participant", "sequence", "status", "enrolled_at", "note", "
 
 def order_problems(protocol: Protocol) -> Iterator[Problem]:
     """Yield what is wrong with the [order] table."""
-    written = tomllib.loads(protocol.text).get("order", {}) if protocol.text else {}
+    written = tomllib.loads(protocol.toml).get("order", {}) if protocol.toml else {}
     for key in written.keys() & OF_RULES.keys():
         if protocol.order.rule not in OF_RULES[key]:
             message = f'`{key}` does nothing with rule = "{protocol.order.rule}"'
@@ -213,7 +213,7 @@ def _allocation(protocol: Protocol) -> Iterator[Problem]:
 
 def _idle(protocol: Protocol) -> Iterator[Problem]:
     allocation = protocol.allocation
-    written = tomllib.loads(protocol.text).get("allocation", {}) if protocol.text else {}
+    written = tomllib.loads(protocol.toml).get("allocation", {}) if protocol.toml else {}
     for key, method in {"rounds": "permuted_blocks", "p_best": "minimisation"}.items():
         if allocation and key in written and allocation.method != method:
             message = f'`{key}` does nothing with method = "{allocation.method}"'

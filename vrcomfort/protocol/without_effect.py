@@ -72,7 +72,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
     Only what is written counts: defaults, and what a level of `quality` fills in, may be idle. What
     a level of a factor writes must do something in one of the conditions that it is part of.
     """
-    data = tomllib.loads(protocol.text)
+    data = tomllib.loads(protocol.toml)
     for path, table, conditions in _written(protocol, data):
         if table.get("quality") and not any(map(_has_dials, conditions)):
             message = "`quality` does nothing without depth_of_field or motion_blur; remove it"

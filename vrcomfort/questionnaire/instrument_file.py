@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field
 
 from vrcomfort.questionnaire.answers import Answer, Answers, exact
-from vrcomfort.questionnaire.instruments import Instrument, Item, Wording, plain
+from vrcomfort.questionnaire.instruments import Instrument, Item, Translation, Wording, plain
 from vrcomfort.questionnaire.scale_file import (
     Compiled,
     ScaleTable,
@@ -86,6 +86,9 @@ class TranslationTable(Settings):
     instruction: str | None = None
     """As it is asked; without it, the words below only find columns and answers in files."""
     labels: tuple[str, ...] = ()
+    """Names of the answers, as many as in the file's own language."""
+    source: str = ""
+    """Whose wording it is; recorded."""
     items: dict[str, Annotated[WordingTable, BeforeValidator(_worded)]] = Field(
         default_factory=dict
     )
@@ -151,11 +154,10 @@ def parse_instrument(text: str, file: Path | None = None) -> Instrument:
         language=table.language,
         variant_of=table.variant_of,
         prefixed=table.prefixed,
-        instructions=tuple(
-            (language, each.instruction)
+        translations={
+            language: Translation(each.instruction, each.labels, each.source)
             for language, each in table.translations.items()
-            if each.instruction is not None
-        ),
+        },
         text=text,
     )
 

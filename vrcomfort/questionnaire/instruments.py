@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Protocol
 
 from vrcomfort.questionnaire.answers import Answer, Answers
 from vrcomfort.questionnaire.scales import Scale
@@ -19,6 +20,43 @@ class Wording:
     language: str
     text: str
     aliases: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Translation:
+    """What is asked of all items in another language, and whose wording it is."""
+
+    instruction: str | None = None
+    labels: tuple[str, ...] = ()
+    source: str = ""
+
+
+class Worded(Protocol):
+    """An item's text, as a file gives it."""
+
+    @property
+    def text(self) -> str:
+        """Return it."""
+
+
+class Translated(Protocol):
+    """A translation, as a file gives it."""
+
+    @property
+    def instruction(self) -> str | None:
+        """Return what is asked of all items."""
+
+    @property
+    def labels(self) -> tuple[str, ...]:
+        """Return the names of the answers, or of the two ends."""
+
+    @property
+    def items(self) -> Mapping[str, Worded]:
+        """Return item → its text."""
+
+    @property
+    def source(self) -> str:
+        """Return whose wording it is."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +152,8 @@ class Instrument:
     """Whether plans and tables put the instrument's name before those of its scores and items."""
     licence: str = ""
     """What allows the wording to be here."""
-    instructions: tuple[tuple[str, str], ...] = ()
-    """Language → instruction."""
+    translations: Mapping[str, Translation] = field(default_factory=dict, repr=False)
+    """Language → what is asked of all items in it."""
     text: str = field(default="", repr=False)
     """The TOML that it was read from."""
 
@@ -212,16 +250,62 @@ class Instrument:
         """Return the instrument as it is asked in a language, or None where it has no words."""
         if language == self.language:
             return self
-        instruction = dict(self.instructions).get(language)
-        words = [next((w for w in i.wordings if w.language == language), None) for i in self.items]
-        if instruction is None or None in words:
+        if self.lacks(language):
             return None
-        items = tuple(
-            replace(item, text=word.text)
-            for item, word in zip(self.items, words, strict=True)
-            if word is not None
+        given = self.translations[language]
+        answers = replace(self.answers, labels=given.labels)
+
+        def worded(item: Item) -> Item:
+            text = next((w.text for w in item.wordings if w.language == language), item.text)
+            own = item.answers != self.answers
+            return replace(item, text=text, answers=item.answers if own else answers)
+
+        return replace(
+            self,
+            items=tuple(worded(item) for item in self.items),
+            answers=answers,
+            instruction=given.instruction or "",
+            language=language,
         )
-        return replace(self, items=items, instruction=instruction, language=language)
+
+    def lacks(self, language: str) -> list[str]:
+        """Return in words what is missing for being asked in a language."""
+        if language == self.language:
+            return []
+        given = self.translations.get(language, Translation())
+        missing = [] if given.instruction else ["the instruction"]
+        if self.labels and not given.labels:
+            missing.append("the labels of its answers")
+        return missing + [
+            f"item {item.name}"
+            for item in self.asked
+            if all(wording.language != language for wording in item.wordings)
+        ]
+
+    def with_translation(self, language: str, given: Translated) -> Instrument:
+        """Return the instrument with words of a language; what is given takes the place of its."""
+        before = self.translations.get(language, Translation())
+        whole = Translation(
+            given.instruction or before.instruction,
+            given.labels or before.labels,
+            given.source or before.source,
+        )
+
+        def worded(item: Item) -> Item:
+            if item.name not in given.items:
+                return item
+            others = tuple(each for each in item.wordings if each.language != language)
+            new = Wording(language, given.items[item.name].text)
+            return replace(item, wordings=(*others, new))
+
+        items = tuple(worded(item) for item in self.items)
+        return replace(self, items=items, translations={**self.translations, language: whole})
+
+    def wording_source(self, language: str) -> str:
+        """Return whose wording is asked in a language."""
+        if language == self.language:
+            return self.licence
+        return self.translations.get(language, Translation()).source
 
 
 DERIVED = frozenset(

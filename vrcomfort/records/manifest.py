@@ -129,6 +129,8 @@ class Manifest:
             "finished_at": self.finished_at,
             "seed": self.seed,
             "respondent": self.respondent,
+            "language": protocol.language,
+            "wordings": protocol.wordings,
             "headset": self.headset,
             "ipd_measured_m": self.ipd_measured_m,
             "exposure_s": self.exposure_s,
@@ -143,7 +145,7 @@ class Manifest:
                 "name": protocol.name,
                 "file": protocol.file.name if protocol.file else None,
                 "sha256": protocol.sha256,
-                "text": protocol.text,
+                "text": protocol.toml,
                 "parts": [
                     {"file": Path(file).name, "sha256": sha256}
                     for file, sha256 in protocol.parts.items()
@@ -164,7 +166,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "withdrawals_undone", "memory", "ended",
+    "withdrawals_undone", "memory", "ended", "language", "wordings",
 )  # fmt: skip
 
 

@@ -15,7 +15,14 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
-from vrcomfort.records import FrameRow, ImageRow, RatingRow, TrialRow, read_manifest
+from vrcomfort.records import (
+    FrameRow,
+    ImageRow,
+    RatingRow,
+    TaskRow,
+    TrialRow,
+    read_manifest,
+)
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
@@ -325,5 +332,7 @@ def _notes(folder: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
         )
     if lost := manifest.get("frames_not_recorded", 0):
         yield f"{folder}: {lost} frames that were shown have no row; they cannot be shown again"
+    if (folder / TaskRow.FILE).exists():
+        yield f"{folder}: balls of tasks are not drawn again; images with them are not as recorded"
     if not (folder / ImageRow.FILE).exists():
         yield f"{folder}: no images were hashed; whether they are the same cannot be told"

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
@@ -28,10 +29,6 @@ from vrcomfort.respondent.pointing import Pointing, Screen
 UNABLE_S = 2.0
 """So long nothing to point with may be out of sight before the panel says so."""
 
-NO_CONTROLLER = "No controller is seen: switch one on, or ask for help"
-
-LOOK_TWICE = "Look at an answer, look away, and look at it again"
-
 
 class PanelRespondent:
     """A person who answers in the headset.
@@ -45,6 +42,8 @@ class PanelRespondent:
         participant looks on here.
     keyboard
         The participant has one: each question says how to use it.
+    words
+        What stands beside questions and answers, in the participant's language.
     dwell_s
         So long a look must rest on a cell, twice, to choose it, where there is no controller.
     """
@@ -59,8 +58,10 @@ class PanelRespondent:
         watch: Callable[[Page], None] = lambda _: None,
         chose: Callable[[Cell], None] = lambda _: None,
         keyboard: bool = False,
+        words: Words = ENGLISH,
         dwell_s: float = DWELL_S,
     ) -> None:
+        self._words = words
         self._screen = screen
         self._now_s = now_s
         self._watch, self._chose = watch, chose
@@ -91,7 +92,7 @@ class PanelRespondent:
         """
         pointing = self._screen.pointing()
         if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
-            self._stopping = stop_page()
+            self._stopping = stop_page(self._words)
             self._keys.forget()
             self._dwell.forget()
             self._take_decision(self._step(self._stopping, Pointing(letters=pointing.letters)))
@@ -127,7 +128,7 @@ class PanelRespondent:
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Show the scale in the scene; the answer is picked up by `endure`."""
         answers = instrument.items[0].answers
-        cells = answer_cells(question_cells(answers, first=True))
+        cells = answer_cells(question_cells(answers, first=True, words=self._words))
         self._rating, self._scale_until_s = None, elapsed_s + timeout_s
         self._keys.forget()
         self._dwell.forget()
@@ -148,10 +149,9 @@ class PanelRespondent:
             If the participant stops, and says so twice.
         """
         self._screen.allow_absence(left_s)
-        minutes = math.ceil(left_s / 60)
-        words = f"{minutes} minutes" if minutes > 1 else "less than a minute"
-        question = f"You may take the headset off. It goes on in {words}."
-        page = Page("Rest", question, rest_cells())
+        minutes, words = math.ceil(left_s / 60), self._words
+        later = words.rest_minutes.format(minutes=minutes)
+        page = Page(words.rest, later if minutes > 1 else words.rest_soon, rest_cells(words))
         self._screen.next_frame()
         cell = self._step(page, self._screen.pointing())
         if cell is not None:
@@ -188,9 +188,11 @@ class PanelRespondent:
         item = instrument.items[index]
         count = len(instrument.items)
         page = Page(
-            title=f"{index + 1} of {count}. {instrument.instruction}",
+            title=self._words.place.format(
+                number=index + 1, count=count, instruction=instrument.instruction
+            ),
             question=item.text,
-            cells=question_cells(item.answers, first=index == 0),
+            cells=question_cells(item.answers, first=index == 0, words=self._words),
             ends=ends_of(item.answers),
             done=index / count,
             chosen=answers[index],
@@ -208,14 +210,14 @@ class PanelRespondent:
         """Show all answers; return the index of the one to correct, or None if all are right."""
         if len(answers) == 1:
             return None
-        title = "These are your answers. Choose one to change it."
-        cell = self._choose(Page(title, "", review_cells(instrument, answers)))
+        cells = review_cells(instrument, answers, self._words)
+        cell = self._choose(Page(self._words.review, "", cells))
         return cell.value if cell.act is Act.CORRECT else None
 
     def _hint(self, answers: Answers) -> str:
         if not self._keyboard:
             return ""
-        return f"Click, or type {answers.asked_in_words}, then Enter"
+        return self._words.hint.format(answers=answers.asked_in_words)
 
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""
@@ -226,7 +228,7 @@ class PanelRespondent:
             self._stop_if_sure("withdrew at a question")
 
     def _stop_if_sure(self, note: str) -> None:
-        if self._wait(stop_page()).act is Act.WITHDRAW:
+        if self._wait(stop_page(self._words)).act is Act.WITHDRAW:
             self._hide()
             raise Withdrew(note)
 
@@ -271,8 +273,8 @@ class PanelRespondent:
     def _hinted(self, page: Page, pointing: Pointing) -> Page:
         """Return the page with what somebody must know who has no controller."""
         if self._is_unable(pointing):
-            return self._with_hint(page, NO_CONTROLLER)
-        return self._with_hint(page, LOOK_TWICE) if pointing.dwelling else page
+            return self._with_hint(page, self._words.no_controller)
+        return self._with_hint(page, self._words.look_twice) if pointing.dwelling else page
 
     def _with_hint(self, page: Page, hint: str) -> Page:
         """Return the same page for the same hint, so that it is drawn once."""

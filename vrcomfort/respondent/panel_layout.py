@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answer, Answers, Instrument
 
 SIZE_PX = 1024, 768
@@ -76,10 +77,10 @@ def answer_cells(cells: Sequence[Cell]) -> list[Cell]:
     return [each for each in cells if each.act is Act.ANSWER]
 
 
-def question_cells(answers: Answers, *, first: bool) -> list[Cell]:
+def question_cells(answers: Answers, *, first: bool, words: Words = ENGLISH) -> list[Cell]:
     """Return the cells of a question: its answers, and what stands at the foot."""
-    foot = [] if first else [("Back", Act.BACK)]
-    foot += [("Rather not say", Act.DECLINE), ("Stop", Act.STOP)]
+    foot = [] if first else [(words.back, Act.BACK)]
+    foot += [(words.decline, Act.DECLINE), (words.stop, Act.STOP)]
     return _answers(answers) + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
@@ -90,7 +91,9 @@ def ends_of(answers: Answers) -> tuple[str, str] | None:
     return answers.labels[0], answers.labels[-1]
 
 
-def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[Cell]:
+def review_cells(
+    instrument: Instrument, answers: Sequence[int | None], words: Words = ENGLISH
+) -> list[Cell]:
     """Return the cells of the list of all answers: each opens its question again."""
     rows = [
         Cell(
@@ -101,18 +104,18 @@ def review_cells(instrument: Instrument, answers: Sequence[int | None]) -> list[
         )
         for index, (item, answer) in enumerate(zip(instrument.items, answers, strict=True))
     ]
-    foot = [("All correct", Act.CONFIRM), ("Stop", Act.STOP)]
+    foot = [(words.all_correct, Act.CONFIRM), (words.stop, Act.STOP)]
     return rows + _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
-def rest_cells() -> list[Cell]:
+def rest_cells(words: Words = ENGLISH) -> list[Cell]:
     """Return the cells of a rest."""
-    return _row([("Stop", Act.STOP)], FOOT_TOP_PX, FOOT_BOTTOM_PX)
+    return _row([(words.stop, Act.STOP)], FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
-def stop_cells() -> list[Cell]:
+def stop_cells(words: Words = ENGLISH) -> list[Cell]:
     """Return the cells of the page that asks whether to stop; what asked is no answer to it."""
-    choices = [("No, go on", Act.BACK), ("Yes, stop now", Act.WITHDRAW)]
+    choices = [(words.go_on, Act.BACK), (words.stop_now, Act.WITHDRAW)]
     return _row(choices, ANSWER_TOP_PX, ANSWER_BOTTOM_PX)
 
 

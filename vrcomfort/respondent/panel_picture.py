@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.dwell import STEPS, Progress
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
@@ -68,9 +71,9 @@ class Page:
     hint: str = ""
 
 
-def stop_page() -> Page:
+def stop_page(words: Words = ENGLISH) -> Page:
     """Return the page that asks whether somebody who wants to stop is sure."""
-    return Page("", "Do you want to stop the study?", stop_cells())
+    return Page("", words.sure, stop_cells(words))
 
 
 class Painter:
@@ -81,6 +84,7 @@ class Painter:
 
     def __init__(self) -> None:
         self._page: Page | None = None
+        self._whole = False
         self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
         self._cells: dict[Cell, Picture] = {}
 
@@ -95,6 +99,7 @@ class Painter:
         """
         if page is not self._page:
             self._page, self._pixels = page, np.asarray(_draw_page(page))
+            self._whole = _needs_whole(page)
             self._cells.clear()
         picture = self._pixels.copy()
         if pointed is not None:
@@ -109,7 +114,8 @@ class Painter:
         if kept is None:
             left, top, right, bottom = _around(cell)
             image = Image.fromarray(self._pixels[top:bottom, left:right])
-            _draw_cell(ImageDraw.Draw(image), cell, POINTED, corner=(left, top))
+            canvas = _Canvas(image, whole=self._whole)
+            _draw_cell(canvas, cell, POINTED, corner=(left, top))
             kept = self._cells[cell] = np.asarray(image)
         return kept
 
@@ -138,40 +144,42 @@ def _draw_looks(picture: Picture, looks: Progress) -> None:
 
 def _draw_page(page: Page) -> Image.Image:
     image = Image.new("RGBA", SIZE_PX, BACKGROUND)
-    canvas = ImageDraw.Draw(image)
+    canvas = _Canvas(image, whole=_needs_whole(page))
     _draw_head(canvas, page)
     for cell in page.cells:
         _draw_cell(canvas, cell, _colour(cell, page))
     if page.ends is not None:
         _draw_ends(canvas, page)
     middle = SIZE_PX[0] / 2, HINT_PX
-    canvas.text(middle, page.hint, fill=QUIET, font=_font(SMALL_PX), anchor="mm")
+    canvas.text(middle, page.hint, fill=QUIET, font=canvas.face(SMALL_PX), anchor="mm")
     return image
 
 
-def _draw_head(canvas: ImageDraw.ImageDraw, page: Page) -> None:
+def _draw_head(canvas: _Canvas, page: Page) -> None:
     width = SIZE_PX[0] - 2 * MARGIN_PX
     title = _wrapped(canvas, page.title, SMALL_PX, width)
-    canvas.multiline_text((MARGIN_PX, 36), title, fill=QUIET, font=_font(SMALL_PX), spacing=10)
+    canvas.multiline_text(
+        (MARGIN_PX, 36), title, fill=QUIET, font=canvas.face(SMALL_PX), spacing=10
+    )
     _draw_question(canvas, page.question, width)
     if page.done is not None:
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width, 144), fill=CELL)
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width * page.done, 144), fill=POINTED)
 
 
-def _draw_question(canvas: ImageDraw.ImageDraw, question: str, width: float) -> None:
+def _draw_question(canvas: _Canvas, question: str, width: float) -> None:
     """Draw the question as large as it has room for above its answers."""
     top = MARGIN_PX, QUESTION_TOP_PX
     for size in QUESTION_PX:
         text = _wrapped(canvas, question, size, width)
-        bottom = canvas.multiline_textbbox(top, text, font=_font(size), spacing=12)[3]
+        bottom = canvas.multiline_textbbox(top, text, font=canvas.face(size), spacing=12)[3]
         if bottom <= ANSWER_TOP_PX - 8 or size == QUESTION_PX[-1]:
-            canvas.multiline_text(top, text, fill=TEXT, font=_font(size), spacing=12)
+            canvas.multiline_text(top, text, fill=TEXT, font=canvas.face(size), spacing=12)
             return
 
 
 def _draw_cell(
-    canvas: ImageDraw.ImageDraw,
+    canvas: _Canvas,
     cell: Cell,
     colour: tuple[int, ...],
     *,
@@ -185,13 +193,13 @@ def _draw_cell(
     size = MIDDLE_PX if bottom - top > LARGE_PX else SMALL_PX
     size = _fitting(canvas, cell.text, size, right - left - 8)
     middle = (left + right) / 2, (top + bottom) / 2
-    canvas.text(middle, cell.text, fill=TEXT, font=_font(size), anchor="mm")
+    canvas.text(middle, cell.text, fill=TEXT, font=canvas.face(size), anchor="mm")
 
 
-def _draw_ends(canvas: ImageDraw.ImageDraw, page: Page) -> None:
+def _draw_ends(canvas: _Canvas, page: Page) -> None:
     low, high = page.ends or ("", "")
     y = max(cell.box[3] for cell in page.cells if cell.act is Act.ANSWER) + 30
-    font = _font(SMALL_PX)
+    font = canvas.face(SMALL_PX)
     canvas.text((MARGIN_PX, y), low, fill=QUIET, font=font, anchor="lm")
     canvas.text((SIZE_PX[0] - MARGIN_PX, y), high, fill=QUIET, font=font, anchor="rm")
 
@@ -202,22 +210,63 @@ def _colour(cell: Cell, page: Page) -> tuple[int, ...]:
     return STOP if cell.act in {Act.STOP, Act.WITHDRAW} else CELL
 
 
+class _Canvas(ImageDraw.ImageDraw):
+    """Draws text in one family.
+
+    Parameters
+    ----------
+    whole
+        In the one that has the letters of all languages.
+    """
+
+    def __init__(self, image: Image.Image, *, whole: bool) -> None:
+        super().__init__(image)
+        self._whole = whole
+
+    def face(self, size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
+        """Return the family in a size."""
+        return _whole_font(size_px) if self._whole else _font(size_px)
+
+
+_HAS = frozenset(map(chr, range(32, 127))) | {"…", "’", "\n"}
+"""What Pillow's own font has of what is written here: no umlaut, accent or dash."""
+
+
+def _needs_whole(page: Page) -> bool:
+    """Return whether a page has letters that the usual font has not."""
+    texts = [page.title, page.question, page.hint, *(page.ends or ())]
+    return not _HAS.issuperset("".join([*texts, *(cell.text for cell in page.cells)]))
+
+
 @lru_cache(maxsize=32)
 def _font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size_px)
 
 
-def _fitting(canvas: ImageDraw.ImageDraw, text: str, size_px: int, width_px: float) -> int:
+@lru_cache(maxsize=64)
+def _whole_font(size_px: int) -> ImageFont.FreeTypeFont:
+    """Return DejaVu Sans, which comes with Matplotlib, without importing that."""
+    spec = find_spec("matplotlib")
+    (folder,) = (spec.submodule_search_locations or [""]) if spec else [""]
+    # It is a seventh wider than the usual font.
+    return ImageFont.truetype(
+        str(Path(folder) / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"), round(size_px * 0.9)
+    )
+
+
+def _fitting(canvas: _Canvas, text: str, size_px: int, width_px: float) -> int:
     """Return the largest size up to `size_px` at which the text is not wider than its cell."""
-    wide = canvas.textlength(text, font=_font(size_px))
-    return size_px if wide <= width_px else max(int(size_px * width_px / wide), 12)
+    size = size_px
+    while size > 12 and canvas.textlength(text, font=canvas.face(size)) > width_px:
+        size -= 1
+    return size
 
 
-def _wrapped(canvas: ImageDraw.ImageDraw, text: str, size_px: int, width_px: float) -> str:
+def _wrapped(canvas: _Canvas, text: str, size_px: int, width_px: float) -> str:
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()
-        if canvas.textlength(longer, font=_font(size_px)) <= width_px:
+        if canvas.textlength(longer, font=canvas.face(size_px)) <= width_px:
             lines[-1] = longer
         else:
             lines.append(word)

@@ -190,7 +190,7 @@ def schedules_of(
         [
             RatingSchedule(
                 each,
-                protocol.instrument(each.instrument),
+                protocol.rated(each),
                 respondent,
                 due_times(each, duration_s, np.random.default_rng((*key, index))),
             )

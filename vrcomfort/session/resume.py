@@ -91,6 +91,10 @@ class InterruptedSessions:
             elif manifest["respondent"] != respondent:
                 then = f"--respondent {manifest['respondent']}"
                 what = f"with {then}, not {respondent}; resume it with {then}"
+            elif manifest.get("language") != protocol.language:
+                begun_in = manifest.get("language")
+                what = f"in {begun_in or 'no chosen language'}, not {protocol.language}"
+                what += f"; resume it with --language {begun_in}" if begun_in else ""
             else:
                 continue
             raise InputError(f"session {number} was begun {what}", file=self._folders[number])
