@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from vrcomfort.frame import Frame, GpuTime
+from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
 from vrcomfort.render.photodiode import PatchLight
@@ -17,10 +18,9 @@ from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Finishing
+from vrcomfort.session.interfaces import Doing, Finishing, Looks
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.steering import Redone, Skipped
-from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -93,7 +93,7 @@ class FrameLoop:
         self._was_paused = self._back_at_start = False
         self._clocks = ClockBridge(self.context, self.events.recorder)
         self._clocks_due_s: float | None = None
-        self._task: TaskRun | None = None
+        self._task: Doing | None = None
         self._light: PatchLight | None = None
         self._light_told = False
 
@@ -102,7 +102,7 @@ class FrameLoop:
         stimulus: Stimulus,
         *,
         schedule: RatingSchedules | None = None,
-        task: TaskRun | None = None,
+        task: Doing | None = None,
         progress: Callable[[float], None],
     ) -> Ending:
         """Show frames for `stimulus.duration_s`, as counted by their display times.
@@ -281,10 +281,25 @@ class FrameLoop:
     def _carried(self, frame: Frame) -> Frame:
         """Return a frame where the path has taken the participant, by shown time."""
         if self.path is None:
-            return frame
+            return self._with_eyes(frame)
         jump, self._back_at_start = self._back_at_start, False
         avatar = self.path.moved(self.elapsed_s) @ frame.avatar_pose
-        return replace(frame, avatar_pose=avatar, discontinuity=frame.discontinuity or jump)
+        carried = replace(frame, avatar_pose=avatar, discontinuity=frame.discontinuity or jump)
+        return self._with_eyes(carried)
+
+    def _with_eyes(self, frame: Frame) -> Frame:
+        """Return a frame with the gaze of a simulated participant, where there is none."""
+        respondent = self.context.respondent
+        if frame.gaze is not None or not isinstance(respondent, Looks):
+            return frame
+        demand = self._task.demand(frame) if self._task else None
+        point = (
+            None
+            if demand is None
+            else (frame.avatar_pose.inverse() @ Pose(demand.position_m)).position
+        )
+        gaze = respondent.look(frame.predicted_display_time_ns / 1e9, frame.head_pose, point)
+        return frame if gaze is None else replace(frame, gaze=gaze)
 
     def _with_unseen_jumps(self, frame: Frame) -> Frame:
         """Tell the renderer of jumps in frames that the runtime did not want drawn."""
