@@ -71,6 +71,7 @@ torture-short: setup
 scenes: setup
 	@$(BIN)/python scenes/build_temple.py
 	@$(BIN)/python scenes/build_mountain.py
+	@$(BIN)/python scenes/build_depths.py
 	@$(BIN)/python scenes/build_traces.py
 
 clean:

@@ -46,7 +46,7 @@ install_browser() {
     {
         "${as_root[@]}" apt-get update -qq &&
             "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-                apt-get install -y -qq --no-install-recommends chromium
+                apt-get install -y -qq --no-install-recommends chromium chromium-driver
     } >/dev/null || return 1
 }
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.operator import ScriptedDesk, Wanted
+from tests.support.report import build_report
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import Scripted
 from vrcomfort.exchange.verifying import verify_study
@@ -264,3 +265,15 @@ def test_every_event_of_an_operator_has_its_time_and_order(tmp_path):
     assert times == sorted(times)
     assert all("step 3 (exposure 1 of 2" in detail for _, detail in events(tmp_path))
     assert folder(tmp_path).is_dir()
+
+
+@pytest.mark.slow
+def test_a_report_reads_a_study_that_was_skipped_redone_and_paused_in(tmp_path):
+    for name, first in (("P01", "skip"), ("P02", "redo"), ("P03", "pause")):
+        script = [Wanted("exposure", first, after=30)]
+        if first == "pause":
+            script.append(Wanted("exposure", "go_on"))
+        steered(tmp_path, *script, participant=name)
+    written = build_report(tmp_path / "S", out=tmp_path / "report")
+    assert written.index.exists()
+    assert_whole(tmp_path)

@@ -1,4 +1,4 @@
-"""The two scenes that ship: as the paper describes them, clean, small, rebuilt by their scripts."""
+"""The scenes that ship: as they are described, clean, small, rebuilt by their scripts."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from vrcomfort.render.draw_list import DrawList
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 
-NAMES = ("temple", "mountain")
+NAMES = ("temple", "mountain", "depths")
 EYE = np.array([0.0, 1.6, 0.0])
 
 
@@ -128,7 +128,7 @@ def test_nothing_stands_in_the_way_of_a_head(scene):
 @pytest.mark.slow
 def test_temple_is_near_and_mountain_is_far():
     nearest = {}
-    for name in NAMES:
+    for name in ("temple", "mountain"):
         scene = load_scene(name)
         turns = [
             cast(scene, 0.0, *view_rays(scene.spawn.position + EYE, yaw))

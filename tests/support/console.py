@@ -15,7 +15,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from vrcomfort.console import ServerProcess
 
-WAIT_S = 20.0
+WAIT_S = 60.0
 
 
 @dataclass
@@ -110,3 +110,65 @@ def served() -> Iterator[Served]:
         found = Served(server, sentences, addresses)
         wait_for(lambda: addresses)
         yield found
+
+
+@dataclass(frozen=True)
+class Doing:
+    """What an operator does when a step's name has these words, and when (paused or not)."""
+
+    words: str
+    action: str
+    text: str = ""
+    paused: bool = False
+    after_s: float = 0.0
+
+
+def come_in(address: str) -> tuple[str, str]:
+    """Return origin and cookie of an operator who opens an address."""
+    parts = urlsplit(address)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=WAIT_S)
+    connection.request("GET", f"/?{parts.query}")
+    answer = connection.getresponse()
+    cookie = answer.getheader("set-cookie") or ""
+    connection.close()
+    assert cookie, answer.status
+    return f"http://{parts.netloc}", cookie.partition(";")[0]
+
+
+def steer(
+    page: PageSocket, plan: list[Doing], *, answer: int = 1, until: str = ""
+) -> list[dict[str, Any]]:
+    """Answer everything and follow a plan to the end of the session; return its states.
+
+    `until` ends it before, in a step whose name has these words.
+    """
+    plan, asked = list(plan), ""
+    while not page.states or not page.states[-1]["ended"]:
+        if until and page.states and until in page.states[-1]["step"]["words"]:
+            break
+        known = len(page.states)
+        page.hear(lambda page, known=known: len(page.states) > known)
+        state = page.states[-1]
+        step, question = state["step"], state.get("question")
+        doing = plan[0] if plan else None
+        if doing and _is_time(state, doing):
+            page.say(doing.action, step["number"], text=doing.text)
+            plan.pop(0)
+        elif question and (key := json.dumps([step, question])) != asked:
+            asked = key
+            _answer(page, step["number"], question, answer)
+    assert plan == [], "the session ended before"
+    return page.states
+
+
+def _is_time(state: dict[str, Any], doing: Doing) -> bool:
+    here = doing.words in state["step"]["words"] and state["paused"] == doing.paused
+    return here and state["done"] >= doing.after_s
+
+
+def _answer(page: PageSocket, step: int, question: dict[str, Any], answer: int) -> None:
+    items, place = question["items"], question["current"]
+    if place == len(items):
+        page.say("confirm", step)
+    else:
+        page.say(question["action"], step, text=items[place]["name"], value=answer)

@@ -27,7 +27,12 @@ from vrcomfort.cli.options import (
 from vrcomfort.cli.playback import PlaybackSetup, open_trace
 from vrcomfort.cli.run_console import open_console
 from vrcomfort.cli.run_desktop import desktop_setup
-from vrcomfort.cli.run_headset import HeadsetKind, require_meaning, usual_respondent
+from vrcomfort.cli.run_headset import (
+    HeadsetKind,
+    require_console,
+    require_meaning,
+    usual_respondent,
+)
 from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
@@ -142,6 +147,7 @@ def run(
     )
     study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
     kind = respondent or usual_respondent(headset, with_console=with_console)
+    require_console(kind, with_console=with_console)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))

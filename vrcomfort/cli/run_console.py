@@ -42,18 +42,21 @@ def open_console() -> Iterator[OperatorsConsole]:
     Raises
     ------
     InputError
-        If its packages are missing, or it does not start.
+        If it does not start.
     """
-    from vrcomfort.console import ConsoleDesk, ServerProcess, require_server
+    from vrcomfort.console import ConsoleDesk, ServerProcess
     from vrcomfort.headset.eye_pictures import EyePictures
     from vrcomfort.session.steering import ALLOWED, Steering
 
-    require_server()
     terminal = dialogue()
 
     def tell_address(address: str) -> None:
         terminal.print(f"console, for the next operator, once: {address}", soft_wrap=True)
 
     with ServerProcess(warn, tell_address) as server:
-        desk = ConsoleDesk(server, ALLOWED, say=terminal.print, pictures=EyePictures())
-        yield OperatorsConsole(desk, Steering(desk))
+        pictures = EyePictures()
+        desk = ConsoleDesk(server, ALLOWED, say=terminal.print, pictures=pictures)
+        try:
+            yield OperatorsConsole(desk, Steering(desk))
+        finally:
+            pictures.release()

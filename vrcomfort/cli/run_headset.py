@@ -59,3 +59,19 @@ def require_meaning(
         if headset not in headsets:
             places = " or ".join(f"--headset {each}" for each in headsets)
             raise InputError(f"{name} is for {places}; leave it out with --headset {headset}")
+
+
+def require_console(kind: RespondentKind, *, with_console: bool) -> None:
+    """Refuse a console without its packages, and answers on one that is not asked for.
+
+    Raises
+    ------
+    InputError
+        Says what to type.
+    """
+    if with_console:
+        from vrcomfort.console import require_server
+
+        require_server()
+    elif kind is RespondentKind.CONSOLE:
+        raise InputError("--respondent console needs --console, where answers are entered")

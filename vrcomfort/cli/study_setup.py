@@ -137,7 +137,11 @@ class StudySetup:
         if self._rendering is None:
             from vrcomfort.render.image_hash import HASH_EVERY
 
-            renderer = make_renderer(self._playback.size_px, hash_every=HASH_EVERY)
+            renderer = make_renderer(
+                self._playback.size_px,
+                hash_every=HASH_EVERY,
+                photodiode=self._protocol.photodiode,
+            )
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering
 
@@ -155,9 +159,7 @@ class StudySetup:
             return SimulatedRespondent(settings, participant=enrolment.participant, seed=seed)
         if kind is RespondentKind.TERMINAL:
             return TerminalRespondent(dialogue())
-        if kind is RespondentKind.CONSOLE:
-            if console is None:
-                raise InputError("--respondent console needs --console, where answers are entered")
+        if console is not None and kind is RespondentKind.CONSOLE:
             return console.respondent(headset.screen if headset else None)
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")

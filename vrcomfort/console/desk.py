@@ -142,7 +142,7 @@ class ConsoleDesk:
         self._next_s = self._next_picture_s = 0.0
 
     def open(self, order: Order) -> None:
-        """Show a session that begins."""
+        """Take note of a session that begins; its first step shows it."""
         self._state |= {
             "participant": order.participant,
             "session": order.session,
@@ -152,7 +152,6 @@ class ConsoleDesk:
             "ended": "",
         }
         self._line(f"session {order.session} of {order.participant}, order {order.sequence}")
-        self._publish()
 
     def begin(self, step: Step) -> None:
         """Show a step that begins."""
@@ -250,6 +249,8 @@ class ConsoleDesk:
         self._say(text)
 
     def _publish(self) -> None:
+        if "step" not in self._state:
+            return  # nothing has begun
         self._next_s = self._now_s() + STATE_EVERY_S
         state = dict(self._state)
         state |= {"paused": self._paused, "withdrawing": self._leaving}

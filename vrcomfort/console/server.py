@@ -33,6 +33,8 @@ from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_e
 
 PAGE = Path(__file__).parent / "page"
 MOST_PAGES = 100
+LAST_STATE_S = 0.3
+"""So long pages have to take the last state, which says how the session ended."""
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -242,6 +244,7 @@ def _read_pipe(
     """Pass messages of the session on, until it is gone."""
     while (message := wire.read_message(sys.stdin.buffer)) is not None:
         loop.call_soon_threadsafe(server.take, *message)
+    time.sleep(LAST_STATE_S)
     uvicorn_server.should_exit = True
 
 

@@ -65,3 +65,7 @@ class EyePictures:
         framebuffer = ctx.framebuffer([gl.color_texture(ctx, size_px, dtype="f1")])
         buffer = gl.dynamic_buffer(ctx, 3 * size_px[0] * size_px[1])
         return _Target(EyePainter(ctx), framebuffer, buffer)
+
+    def release(self) -> None:
+        """Let go of what was made on the GPU, which goes with it."""
+        self._target, self._taken_at = None, None

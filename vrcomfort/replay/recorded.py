@@ -15,7 +15,15 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
-from vrcomfort.records import FrameRow, ImageRow, RatingRow, TrialRow, read_manifest
+from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.records import (
+    FrameRow,
+    ImageRow,
+    RatingRow,
+    TaskRow,
+    TrialRow,
+    read_manifest,
+)
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
@@ -103,6 +111,12 @@ class RecordedSession:
         """Return the size of one eye's image."""
         width, height = self.manifest["headset"]["image_size_px"]
         return int(width), int(height)
+
+    @property
+    def photodiode(self) -> Photodiode | None:
+        """Return the patch that was shown."""
+        settings = self.manifest.get("settings", {}).get("photodiode")
+        return None if settings is None else Photodiode.model_validate(settings)
 
     def scene(self, name: str) -> str:
         """Return the scene that a trial's `scene` means: the one of a view, or itself."""
@@ -325,5 +339,7 @@ def _notes(folder: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
         )
     if lost := manifest.get("frames_not_recorded", 0):
         yield f"{folder}: {lost} frames that were shown have no row; they cannot be shown again"
+    if (folder / TaskRow.FILE).exists():
+        yield f"{folder}: balls of tasks are not drawn again; images with them are not as recorded"
     if not (folder / ImageRow.FILE).exists():
         yield f"{folder}: no images were hashed; whether they are the same cannot be told"

@@ -1,0 +1,70 @@
+"""Makes the documentation's pictures of the operator's console.
+
+Run ``python scripts/console_pictures.py docs/images``: a session with the playback headset, whose
+page is opened in a Chromium without a screen. Needs ``vrcomfort[dev]`` and ``scripts/browser.sh``.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from tests.support.browser import find_browser
+from tests.support.console_session import PROTOCOL, running_session
+from tests.support.operator_page import OperatorPage, operator_page, screenshot
+
+LONGER = (
+    PROTOCOL.replace("exposure_s = 4.0", "exposure_s = 12.0")
+    .replace("every_s = 1.2", "every_s = 2.0")
+    .replace("timeout_s = 1.1", "timeout_s = 1.9")
+)
+SIZE = "240x300"
+RATINGS = 4
+
+
+def main() -> None:
+    """Write ``console_questionnaire.png`` and ``console_exposure.png``."""
+    folder = Path(sys.argv[1])
+    browser = find_browser()
+    if browser is None:
+        sys.exit("there is no browser; scripts/browser.sh installs one")
+    with (
+        TemporaryDirectory() as study,
+        running_session(Path(study), "--size", SIZE, protocol=LONGER) as session,
+        operator_page(browser, (1000, 980)) as page,
+    ):
+        page.open(session.next_address())
+        page.press_button("Start")
+        page.until_step("questionnaire ssq (baseline)")
+        page.answer(*"0102001")
+        screenshot(page, folder / "console_questionnaire.png")
+        page.answer(*"000000000")
+        page.until(lambda: page.shows("confirm"))
+        page.press(Keys.ENTER)
+        page.until_step("exposure 1 of 2")
+        page.driver.find_element(By.ID, "look").click()
+        rate(page)
+        page.press("n")
+        page.press("looks at the ceiling", Keys.TAB, Keys.ENTER)
+        page.press("p")
+        page.until_step("— paused")
+        screenshot(page, folder / "console_exposure.png")
+
+
+def rate(page: OperatorPage) -> None:
+    """Enter ratings as they are asked for, a little higher each time."""
+    for rating in range(1, RATINGS + 1):
+        page.until(lambda: page.shows("question"))
+        button = page.driver.find_element(By.CSS_SELECTOR, f'#answers [data-value="{rating}"]')
+        button.click()
+        page.until(lambda: not page.shows("question"))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,116 @@
+"""A session that `vrcomfort run --console` runs in a process of its own."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from tests.support.console import wait_for
+
+PROTOCOL = """\
+name = "aloud"
+title = "Two exposures that are asked about aloud"
+participants = 4
+exposure_s = 4.0
+training_s = 0.5
+scenes = ["temple"]
+
+[[conditions]]
+name = "plain"
+
+[[conditions]]
+name = "dof"
+[conditions.depth_of_field]
+
+[order]
+rule = "explicit"
+[[order.sequences]]
+name = "ab"
+sessions = [[{ scene = "temple", condition = "plain" }, { scene = "temple", condition = "dof" }]]
+
+[[questionnaires]]
+timepoint = "baseline"
+when = "session_start"
+
+[[questionnaires]]
+timepoint = "post"
+when = "after_trial"
+
+[[ratings]]
+instrument = "fms"
+every_s = 1.2
+timeout_s = 1.1
+"""
+
+_ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=\S+")
+
+
+@dataclass
+class RunningSession:
+    """The command, and what it has printed so far."""
+
+    process: subprocess.Popen[str]
+    folder: Path
+    lines: list[str] = field(default_factory=list)
+    states: list[dict[str, Any]] = field(default_factory=list)
+    """What a page was shown, where one has looked on."""
+    pictures: list[bytes] = field(default_factory=list)
+
+    @property
+    def addresses(self) -> list[str]:
+        return [found[0] for line in self.lines if (found := _ADDRESS.search(line))]
+
+    @property
+    def ses(self) -> Path:
+        return self.folder / "study" / "sub-P01" / "ses-1"
+
+    def next_address(self, number: int = 1) -> str:
+        """Return the address for the operator who comes as the first, second, …"""
+        wait_for(lambda: len(self.addresses) >= number or self.process.poll() is not None)
+        return self.addresses[number - 1]
+
+    def ended(self, timeout_s: float = 60.0) -> int:
+        """Wait for the end; return the exit code."""
+        return self.process.wait(timeout_s)
+
+
+@contextmanager
+def running_session(
+    folder: Path, *options: str, protocol: str = PROTOCOL
+) -> Iterator[RunningSession]:
+    """Run it; whatever happens, it is over afterwards."""
+    file = folder / "aloud.toml"
+    file.write_text(protocol, encoding="utf-8")
+    words = ["run", str(file), "--participant", "P01", "--out", str(folder / "study")]
+    command = "from vrcomfort.cli import main; main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", command, *words, "--size", "64x80", "--console", *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    found = RunningSession(process, folder)
+
+    def read() -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
+            found.lines.append(line)
+
+    reading = threading.Thread(target=read, daemon=True)
+    reading.start()
+    try:
+        yield found
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait(20)
+        reading.join(20)
+        if process.stdout is not None:
+            process.stdout.close()
