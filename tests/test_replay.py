@@ -38,6 +38,10 @@ scenes = ["temple", "rail"]
 questionnaires = [{ timepoint = "post", when = "session_end" }]
 ratings = { instrument = "fms", every_s = 0.1, timeout_s = 0.05 }
 
+[photodiode]
+size_deg = 12.0
+white = "every_other_frame"
+
 [order]
 rule = "explicit"
 [[order.sequences]]
@@ -111,7 +115,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
         headset.place(spawn=scene.spawn)
         return headset
 
-    renderer = make_renderer(SIZE_PX, hash_every=4)
+    renderer = make_renderer(SIZE_PX, hash_every=4, photodiode=protocol.photodiode)
     outcome = run_session(
         protocol,
         "P01",
@@ -137,7 +141,7 @@ def drawn_again(place: Path, wish: Wish | None = None, **changed: Any) -> tuple[
     if changed:
         session = replace(session, **changed)
     comparison, scene = Comparison(), load_scene("temple")
-    drawer = make_renderer(SIZE_PX)
+    drawer = make_renderer(SIZE_PX, photodiode=session.photodiode)
     frames = replay(
         session,
         wish or Wish(),
@@ -175,6 +179,24 @@ def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place
 
     assert comparison.compared > 3
     assert comparison.equal == 0
+
+
+def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_record(
+    place: Path,
+) -> None:
+    session = read_session(place / SESSION)
+    settings = {**session.manifest["settings"], "photodiode": None}
+    manifest = {**session.manifest, "settings": settings}
+
+    _, comparison = drawn_again(place, Wish(trial=2), manifest=manifest)
+
+    assert comparison.compared > 3
+    assert comparison.equal == 0
+    frames = read_rows(place / SESSION / "frames.csv")
+    first = {row["trial"]: row["xr_time_ns"] for row in reversed(frames)}
+    events = read_rows(place / SESSION / "events.csv")
+    told = [row["detail"] for row in events if row["name"] == "photodiode"]
+    assert told == [f"white from xr_time_ns {first[trial]} on" for trial in "12"]
 
 
 def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:

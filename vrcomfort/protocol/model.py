@@ -16,6 +16,7 @@ from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -249,6 +250,8 @@ class Protocol(Settings):
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
     """How they answer in it."""
+    photodiode: Photodiode | None = None
+    """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()

@@ -15,6 +15,7 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.records import (
     FrameRow,
     ImageRow,
@@ -110,6 +111,12 @@ class RecordedSession:
         """Return the size of one eye's image."""
         width, height = self.manifest["headset"]["image_size_px"]
         return int(width), int(height)
+
+    @property
+    def photodiode(self) -> Photodiode | None:
+        """Return the patch that was shown."""
+        settings = self.manifest.get("settings", {}).get("photodiode")
+        return None if settings is None else Photodiode.model_validate(settings)
 
     def scene(self, name: str) -> str:
         """Return the scene that a trial's `scene` means: the one of a view, or itself."""
