@@ -15,8 +15,10 @@ import pytest
 from PIL import Image
 
 from tests.support.exchange import cell, edit
+from tests.support.resume import go
 from tests.support.session import run as run_session
-from tests.support.study import Scripted, read_rows
+from tests.support.study import PROTOCOL as TINY
+from tests.support.study import Scripted, read_rows, tiny_protocol
 from vrcomfort.cli.playback import shipped_walk
 from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.frame import Frame
@@ -435,3 +437,20 @@ def test_an_exposure_that_was_cut_short_by_a_kill_is_shown_too(study: Path) -> N
 
     assert (killed.trial, killed.status) == (2, "")
     assert killed.end - killed.shown == int(rows[1]["frames"])
+
+
+def test_a_validation_of_the_eye_tracker_is_no_part_of_an_exposure(tmp_path: Path) -> None:
+    """Its frames are no trial's, as those of training are."""
+    table = "[gaze_validation]\npoints = [[0.0, 0.0, 1.0], [9.0, 0.0, 1.0], [0.0, 9.0, 2.0]]\n\n"
+    text = TINY.replace("[[conditions]]", table + "[[conditions]]", 1)
+    go(tmp_path, protocol=tiny_protocol(tmp_path, text))
+
+    session = read_session(tmp_path / SESSION)
+
+    rows = read_rows(tmp_path / SESSION / "frames.csv")
+    before = [row for row in rows if row["trial"] == "0"]
+    first = session.exposures[0]
+    assert first.shown - first.first == 10  # a second of training
+    assert len(before) > 10
+    assert first.first == len(before) - 10
+    assert [each.first == each.shown for each in session.exposures[1:]] == [True]

@@ -17,6 +17,7 @@ from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.records import (
+    EventRow,
     FrameRow,
     ImageRow,
     RatingRow,
@@ -31,6 +32,8 @@ from vrcomfort.settings import in_words
 from vrcomfort.traces.table import Table, read_parts
 from vrcomfort.traces.trace import Trace, read_trace
 
+VALIDATION = "gaze_validation"
+"""The event of a validation of the eye tracker."""
 _EPSILON_S = 1e-6
 """Of session times in files."""
 
@@ -153,7 +156,7 @@ def read_session(folder: Path) -> RecordedSession:
     trace = replace(read_trace(folder / FrameRow.FILE), cuts=frames.cuts)
     attempts = list(_attempts(folder, manifest))
     ratings = [*_ratings(folder)]
-    exposures = tuple(_exposures(attempts, frames, ratings))
+    exposures = tuple(_exposures(attempts, frames, ratings, _validated_until_s(folder)))
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)
     return RecordedSession(
@@ -254,8 +257,22 @@ def _attempts(folder: Path, manifest: Mapping[str, Any]) -> Iterator[Mapping[str
         yield {**begun, "end_s": np.inf, "status": ""}
 
 
+def _validated_until_s(folder: Path) -> list[float]:
+    """Return when each validation of the eye tracker ended: its frames are of no exposure."""
+    if not (folder / EventRow.FILE).exists():
+        return []
+    return [
+        row["onset_s"] + row["duration_s"]
+        for row in _rows(folder, EventRow)
+        if row["name"] == VALIDATION
+    ]
+
+
 def _exposures(
-    attempts: Sequence[Mapping[str, Any]], frames: _Frames, ratings: Sequence[Rating]
+    attempts: Sequence[Mapping[str, Any]],
+    frames: _Frames,
+    ratings: Sequence[Rating],
+    validated_until_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
     before_s = -np.inf
@@ -265,6 +282,8 @@ def _exposures(
         rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
         if len(rows):
             shown, end = int(rows[0]), int(rows[-1]) + 1
+            ends_s = [each - _EPSILON_S for each in validated_until_s if each <= row["start_s"]]
+            before_s = max([before_s, *ends_s])
             trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
             others = np.flatnonzero(~trained)
             first = int(others[-1]) + 1 if len(others) else 0
