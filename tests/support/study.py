@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -87,9 +88,13 @@ def smoke_with(folder: Path, exposure_s: float) -> Path:
 
 
 def strict_about_gaze(folder: Path) -> Path:
-    """Write a protocol whose `gaze_19` cannot be shown without an eye tracker."""
+    """Write a protocol whose `gaze_19` cannot be shown without an eye tracker.
+
+    Nothing is validated, and simulated participants have no eyes.
+    """
     text = (data_folder("protocols") / "mantiuk_2011.toml").read_text(encoding="utf-8")
     file = folder / "strict.toml"
+    text = re.sub(r"\[gaze_validation\]\n(?:.+\n)*", "", text.replace("[simulation.eyes]", ""))
     file.write_text(text.replace('without_gaze = "nine_ray"', ""), encoding="utf-8")
     return file
 

@@ -44,7 +44,7 @@ def require_recorded_gaze(conditions: Iterable[Condition], trace: Trace | None) 
     """
     needing = _led_by_gaze(conditions)
     if needing and (trace is None or trace.gaze is None):
-        remedy = "give a frames.csv that has its gaze.csv beside it"
+        remedy = "give a frames.csv with its gaze.csv beside it (simulate: or [simulation.eyes])"
         raise _without_gaze(needing, f"what is played back has no gaze; {remedy}")
 
 

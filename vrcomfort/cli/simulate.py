@@ -100,7 +100,8 @@ def simulate_study(
     from vrcomfort.records import open_study, told_of_the_other_kind
 
     size_px, trace, refresh_hz = playback_options
-    require_recorded_gaze(protocol.conditions, trace)
+    if protocol.simulation.eyes is None:
+        require_recorded_gaze(protocol.conditions, trace)
     playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
     setup = StudySetup(protocol, out, playback, seed, exposure_s, durability="session_end")
     resume_check = ResumeCheck(protocol, playback, exposure_s)

@@ -30,7 +30,14 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
-from vrcomfort.records.rows import EventRow, ParticipantRow, TaskRow, cell_text, csv_line
+from vrcomfort.records.rows import (
+    EventRow,
+    GazeValidationRow,
+    ParticipantRow,
+    TaskRow,
+    cell_text,
+    csv_line,
+)
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
 
 RECORD = "anonymised.json"
@@ -184,7 +191,8 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        there = (TaskRow,) if (source / TaskRow.FILE).exists() else ()
+        more = (TaskRow, GazeValidationRow)
+        there = [each for each in more if (source / each.FILE).exists()]
         for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE
             change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)

@@ -14,7 +14,9 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -170,6 +172,8 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    eyes: SimulatedEyes | None = None
+    """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
     liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
     """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
     indifference: Coefficient = 0.5
@@ -234,6 +238,8 @@ class Protocol(Settings):
     the second waits for the answer to the first."""
     tasks: tuple[AnyTask, ...] = ()
     """What participants do during an exposure (docs/tasks.md)."""
+    gaze_validation: GazeValidation | None = None
+    """How the eye tracker is validated; not at all without it."""
     task: Word | None = None
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
@@ -244,6 +250,8 @@ class Protocol(Settings):
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
     """How they answer in it."""
+    photodiode: Photodiode | None = None
+    """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()

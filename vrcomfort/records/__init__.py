@@ -8,8 +8,10 @@ from vrcomfort.records.met import what_was_met
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
+    FACTS,
     ClockRow,
     EventRow,
+    GazeValidationRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,
@@ -29,6 +31,7 @@ from vrcomfort.records.study import (
     open_study,
     read_participants,
     recorded_sessions,
+    set_fact,
     set_status,
     unfinished_sessions,
 )
@@ -36,11 +39,13 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 
 __all__ = [
     "ENDED_THE_STUDY",
+    "FACTS",
     "ClockRow",
     "Durability",
     "EventRow",
     "FrameRow",
     "GazeRow",
+    "GazeValidationRow",
     "ImageRow",
     "Interrupted",
     "Machine",
@@ -67,6 +72,7 @@ __all__ = [
     "read_participants",
     "recorded_sessions",
     "session_folder",
+    "set_fact",
     "set_status",
     "take_up",
     "told_of_the_other_kind",

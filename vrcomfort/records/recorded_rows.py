@@ -39,7 +39,7 @@ _OF_GAZE: Mapping[str, Kind] = {
     **dict.fromkeys(("xr_time_ns", "valid", "resumed"), Kind(int)),
 }
 
-_MAY_BE_NEGATIVE = {"xr_time_ns", "response", "x_m", "y_m", "z_m", "score"}
+_MAY_BE_NEGATIVE = {"xr_time_ns", "response", "x_m", "y_m", "z_m", "score", "right_deg", "up_deg"}
 _LARGEST = 2**62
 """What int64 holds with room for a sum."""
 

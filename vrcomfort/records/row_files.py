@@ -15,6 +15,7 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
     ClockRow,
     EventRow,
+    GazeValidationRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -28,7 +29,9 @@ from vrcomfort.records.rows import (
 SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
-OPTIONAL_ROWS: tuple[type[Row], ...] = (GazeRow, ImageRow, ClockRow, TaskRow)
+OPTIONAL_ROWS: tuple[type[Row], ...] = (
+    GazeRow, ImageRow, ClockRow, TaskRow, GazeValidationRow,
+)  # fmt: skip
 """Their files appear with their first rows."""
 
 SYNC_EVERY_S = 0.5

@@ -41,6 +41,10 @@ class FlatRow:
         return [getattr(self, name) for name in self.columns()]
 
 
+FACTS = ("gaze_validation_error_deg",)
+"""Columns of participants.csv that sessions fill in."""
+
+
 @dataclass(frozen=True)
 class ParticipantRow(FlatRow):
     """One participant of the study; `status` is enrolled, completed, withdrawn or excluded.
@@ -72,7 +76,7 @@ class ParticipantRow(FlatRow):
     @property
     def covariates(self) -> dict[str, str]:
         """Return what was entered at the enrolment."""
-        return {name: value for name, value in self.others if name != "group"}
+        return {name: value for name, value in self.others if name not in {"group", *FACTS}}
 
 
 @dataclass(frozen=True)
@@ -230,6 +234,49 @@ class TaskRow(FlatRow):
     hits: int | None = None
     shots: int | None = None
     score: float | None = None
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
+class GazeValidationRow(FlatRow):
+    """How good the gaze on one point was, or (point blank) the mean over all points.
+
+    Parameters
+    ----------
+    validation, attempt
+        Count from 1 in a session; an attempt is repeated where it was not good enough.
+    before_trial
+        The exposure that it was before.
+    eye
+        combined: the gaze that the runtime gives for both.
+    right_deg, up_deg, distance_m
+        Where the point was, seen from the head when it appeared.
+    samples, valid_percent
+        Frames that counted, and the share of them in which the eyes were seen.
+    accuracy_deg, precision_rms_deg, precision_sd_deg
+        See `vrcomfort.traces.gaze_quality`; blank without a valid sample.
+    good
+        Of the mean: 1 where it is within the protocol's limit, else 0.
+    """
+
+    FILE: ClassVar[str] = "gaze_validation.csv"
+    participant: str
+    session: int
+    validation: int
+    attempt: int
+    before_trial: int
+    onset_s: float
+    point: int | None
+    eye: str
+    right_deg: float | None
+    up_deg: float | None
+    distance_m: float | None
+    samples: int
+    valid_percent: float
+    accuracy_deg: float | None
+    precision_rms_deg: float | None
+    precision_sd_deg: float | None
+    good: int | None = None
     resumed: int = 0
 
 

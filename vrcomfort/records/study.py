@@ -318,6 +318,19 @@ def set_status(study: Path, participant: str, status: str, note: str = "") -> No
         _write_participants(study, changed)
 
 
+def set_fact(study: Path, participant: str, name: str, value: str) -> None:
+    """Write down in the list of participants what a session has found out of somebody."""
+    with _changing_participants(study):
+        rows = read_participants(study)
+        changed = [
+            replace(row, others=tuple({**dict(row.others), name: value}.items()))
+            if row.participant == participant
+            else row
+            for row in rows
+        ]
+        _write_participants(study, changed)
+
+
 def recorded_sessions(study: Path, participant: str) -> list[int]:
     """Return the numbers of a participant's sessions that are on disk."""
     folders = session_folder(study, participant, 1).parent.glob("ses-*")

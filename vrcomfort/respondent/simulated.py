@@ -15,10 +15,11 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Pose
+from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
 from vrcomfort.tasks import Demand
 
@@ -55,6 +56,8 @@ _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
 """Which of a trial's random streams is the hands'."""
+_EYES = 5
+"""The same of the eyes."""
 
 
 class SimulatedRespondent:
@@ -79,6 +82,7 @@ class SimulatedRespondent:
     def _start_again(self, session: int) -> None:
         self._rng = self._stream(session)
         self._session = session
+        self._eyes: Eyes | None = None
         self.sickness = 0.0
         self._limit = 0.0
         self._withdraws_at_s = math.inf
@@ -117,6 +121,22 @@ class SimulatedRespondent:
         """Return world-from-ray of a press in this frame, if there is one."""
         return self._hands.act(demand, head, time_s)
 
+    def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
+        """Return where they look, as an eye tracker says it; None where they have no such eyes."""
+        self._eyes = self._eyes or self._opened(0)
+        return None if self._eyes is None else self._eyes.look(time_s, head, point)
+
+    def _opened(self, trial: int) -> Eyes | None:
+        """Return the eyes of an exposure, with a random stream of their own."""
+        settings = self._settings.eyes
+        if settings is None:
+            return None
+        key = (self._person, self._session, trial, _EYES)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        of_person = (self._person, self._session, _EYES)
+        tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
+        return Eyes(settings, random, settings.error_deg * tracker.standard_normal(2))
+
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
         settings = self._settings
@@ -125,6 +145,7 @@ class SimulatedRespondent:
         dose *= settings.condition_effects.get(exposure.condition, 1.0)
         dose *= settings.scene_effects.get(exposure.scene, 1.0)
         self._limit = dose * settings.recovery_min
+        self._eyes = self._opened(exposure.trial)
         self._withdraws_at_s = self._withdrawal(exposure.duration_s)
         self._answer_at_s = math.inf
 

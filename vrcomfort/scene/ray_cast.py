@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array, Pose
 from vrcomfort.scene.data import Primitive, Scene
+from vrcomfort.scene.node_poses import NodePoses
 
 _PARALLEL = 1e-12
 
@@ -59,13 +60,15 @@ class RayCaster:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self._carried = _carried(scene)
+        self._poses = NodePoses(scene)
         self._nodes = [
             index
             for index, node in enumerate(scene.nodes)
-            if not self._carried[index] and any(_solid(scene, k) for k in node.mesh)
+            if not self._poses.locked[index] and any(_solid(scene, k) for k in node.mesh)
         ]
-        self._moving = any(scene.nodes[index].moving for index in self._nodes)
+        self._movers = [
+            place for place, index in enumerate(self._nodes) if scene.nodes[index].moving
+        ]
         self._kept: tuple[float, list[_Surface], Array, Array] | None = None
 
     def cast(self, ray: Pose, time_s: float = 0.0) -> Met:
@@ -86,28 +89,20 @@ class RayCaster:
 
     def _at(self, time_s: float) -> tuple[list[_Surface], Array, Array]:
         kept = self._kept
-        if kept is None or (self._moving and kept[0] != time_s):
-            world = self._scene.world_from_node(time_s)
-            before = kept[1] if kept else None
-            surfaces = [
-                before[place]
-                if before is not None and not self._scene.nodes[index].moving
-                else _surface(self._scene, index, world[index])
-                for place, index in enumerate(self._nodes)
-            ]
-            low = np.array([each.low for each in surfaces]).reshape(-1, 3)
-            high = np.array([each.high for each in surfaces]).reshape(-1, 3)
+        if kept is None or (self._movers and kept[0] != time_s):
+            world = self._poses.world_from_node(time_s, Pose())
+            if kept is None:
+                surfaces = [_surface(self._scene, index, world[index]) for index in self._nodes]
+                low = np.array([each.low for each in surfaces]).reshape(-1, 3)
+                high = np.array([each.high for each in surfaces]).reshape(-1, 3)
+            else:
+                _, surfaces, low, high = kept
+                for place in self._movers:
+                    index = self._nodes[place]
+                    surfaces[place] = found = _surface(self._scene, index, world[index])
+                    low[place], high[place] = found.low, found.high
             self._kept = kept = time_s, surfaces, low, high
         return kept[1:]
-
-
-def _carried(scene: Scene) -> list[bool]:
-    """Return whether each node goes with the head or a hand, itself or by what it hangs on."""
-    found: list[bool] = []
-    for node in scene.nodes:
-        above = node.parent >= 0 and found[node.parent]
-        found.append(above or node.head_locked or node.hand is not None)
-    return found
 
 
 def _solid(scene: Scene, primitive: int) -> bool:

@@ -11,20 +11,24 @@ from functools import partial
 from typing import Any, Literal
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
+from vrcomfort.geometry import Pose
+from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.scene.data import Scene
 from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.interfaces import SessionOrder, Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
-from vrcomfort.session.standing import stand
+from vrcomfort.session.standing import Standing, stand
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.stop_rules import (
     ScoreWatch,
@@ -92,6 +96,10 @@ class SessionFlow:
         self._redone: Counter[int] = Counter()
         self._open_trial: tuple[TrialPlace, _Ending, FrameLoop | None] | None = None
         self._task: TaskRun | None = None
+        validation = context.protocol.gaze_validation
+        self._validation = (
+            Validation(context, events, self._log, validation) if validation else None
+        )
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -160,12 +168,26 @@ class SessionFlow:
             self._manifest.boundary()
             if index and self._context.protocol.break_s:
                 self._rest(self._context.protocol.break_s)
+            self._validate_gaze(place, first=index == 0)
             self._ask("before_trial", place)
             self._trial(place)
         if places or self._open is None:
             self._ask("session_end", TrialPlace())
         else:
             self._missed(self._open.ask("session_end", TrialPlace()))
+
+    def _validate_gaze(self, place: TrialPlace, *, first: bool) -> None:
+        """Validate the eye tracker at the session's start, and after breaks."""
+        protocol = self._context.protocol
+        settings = protocol.gaze_validation
+        again = settings is not None and settings.after_breaks and protocol.break_s > 0
+        if self._validation is None or not (first or again):
+            return
+        headset, standing = self._stand(place)
+        spawn = standing.scene.spawn if isinstance(standing.scene, Scene) else Pose()
+        resumed = self._interrupted is not None
+        if sentence := self._validation.hold(place, headset, spawn, resumed=resumed):
+            self._manifest.miss(sentence)
 
     def _ask_what_was_open(self) -> None:
         """Ask what a session that goes on owes to its last exposure.
@@ -309,21 +331,25 @@ class SessionFlow:
 
     def _enter(self, place: TrialPlace) -> FrameLoop:
         context, protocol = self._context, self._context.protocol
+        headset, standing = self._stand(place)
+        condition = protocol.condition(place.condition or "")
+        self._task = self._task_in(place, standing.scene)
+        context.renderer.begin(self._task.drawn if self._task else standing.scene, condition)
+        self._log.focus_follows_gaze = condition.focus.method == "gaze"
+        return FrameLoop(context, headset, self._events, self._log, standing.path)
+
+    def _stand(self, place: TrialPlace) -> tuple[Headset, Standing]:
+        """Load a trial's scene, and lead the participant into it."""
+        context, protocol = self._context, self._context.protocol
         if context.screen is not None:
             context.screen.show_loading()
-        scene, view = (
-            context.load_scene(protocol.scene_source(place.scene)),
-            protocol.view(place.scene),
-        )
+        scene = context.load_scene(protocol.scene_source(place.scene))
+        view = protocol.view(place.scene)
         standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
         headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
         self._steering.use(headset)
-        condition = protocol.condition(place.condition or "")
-        self._task = self._task_in(place, standing.scene)
-        context.renderer.begin(self._task.drawn if self._task else scene, condition)
-        self._log.focus_follows_gaze = condition.focus.method == "gaze"
-        return FrameLoop(context, headset, self._events, self._log, standing.path)
+        return headset, standing
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
         """Return what is done in a trial, ready to begin."""

@@ -8,12 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 
 from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
+from vrcomfort.tasks import Demand
 
 
 class RenderedFrame(Protocol):
@@ -86,6 +88,31 @@ class Finishing(Protocol):
     @property
     def done(self) -> bool:
         """Return whether nothing is left to do."""
+
+
+class Doing(Protocol):
+    """What is done during frames that count: a task, or the validation of the gaze."""
+
+    @property
+    def done(self) -> bool:
+        """Return whether all of it is done, before its time."""
+
+    def demand(self, frame: Frame) -> Demand | None:
+        """Return what is to be looked at, and perhaps pointed at, now."""
+
+    def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
+        """Take a frame before it is drawn."""
+
+    def finish(self) -> None:
+        """End with the exposure, however it ended."""
+
+
+@runtime_checkable
+class Looks(Protocol):
+    """A respondent whose eyes are simulated where no tracker sees any."""
+
+    def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
+        """Return the gaze in the stage; `point` (3,) is what is to be looked at."""
 
 
 class Watchdog(Protocol):

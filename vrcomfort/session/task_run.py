@@ -85,6 +85,11 @@ class TaskRun:
         """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
         return self._task.done
 
+    def demand(self, frame: Frame) -> Demand | None:
+        """Return what is to be done now."""
+        del frame
+        return self._task.demand()
+
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn: move the balls, and write what is over.
 

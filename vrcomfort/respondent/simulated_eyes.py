@@ -1,0 +1,123 @@
+"""Where simulated participants look: fixations, saccades, blinks, and a tracker's error."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from vrcomfort.geometry import Array, Gaze, Pose, normalize, yaw_pitch_roll
+from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.traces.gaze_quality import angles_deg
+from vrcomfort.traces.gaze_track import turn_to
+
+_LATENCY_S = 0.2
+"""From the appearance of something to look at to the saccade."""
+_SPREAD_OF_LOG = 0.5
+_SACCADE_S, _SACCADE_S_PER_DEG = 0.021, 0.0022
+"""Duration of a saccade: 21 ms and 2.2 ms per degree (Carpenter 1988, from the main sequence)."""
+_JUMP_DEG = 2.0
+"""What moves further from one frame to the next is another thing to look at."""
+_WANDER_DEG = 0.15
+"""How far, along each axis, a fixation misses what is looked at."""
+
+
+class Eyes:
+    """The eyes of one simulated participant, and their tracker.
+
+    Parameters
+    ----------
+    random
+        Of fixations and blinks.
+    offset_deg
+        (right, up): the tracker's, the same for all of a person's session.
+    """
+
+    def __init__(
+        self, settings: SimulatedEyes, random: np.random.Generator, offset_deg: Array
+    ) -> None:
+        self._settings = settings
+        self._random = random
+        self._offset_deg = offset_deg
+        self._until_s = -math.inf
+        self._from = self._to = np.array([0.0, 0.0, -1.0])
+        self._jump_s = self._jumped_s = 0.0
+        self._way: Array | None = None
+        self._off_rad = np.zeros(2)
+        self._follows = False
+        self._blink_s = math.nan
+
+    def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze:
+        """Return what the tracker says at a time.
+
+        Parameters
+        ----------
+        head
+            stage-from-head.
+        point
+            (3,) in the stage: what is to be looked at; None: whatever one likes.
+        """
+        if math.isnan(self._blink_s):
+            self._blink_s = time_s + self._random.exponential(self._settings.blink_every_s)
+        way = None if point is None else normalize(point - head.position)
+        if way is not None and (self._way is None or angles_deg(way, self._way) > _JUMP_DEG):
+            self._until_s = min(self._until_s, time_s + _LATENCY_S)
+            self._follows = False
+        self._way = way
+        if way is not None and self._follows:
+            self._to = self._beside(way)
+        if time_s >= self._until_s:
+            self._fixate(time_s, head)
+        truth = self._direction(time_s)
+        closed = self._blinks(time_s)
+        measured = self._measured(head, truth)
+        if closed:
+            return Gaze(Pose(), valid=False)
+        return Gaze(Pose(head.position, turn_to(measured)))
+
+    def _fixate(self, time_s: float, head: Pose) -> None:
+        """Choose where to look next, and begin to turn there."""
+        settings, random = self._settings, self._random
+        self._from = self._direction(time_s)
+        self._follows = self._way is not None
+        if self._way is None:
+            side, up = np.radians(settings.spread_deg) * random.standard_normal(2)
+            self._to = (head @ Pose(orientation=yaw_pitch_roll(-side, up, 0.0))).forward
+        else:
+            self._off_rad = np.radians(_WANDER_DEG) * random.standard_normal(2)
+            self._to = self._beside(self._way)
+        size_deg = float(angles_deg(self._from, self._to))
+        self._jumped_s, self._jump_s = time_s, _SACCADE_S + _SACCADE_S_PER_DEG * size_deg
+        length_s = settings.fixation_s * math.exp(_SPREAD_OF_LOG * random.standard_normal())
+        self._until_s = time_s + self._jump_s + length_s
+
+    def _beside(self, way: Array) -> Array:
+        """Return where a fixation of something is: it is followed while it or the head moves."""
+        side, up = self._off_rad
+        return (
+            Pose(orientation=turn_to(way)) @ Pose(orientation=yaw_pitch_roll(-side, up, 0.0))
+        ).forward
+
+    def _direction(self, time_s: float) -> Array:
+        """Return the true (3,) direction in the stage: held while the head moves, or on its way."""
+        share = (time_s - self._jumped_s) / self._jump_s if self._jump_s else 1.0
+        if share >= 1.0:
+            return self._to
+        eased = share * share * (3 - 2 * share)
+        return normalize(self._from + (self._to - self._from) * eased)
+
+    def _blinks(self, time_s: float) -> bool:
+        if time_s < self._blink_s:
+            return False
+        if time_s < self._blink_s + self._settings.blink_s:
+            return True
+        self._blink_s = time_s + self._random.exponential(self._settings.blink_every_s)
+        return False
+
+    def _measured(self, head: Pose, truth: Array) -> Array:
+        """Return the direction with the tracker's offset, which goes with the head, and noise."""
+        noise = self._settings.noise_deg * self._random.standard_normal(2)
+        right, up = np.radians(self._offset_deg + noise)
+        in_head = head.rotation.T @ truth
+        eye = Pose(orientation=turn_to(in_head)) @ Pose(orientation=yaw_pitch_roll(-right, up, 0.0))
+        return normalize(head.rotation @ eye.forward)
