@@ -226,7 +226,7 @@ class ConsoleDesk:
         """Show everybody what was asked for, and whoever asked whether it was refused."""
         self._replies.append((command.id, refusal))
         action, said = command.action.replace("_", " "), f": {command.text}" if command.text else ""
-        if action == "answer" and not refusal:
+        if action in {"answer", "rate"} and not refusal:
             said = f"{said} {'rather not say' if command.value is None else f'{command.value:g}'}"
         told = f"refused: {refusal}" if refusal else f"{action}{said}"
         if not refusal and action in {"pause", "go on"}:

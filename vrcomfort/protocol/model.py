@@ -202,6 +202,9 @@ class Protocol(Settings):
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
+    hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
+    """From the end of a participant's session to the beginning of the next, at least; `run` refuses
+    to begin it sooner. Simulated participants have waited."""
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
     """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
     resumed_questions_within_s: Rest = 600.0

@@ -211,7 +211,7 @@ function showRatings() {
   const text = words || "None yet.";
   if (at("curve-words").textContent === text) return;
   put(at("curve-words"), text);
-  const longest = Math.max(60, ...points.map(([, s]) => s));
+  const longest = Math.max(state.total || 1, ...points.map(([, s]) => s));
   const highest = Math.max(10, ...points.map(([, , value]) => value || 0));
   const x = (s) => 30 + 330 * s / longest;
   const y = (value) => 100 - 90 * value / highest;
