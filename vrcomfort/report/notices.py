@@ -11,6 +11,8 @@ from vrcomfort.report.ordering import natural
 from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from vrcomfort.questionnaire import Answer
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
@@ -25,14 +27,18 @@ def notices(
     scored: Exposures,
     tests: list[dict[str, Any]],
     exclusions: list[dict[str, str]],
+    of_choices: Collection[str] = (),
 ) -> list[str]:
-    """Return the sentences, without their full stops."""
+    """Return the sentences, without their full stops.
+
+    `of_choices` are questionnaires whose answers say which of two, and are no score.
+    """
     return [
         *_losses(study, tests, exclusions),
         *_ended_early(study),
         *_repeated(scored),
         *_suspect_names(study),
-        *_coded_from_one(study),
+        *_coded_from_one(study, of_choices),
         *_confounded(study, tests),
     ]
 
@@ -121,7 +127,7 @@ def _suspect_names(study: StudyData) -> list[str]:
     ]
 
 
-def _coded_from_one(study: StudyData) -> list[str]:
+def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
     """Ask where no answer is 0: all of them may be too high by one."""
     answers: dict[str, Counter[Answer]] = defaultdict(Counter)
     for sheet in study.sheets:
@@ -131,7 +137,8 @@ def _coded_from_one(study: StudyData) -> list[str]:
     found = []
     for name, counts in answers.items():
         instrument = study.instruments[name]
-        if answered := never_zero(instrument, counts):
+        answered = 0 if name in of_choices else never_zero(instrument, counts)
+        if answered:
             found.append(
                 f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
                 f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "
