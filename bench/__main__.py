@@ -11,7 +11,17 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, many_answers, mask, memory, python_time, recordings, requires, smaller
+from bench import (
+    effects,
+    image_hash,
+    many_answers,
+    mask,
+    memory,
+    python_time,
+    recordings,
+    requires,
+    smaller,
+)
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -41,6 +51,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
+    "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }

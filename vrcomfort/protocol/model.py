@@ -234,8 +234,8 @@ class Protocol(Settings):
     Without it, each instrument is asked in its own."""
     text: dict[str, LanguageTable] = Field(default_factory=dict)
     """Words of other languages, or other words: `[text.fr]`."""
-    questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
-    """What is asked, and when."""
+    questionnaires: tuple[Ask, ...] = ()
+    """What is asked, and when. A study without any has ratings or tasks."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""

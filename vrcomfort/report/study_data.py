@@ -128,7 +128,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
-    if files and not sheets:
+    if files and not sheets and not _table(source, "tasks.csv", []):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
     return StudyData(

@@ -154,6 +154,7 @@ class Steering:
         if not self.desk.starts_sessions:
             return
         self.begin("ready", "waiting for the start")
+        self._rest_on(PAUSED)  # drawn now, so that a pause need not draw it between two frames
         self._rest_on(READY)
         try:
             while not self._started:
