@@ -13,6 +13,7 @@ import moderngl
 
 from bench import (
     effects,
+    image_hash,
     many_answers,
     mask,
     memory,
@@ -21,7 +22,7 @@ from bench import (
     requires,
     simulated,
     smaller,
-)  # fmt: skip
+)
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -51,6 +52,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
+    "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
     "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),

@@ -154,7 +154,11 @@ class StudySetup:
         if self._rendering is None:
             from vrcomfort.render.image_hash import HASH_EVERY
 
-            renderer = make_renderer(self._playback.size_px, hash_every=HASH_EVERY)
+            renderer = make_renderer(
+                self._playback.size_px,
+                hash_every=HASH_EVERY,
+                photodiode=self._protocol.photodiode,
+            )
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering
 
