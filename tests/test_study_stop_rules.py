@@ -20,6 +20,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.private_facts import Moved, of_manifest
 from vrcomfort.exchange.verifying.study import verify_study
 from vrcomfort.records import read_participants, session_folder
+from vrcomfort.report.notices import _ended_early
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.withdrawals import count_withdrawals, find_withdrawals
 
@@ -130,6 +131,9 @@ def test_reports_count_each_kind_and_who_came_back_is_no_withdrawal(tmp_path):
     assert count_withdrawals(study, [])["early_endings"] == [
         {"ends": "exposure", "by": "rating", "n": 2},
         {"ends": "session", "by": "participant", "n": 1},
+    ]
+    assert _ended_early(study) == [
+        "ended before their time: 2 exposures by a rating, 1 session by the participant"
     ]
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.withdrawals import everybody
+from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -35,6 +35,7 @@ def notices(
     """
     return [
         *_losses(study, tests, exclusions),
+        *_ended_early(study),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study, of_choices),
@@ -70,6 +71,24 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+_BY = {
+    "rating": "a rating",
+    "score": "a score",
+    "participant": "the participant",
+    "task": "a task that was done",
+}
+
+
+def _ended_early(study: StudyData) -> list[str]:
+    """Say how many exposures and sessions ended before their time, while the study went on."""
+    parts = [
+        f"{each['n']} {each['ends']}{'s' if each['n'] > 1 else ''} by {_BY[each['by']]}"
+        for each in early_endings(study)
+        if each["ends"] != "study" and each["by"] in _BY
+    ]
+    return [f"ended before their time: {', '.join(parts)}"] if parts else []
 
 
 def _met(study: StudyData, side: dict[str, str]) -> set[str]:

@@ -23,10 +23,11 @@ from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.gaze_validation import Validation
-from vrcomfort.session.interfaces import SessionOrder, Step
+from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
+from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
 from vrcomfort.session.standing import Standing, stand
 from vrcomfort.session.steering import Redone, Skipped

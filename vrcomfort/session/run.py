@@ -10,7 +10,6 @@ from vrcomfort.session.enrolment import Enrolment
 from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
-    NoDesk,
     NoRelay,
     NoWatchdog,
     ProgressCallback,
@@ -19,6 +18,7 @@ from vrcomfort.session.interfaces import (
     Watchdog,
 )
 from vrcomfort.session.interfaces import silent as no_progress
+from vrcomfort.session.operator_desk import NoDesk
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
 from vrcomfort.session.steering import Steering
