@@ -1,7 +1,8 @@
 # Makes the primary tests of this report again, in base R, from tables/scores.csv, and prints what
 # the report has (tables/tests.csv) beside what R finds; then the crossover analyses, comparisons by
-# other tests, equivalence, correlations, agreement and Kruskal-Wallis tests, in base R too, the analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken
-# from the report but who is compared with whom, and how.
+# other tests, equivalence, correlations, agreement and Kruskal-Wallis tests, in base R too, the
+# analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken from
+# the report but who is compared with whom, and how.
 #
 #   Rscript reproduce.R
 #
