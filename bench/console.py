@@ -34,7 +34,8 @@ from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import open_enrolment, run
-from vrcomfort.session.interfaces import NoDesk, Progress
+from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.operator_desk import NoDesk
 from vrcomfort.session.steering import ALLOWED, Steering
 from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace

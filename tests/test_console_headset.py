@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import pytest
+
 from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.study import frame
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.respondent import Form
+from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import Picture
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
-from vrcomfort.session.steering import PAUSED, READY, Steering
+from vrcomfort.session.steering import PAUSED, READY, Skipped, Steering
 
 
 class WornHeadset:
@@ -114,4 +119,19 @@ def test_a_question_goes_before_the_words_and_the_words_come_back_after_it():
     screen.rest_on(PAUSED)  # the same words again are not drawn again
     assert headset.drawn == drawn
     screen.rest_on(None)
+    assert headset.shown is None
+
+
+def test_a_question_that_an_operator_ends_leaves_nothing_in_the_headset():
+    headset = WornHeadset()
+    screen = PanelScreen(headset)
+    desk = ScriptedDesk([Wanted("questionnaire", "skip", after=5)])
+    steering = Steering(desk)
+    steering.attach(Events(), screen)
+    steering.begin("questionnaire", "questionnaire ssq (post)")
+    screen.each_frame = steering.look
+    form = Form(shipped_instruments()["ssq"], "post")
+    with pytest.raises(Skipped):
+        PanelRespondent(screen).ask(form, lambda *_: None)
+    assert headset.drawn > 0
     assert headset.shown is None

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session.interfaces import Command, OperatedStep, OperatorDesk, StepKind
+from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk, StepKind
 
 IDLE_S = 0.02
 """So long a moment is in which nothing is to be done."""
