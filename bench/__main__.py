@@ -11,7 +11,18 @@ from typing import Any
 
 import moderngl
 
-from bench import effects, many_answers, mask, memory, python_time, recordings, requires, smaller
+from bench import (
+    effects,
+    image_hash,
+    many_answers,
+    mask,
+    memory,
+    python_time,
+    recordings,
+    requires,
+    simulated,
+    smaller,
+)
 from bench.table import Result, write
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.monado import SERVICE
@@ -41,6 +52,8 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
+    "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
+    "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),
     "smaller": lambda ctx, options: smaller.measure(ctx, rounds=options.rounds),
 }
@@ -58,6 +71,7 @@ def main() -> None:
     parser.add_argument("--memory-frames", type=int, default=100_000, help="for memory's growth")
     parser.add_argument("--people", type=int, default=1000, help="whose answers are reported")
     parser.add_argument("--frame-rows", type=int, default=10_000_000, help="summed by exposure")
+    parser.add_argument("--simulated", type=int, default=200, help="people without frames")
     arguments = parser.parse_args()
     ctx = create_context()
     for name in [arguments.only] if arguments.only else _possible():

@@ -159,7 +159,7 @@ def _two(scores: Integers, truth: Estimands) -> dict[str, bool]:
     differences = scores[:, 0] - scores[:, 1]
     test = signed_rank(differences)
     effect, n = test.effect, differences.size
-    # What `paired_t` prints, without pingouin's Bayes factor and power (25 times the time).
+    # What `paired_t` prints, without pingouin's Bayes factor (25 times the time).
     t = t_estimate(float(differences.mean()), float(differences.std(ddof=1)) / n**0.5, n - 1, 0.95)
     assert test.shift is not None  # noqa: S101 - Pratt's test has a shift for any n ≥ 1
     a_first = np.arange(n) % 2 == 0

@@ -8,10 +8,11 @@ from __future__ import annotations
 import argparse
 import asyncio
 import http.client
+import itertools
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,13 +34,16 @@ from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import open_enrolment, run
-from vrcomfort.session.interfaces import NoDesk
+from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.operator_desk import NoDesk
 from vrcomfort.session.steering import ALLOWED, Steering
+from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace
 
 PAGES = 50
 SIZE_PX = 64, 80
 REFRESH_HZ = 90.0
+DESK_FRAMES = 20_000
 WARM_UP = 20
 """Frames of each exposure that are not counted: they compile and fill caches."""
 PROTOCOL = """\
@@ -91,10 +95,14 @@ class _Sessions:
         self._trace = read_trace(data_folder("scenes") / "temple_walk.csv")
         self._count = 0
 
+    def headset(self) -> _Clocked:
+        """Return a headset at the start of its trace."""
+        return _Clocked(self._trace, image_size_px=SIZE_PX, refresh_hz=REFRESH_HZ)
+
     def times_us(self, steering: Steering) -> list[float]:
         """Return the CPU time of the thread for each frame of an exposure."""
         self._count += 1
-        headset = _Clocked(self._trace, image_size_px=SIZE_PX, refresh_hz=REFRESH_HZ)
+        headset = self.headset()
         study = self._folder / f"study{self._count}"
         with open_enrolment(self._protocol, "P01", study=study, respondent="simulated") as enrolled:
             run(
@@ -128,6 +136,7 @@ def measure(ctx: moderngl.Context, *, rounds: int, frames: int) -> Result:
         for number in range(rounds):
             for name in sorted(cases, reverse=bool(number % 2)):
                 found[name].append(sessions.times_us(cases[name]))
+        frame = next(sessions.headset().frames())
     base = {at: _percentiles(found["no console"], at) for at in (50, 99)}
     rows = [_row(name, found[name], base) for name in cases]
     notes = [
@@ -136,6 +145,8 @@ def measure(ctx: moderngl.Context, *, rounds: int, frames: int) -> Result:
         "frames each.",
         "Ratios are to the first row, round by round: their median, and in brackets the smallest "
         "and the largest round. The second row is the same program again: noise.",
+        f"What the desk itself does takes {_desk_us(frame, shows=False):.1f} µs of a frame, and "
+        f"{_desk_us(frame, shows=True):.1f} µs of one whose state is shown (five a second).",
         f"Renderer: {ctx.info['GL_RENDERER']}.",
     ]
     return Result("Console", rows, notes)
@@ -153,6 +164,38 @@ def _row(name: str, rounds: list[list[float]], base: dict[int, np.ndarray]) -> d
         row[f"{word} µs"] = float(np.median(each))
         row[f"{word} ratio"] = f"{np.median(ratio):.3f} ({ratio.min():.3f}–{ratio.max():.3f})"
     return row
+
+
+class _Nowhere:
+    """A server that shows nothing."""
+
+    pictures = 0
+
+    def show(self, state: Mapping[str, Any]) -> None:
+        """Show nothing."""
+
+    def show_picture(self, make: Callable[[], bytes]) -> None:
+        """Show nothing."""
+
+    def next_command(self) -> None:
+        """Return nothing."""
+
+
+def _desk_us(frame: Frame, *, shows: bool) -> float:
+    """Return the CPU time of hearing, seeing and telling in one frame."""
+    clock = itertools.count(step=1 if shows else 0)
+    desk = ConsoleDesk(_Nowhere(), ALLOWED, now_s=lambda: float(next(clock)))
+    steering, trial = Steering(desk), TrialTiming()
+    steering.begin("exposure", "bench")
+    for minute in range(15):
+        desk.rated("fms", 60.0 * minute, 3)
+    progress = Progress("exposure", "P01", 1, trial=1, done=1.0, total=900.0)
+    began_s = time.thread_time()
+    for _ in range(DESK_FRAMES):
+        steering.look()
+        desk.see(frame, None, trial)
+        desk.tell(progress)
+    return 1e6 * (time.thread_time() - began_s) / DESK_FRAMES
 
 
 @contextmanager

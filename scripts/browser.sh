@@ -35,23 +35,26 @@ find_browser() {
     return 1
 }
 
-install_browser() {
+install() { # install PACKAGES...
     local as_root=()
     command -v apt-get >/dev/null || return 1
     if [ "$(id -u)" -ne 0 ]; then
         command -v sudo >/dev/null || return 1
         as_root=(sudo)
     fi
-    say "Installing: chromium (about 400 MB on the disk)"
+    say "Installing: $*"
     {
         "${as_root[@]}" apt-get update -qq &&
             "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-                apt-get install -y -qq --no-install-recommends chromium chromium-driver
+                apt-get install -y -qq --no-install-recommends "$@"
     } >/dev/null || return 1
 }
 
+# What steers a browser, for the tests of the console; they are skipped without it.
+[ "${1:-}" = --find ] || command -v chromedriver >/dev/null ||
+    install chromium chromium-driver || say "chromedriver is missing and cannot be installed here"
 find_browser && exit
-{ [ "${1:-}" != --find ] && install_browser; } || fail "there is no Chromium or Chrome here that works without a screen." \
+{ [ "${1:-}" != --find ] && install chromium chromium-driver; } || fail "there is no Chromium or Chrome here that works without a screen." \
     "Install one (Debian: chromium), or name it: CHROME=/path/to/chrome; then run this again."
 find_browser || fail "Chromium is installed, but reads no page without a screen." \
     "Try: chromium --headless --no-sandbox --dump-dom 'data:text/html,works'"

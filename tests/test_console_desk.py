@@ -19,7 +19,8 @@ from vrcomfort.console import ConsoleDesk
 from vrcomfort.console.messages import Entered
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_pictures import EyePictures
-from vrcomfort.session.interfaces import OperatedStep, Progress
+from vrcomfort.session.interfaces import Progress
+from vrcomfort.session.operator_desk import OperatedStep
 from vrcomfort.session.steering import ALLOWED, Steering
 
 

@@ -10,6 +10,7 @@ from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.report import build_report
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import Scripted
+from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_participants
 from vrcomfort.session.steering import ALLOWED, Steering
@@ -265,6 +266,13 @@ def test_every_event_of_an_operator_has_its_time_and_order(tmp_path):
     assert times == sorted(times)
     assert all("step 3 (exposure 1 of 2" in detail for _, detail in events(tmp_path))
     assert folder(tmp_path).is_dir()
+
+
+def test_an_anonymous_copy_keeps_what_was_done_and_not_what_was_typed():
+    typed = {"name": "operator_note", "detail": "A, step 3 (exposure 1): knows Anna"}
+    assert of_event(typed) == {"name": "operator_note", "detail": ""}
+    written = {"name": "pause", "detail": "exposure 1 of 2, attempt 1: plain in temple"}
+    assert of_event(dict(written)) == written
 
 
 @pytest.mark.slow

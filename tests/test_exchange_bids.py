@@ -112,6 +112,7 @@ def test_every_answer_is_in_the_phenotype_tables(study: Path, dataset: Path) -> 
         assert said[name]["Levels"]["0"]
         if answer["trial"]:
             assert row[f"{place}_condition"] == answer["condition"]
+    assert row["ses-1_language"] == "en"
     assert set(row) - {"participant_id"} == set(said) - {"MeasurementToolMetadata"}
 
 

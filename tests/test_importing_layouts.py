@@ -294,6 +294,24 @@ def test_headings_that_are_made_alike_are_said_in_one_template(tmp_path: Path) -
     assert 'timepoint = { values = { pre = "baseline", post = "post" } }' in text
 
 
+@pytest.mark.parametrize("heading", ["Trial", "Run"])
+def test_a_number_of_rows_is_not_that_of_each_condition_in_them(
+    tmp_path: Path, heading: str
+) -> None:
+    rows = [["ID", heading, *(f"{c}_{item}" for c in ("dull", "blur") for item in ITEMS)]]
+    rows += [[f"P{n // 2}", n % 2 + 1, *[n % 4] * 16, *[(n + 1) % 4] * 16] for n in range(12)]
+    suggested = suggest_mapping([write(tmp_path / "x.csv", rows)])
+    (doubt,) = suggested.doubts
+    assert f"'{heading}' numbers rows of several conditions each" in doubt
+    assert suggested.imported is not None
+    met = {
+        m.trial: (m.condition, set(sheet.answers.values()))
+        for (_, m), sheet in suggested.imported.sheets.items()
+        if m.participant == "P1"
+    }
+    assert met == {"1": ("dull", {2}), "2": ("blur", {3}), "3": ("dull", {3}), "4": ("blur", {0})}
+
+
 def test_headings_that_one_template_would_mistake_are_listed(tmp_path: Path) -> None:
     names = ("no_blur", "blur")  # {condition}_{item} would find a condition no, and its blur_nausea
     rows = [["ID", *(f"{c}_{item}" for c in names for item in ITEMS)]]

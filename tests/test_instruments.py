@@ -283,3 +283,10 @@ def test_the_answers_of_thirty_people_in_words():
 def test_no_shipped_file_is_left_out():
     assert {file.stem for file in data_folder("instruments").glob("*.toml")} == set(SHIPPED)
     assert len(SHIPPED) == 14
+
+
+def test_instruments_can_be_looked_up_by():
+    shipped = shipped_instruments()
+    assert {instrument: name for name, instrument in shipped.items()} == {
+        instrument: instrument.name for instrument in shipped.values()
+    }

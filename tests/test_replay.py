@@ -15,8 +15,10 @@ import pytest
 from PIL import Image
 
 from tests.support.exchange import cell, edit
+from tests.support.resume import go
 from tests.support.session import run as run_session
-from tests.support.study import Scripted, read_rows
+from tests.support.study import PROTOCOL as TINY
+from tests.support.study import Scripted, read_rows, tiny_protocol
 from vrcomfort.cli.playback import shipped_walk
 from vrcomfort.cli.renderer import describe_machine, make_renderer
 from vrcomfort.frame import Frame
@@ -37,6 +39,10 @@ training_s = 0.06
 scenes = ["temple", "rail"]
 questionnaires = [{ timepoint = "post", when = "session_end" }]
 ratings = { instrument = "fms", every_s = 0.1, timeout_s = 0.05 }
+
+[photodiode]
+size_deg = 12.0
+white = "every_other_frame"
 
 [order]
 rule = "explicit"
@@ -111,7 +117,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
         headset.place(spawn=scene.spawn)
         return headset
 
-    renderer = make_renderer(SIZE_PX, hash_every=4)
+    renderer = make_renderer(SIZE_PX, hash_every=4, photodiode=protocol.photodiode)
     outcome = run_session(
         protocol,
         "P01",
@@ -137,7 +143,7 @@ def drawn_again(place: Path, wish: Wish | None = None, **changed: Any) -> tuple[
     if changed:
         session = replace(session, **changed)
     comparison, scene = Comparison(), load_scene("temple")
-    drawer = make_renderer(SIZE_PX)
+    drawer = make_renderer(SIZE_PX, photodiode=session.photodiode)
     frames = replay(
         session,
         wish or Wish(),
@@ -175,6 +181,24 @@ def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place
 
     assert comparison.compared > 3
     assert comparison.equal == 0
+
+
+def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_record(
+    place: Path,
+) -> None:
+    session = read_session(place / SESSION)
+    settings = {**session.manifest["settings"], "photodiode": None}
+    manifest = {**session.manifest, "settings": settings}
+
+    _, comparison = drawn_again(place, Wish(trial=2), manifest=manifest)
+
+    assert comparison.compared > 3
+    assert comparison.equal == 0
+    frames = read_rows(place / SESSION / "frames.csv")
+    first = {row["trial"]: row["xr_time_ns"] for row in reversed(frames)}
+    events = read_rows(place / SESSION / "events.csv")
+    told = [row["detail"] for row in events if row["name"] == "photodiode"]
+    assert told == [f"white from xr_time_ns {first[trial]} on" for trial in "12"]
 
 
 def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:
@@ -413,3 +437,20 @@ def test_an_exposure_that_was_cut_short_by_a_kill_is_shown_too(study: Path) -> N
 
     assert (killed.trial, killed.status) == (2, "")
     assert killed.end - killed.shown == int(rows[1]["frames"])
+
+
+def test_a_validation_of_the_eye_tracker_is_no_part_of_an_exposure(tmp_path: Path) -> None:
+    """Its frames are no trial's, as those of training are."""
+    table = "[gaze_validation]\npoints = [[0.0, 0.0, 1.0], [9.0, 0.0, 1.0], [0.0, 9.0, 2.0]]\n\n"
+    text = TINY.replace("[[conditions]]", table + "[[conditions]]", 1)
+    go(tmp_path, protocol=tiny_protocol(tmp_path, text))
+
+    session = read_session(tmp_path / SESSION)
+
+    rows = read_rows(tmp_path / SESSION / "frames.csv")
+    before = [row for row in rows if row["trial"] == "0"]
+    first = session.exposures[0]
+    assert first.shown - first.first == 10  # a second of training
+    assert len(before) > 10
+    assert first.first == len(before) - 10
+    assert [each.first == each.shown for each in session.exposures[1:]] == [True]

@@ -11,8 +11,8 @@ import pytest
 from tests.support.report import Study, answers, build_report, carnegie_like, foreign, write_csv
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import methods, palette
-from vrcomfort.report.estimation import MOST_DRAWN, thinned
 from vrcomfort.report.references import entries, is_known
+from vrcomfort.report.sides import MOST_DRAWN, thinned
 from vrcomfort.report.words import bayes_factor
 from vrcomfort.resources import data_folder
 

@@ -1,11 +1,15 @@
 """Figures of a report are drawn where they are asked for, in the forms that are asked for."""
 
+import io
 import json
 
+import numpy as np
 import pytest
+from PIL import Image
 
 from tests.support.report import carnegie_like, foreign
 from vrcomfort.report import build_report
+from vrcomfort.report.canvas import canvas, dots
 
 SCORES = {f"P{i}": {"a": 3 + i, "b": 2 * i} for i in range(6)}
 PLAN = 'name = "mine"\ntitle = "Mine"\noutcomes = ["T"]\nfigures = ["paired"]\n'
@@ -53,6 +57,20 @@ def test_a_form_that_is_none_is_told_with_those_that_are(run, tmp_path, source, 
     assert code == 2
     assert "write none, or some of svg, png, pdf" in " ".join(err.split())
     assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize("people", [1, 8, 200, 2000])
+def test_dots_are_seen_in_pixels(people):
+    def red(values):
+        with canvas("dots", 3, 2) as (figure, drawing):
+            axes = figure.add_subplot()
+            dots(axes, np.linspace(0, 1, people), values, "#ff0000")
+            axes.axis((-0.1, 1.1, -0.1, 1.1))
+        pixels = np.asarray(Image.open(io.BytesIO(drawing.png())).convert("RGB"), dtype=int)
+        return int(((pixels[..., 0] > 200) & (pixels[..., 1] < 80)).sum())
+
+    assert red(np.full(people, np.nan)) == 0
+    assert red(np.linspace(0, 1, people)) > 50 * min(people, 40)
 
 
 @pytest.mark.slow

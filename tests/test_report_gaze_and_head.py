@@ -139,6 +139,17 @@ def test_shares_fixations_and_spectra_are_those_recorded(study):
     assert found.maps["dof_off"].share.sum() == pytest.approx(1)
 
 
+def test_shots_of_a_task_are_events(study):
+    session = study / "sub-P01" / "ses-1"
+    (session / "events.csv").unlink()
+    rows = ["participant,trial,condition,kind,onset_s", "P01,1,dof_off,target,100.1"]
+    rows += ["P01,1,dof_off,shot,100.5", "P01,1,dof_off,shot,105"]
+    (session / "tasks.csv").write_text("\n".join(rows) + "\n")
+    shares = shares_of(found_in(study))
+    # Two seconds of looking ahead (the blink is before), two of looking away.
+    assert shares["dof_off", "shot", 0.3] == pytest.approx(0.5, abs=0.01)
+
+
 def test_path_and_turning_are_those_of_the_frames_per_minute(study):
     data = with_frames(read_study(study), study)
     (row,) = look_at(data, read_plan(PLAN, None), ["dof_off", "dof_on"]).exposures

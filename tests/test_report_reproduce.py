@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.support import designs
 from tests.support.report import build_report, carnegie_like, foreign
 
 RSCRIPT = shutil.which("Rscript")
@@ -144,3 +145,45 @@ def test_the_script_stands_beside_every_report(tmp_path):
     text = (tmp_path / "o" / "reproduce.R").read_text("utf-8")
     assert text.startswith("# Makes the primary tests of this report again")
     assert text.isascii()
+
+
+PLANS_OF_DESIGNS = Path(__file__).parents[1] / "docs" / "plans"
+
+
+@needs_r
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("design", "numbers"),
+    [
+        ("between_groups", ("U", "p, exact", "shift", "Hedges' g", "t, low", "spearman")),
+        ("tasks_only", ("interval, high", "ICC(2,1)", "ICC(3,1)", "repeated_measures")),
+    ],
+)
+def test_r_finds_other_tests_and_correlations(tmp_path, design, numbers):
+    folder = getattr(designs, design)(tmp_path / "study")
+    build_report(folder, plan=PLANS_OF_DESIGNS / f"{design}.toml", out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert all(f" {number} " in found.stdout for number in numbers)
+
+
+@needs_r
+@pytest.mark.slow
+def test_r_finds_sign_tests_and_three_groups(tmp_path):
+    study = random_study(tmp_path, 9)
+    people = "\n".join(["participant,group", *(f"P{i},{'xyz'[i % 3]}" for i in range(14))])
+    (tmp_path / "participants.csv").write_text(people + "\n", "utf-8")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(
+        'name = "p"\ntitle = "P"\nmixed_model = []\n'
+        '[[contrasts]]\na = "a"\nb = "b"\ntest = "sign"\nalternative = "less"\n'
+        '[[contrasts]]\na = "x"\nb = "y"\nbetween = "group"\ntest = "student_t"\n'
+        '[[correlations]]\nx = "T"\ny = "N"\nmethod = "pearson"\n'
+        '[[anova]]\nname = "group"\ncolumn = "group"\n',
+        "utf-8",
+    )
+    build_report(study.parent, plan=plan, out=tmp_path / "o")
+    found = run(tmp_path / "o")
+    assert found.returncode == 0, found.stdout + found.stderr
+    for said in ("share above", "Hedges' g", "pearson", "Kruskal-Wallis, group"):
+        assert said in found.stdout

@@ -21,7 +21,7 @@ from vrcomfort.stats.proportions import preference, sign_test
 from vrcomfort.stats.t_tests import (
     equivalence_of_groups,
     equivalence_of_pairs,
-    paired_t_test,
+    paired_t,
     two_sample_t,
 )
 
@@ -157,7 +157,7 @@ OURS = {
     "mann_whitney": ours_mann_whitney,
     "welch": ours_welch,
     "pooled": lambda name: of_t(two_sample_t(*both(name), variances="pooled")),
-    "paired": lambda name: of_t(paired_t_test(np.subtract(*both(name)))),
+    "paired": lambda name: of_t(paired_t(np.subtract(*both(name)))),
     "tost_groups": lambda name: vars(equivalence_of_groups(*both(name), (-3, 3))),
     "tost_pairs": lambda name: vars(equivalence_of_pairs(np.subtract(*both(name)), (-2, 2))),
     "sign": ours_sign,
@@ -237,7 +237,7 @@ def test_one_constant_group_has_a_welch_test() -> None:
 
 
 def test_two_pairs_have_no_unbiased_g() -> None:
-    test = paired_t_test([1, 2])
+    test = paired_t([1, 2])
     assert np.isnan(test.hedges_g.estimate)
     assert test.hedges_g.low is None
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from vrcomfort.stats.means import mean_interval
-from vrcomfort.stats.paired_t import paired_t
+from vrcomfort.stats.t_tests import paired_t
 
 
 def test_it_is_the_t_interval_where_values_are_normal_and_many():

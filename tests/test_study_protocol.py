@@ -312,3 +312,28 @@ def test_needs_name_settings_and_values_that_there_are():
             for choice, values in needs.items():
                 known = get_args(fields[choice].annotation) or range(1, 257)
                 assert set(values) < set(known), (key, choice)
+
+
+NOTHING = """name = "n"
+title = "N"
+exposure_s = 300.0
+scenes = ["temple"]
+[[conditions]]
+name = "plain"
+[order]
+rule = "latin_square"
+"""
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        '[[questionnaires]]\ntimepoint = "post"\nwhen = "after_trial"\n',
+        "[[ratings]]\n",
+        '[[tasks]]\nname = "shoot"\nkind = "aiming"\n',
+    ],
+)
+def test_a_study_asks_rates_or_has_something_done(asked):
+    assert parse_protocol(NOTHING + asked).name == "n"
+    with pytest.raises(InputError, match=r"nothing is asked, rated or done; add \[\[quest"):
+        parse_protocol(NOTHING)

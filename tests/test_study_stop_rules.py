@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from datetime import datetime
 
 import pytest
 
@@ -16,8 +17,10 @@ from tests.support.study import (
     tiny_protocol,
 )
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.private_facts import Moved, of_manifest
 from vrcomfort.exchange.verifying.study import verify_study
 from vrcomfort.records import read_participants, session_folder
+from vrcomfort.report.notices import _ended_early
 from vrcomfort.report.study_data import read_study
 from vrcomfort.report.withdrawals import count_withdrawals, find_withdrawals
 
@@ -129,6 +132,9 @@ def test_reports_count_each_kind_and_who_came_back_is_no_withdrawal(tmp_path):
         {"ends": "exposure", "by": "rating", "n": 2},
         {"ends": "session", "by": "participant", "n": 1},
     ]
+    assert _ended_early(study) == [
+        "ended before their time: 2 exposures by a rating, 1 session by the participant"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -157,3 +163,12 @@ def test_a_task_that_is_done_ends_the_exposure_where_the_protocol_says_so(tmp_pa
     assert [(row["status"], row["abort_code"]) for row in trials] == [("completed", "task")] * 2
     for row in trials:
         assert float(row["end_s"]) - float(row["start_s"]) == pytest.approx(3.2, abs=0.15)
+
+
+def test_a_copy_for_others_keeps_what_ended_a_session_and_not_the_words(tmp_path):
+    stop = '[stop]\nparticipant = "session"\n'
+    go(tmp_path, Scripted(withdraw_at_s=5.0), stop, sessions=[1])
+    manifest, _, _ = session_of(tmp_path)
+    began = datetime.fromisoformat(manifest["started_at"])
+    found = of_manifest(manifest, "X01", Moved(began, all_one=True))
+    assert found["ended"] == {"by": "participant", "ends": "session", "reason": "left out"}

@@ -15,6 +15,7 @@ from vrcomfort.errors import InputError
 
 BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 UTF_16 = (b"\xff\xfe", b"\xfe\xff")
+NOTHING = frozenset({"na", "nan", "n/a"})
 _BLOCK = 2**15
 
 
@@ -104,7 +105,7 @@ class CsvTable:
         for line, row in zip(self.lines, self.dicts(), strict=True):
             for column in columns:
                 cell = row.get(column, "").strip()
-                if cell and not _is_number(cell):
+                if cell and number_or_none(cell) is None:
                     message = f"{cell!r} is not a number; write digits, with a decimal point"
                     raise self.fault(message, line, column)
 
@@ -127,11 +128,34 @@ def plain_digits(cell: str) -> str:
     return text
 
 
-def _is_number(cell: str) -> bool:
+def number_in(cell: str, *, words: bool = False) -> float | None:
+    """Return the number that a cell holds; None of a blank one.
+
+    Parameters
+    ----------
+    words
+        The words of other programs for nothing (NA, NaN, n/a) are as good as a blank.
+
+    Raises
+    ------
+    ValueError
+        If it holds anything else: text, an infinite number, or what `plain_digits` refuses.
+    """
+    text = plain_digits(cell)
+    if not text or (words and text.casefold() in NOTHING):
+        return None
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text!r} is not a finite number")
+    return number
+
+
+def number_or_none(cell: str) -> float | None:
+    """Return the number of a cell that may hold anything; None where it holds none."""
     try:
-        return math.isfinite(float(plain_digits(cell)))
+        return number_in(cell)
     except ValueError:
-        return False
+        return None
 
 
 class _Text:

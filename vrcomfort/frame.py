@@ -56,6 +56,8 @@ class Frame:
     session_state
         OpenXR's, in lower case: ``visible`` (something of the runtime's has the input), ``focused``
         ...; empty where there is none.
+    patch
+        Whether the patch for a photodiode is white in it; None: there is no patch.
     """
 
     index: int
@@ -73,6 +75,7 @@ class Frame:
     head_valid: bool = True
     head_tracked: bool = True
     session_state: str = ""
+    patch: bool | None = None
 
     @property
     def unfocused(self) -> bool:

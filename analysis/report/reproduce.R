@@ -1,7 +1,8 @@
 # Makes the primary tests of this report again, in base R, from tables/scores.csv, and prints what
-# the report has (tables/tests.csv) beside what R finds; then the crossover analyses, in base R too,
-# the analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken
-# from the report but who is compared with whom, and how.
+# the report has (tables/tests.csv) beside what R finds; then the crossover analyses, comparisons by
+# other tests, equivalence, correlations, agreement and Kruskal-Wallis tests, in base R too, the
+# analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken from
+# the report but who is compared with whom, and how.
 #
 #   Rscript reproduce.R
 #
@@ -112,7 +113,10 @@ compare <- function(test, what, expected, found, about = paste(test$a, "minus", 
 }
 
 scores <- read_table("scores")
-tests <- read_table("tests")
+needed <- c("not_tested", "timepoint_a", "timepoint_b", "ranked_worst", "family", "p_holm")
+tests <- if (file.exists(file.path(folder, "tables", "tests.csv"))) read_table("tests") else {
+  as.data.frame(sapply(needed, function(name) character(), simplify = FALSE))
+}
 done <- tests[is.na(tests$not_tested), , drop = FALSE]
 
 # scores.csv has what was answered after exposures: no other moment, and nobody's assumed rank.
@@ -241,7 +245,12 @@ anova_of <- function(found, columns) {
   type <- found$type[1]
   if (!length(within)) {
     people$score <- wide[, 1]
-    made <- car::Anova(lm(as.formula(paste("score ~", side)), people), type = type)
+    fit <- lm(as.formula(paste("score ~", side)), people)
+    if (deviance(fit) <= 1e-20 * sum((people$score - mean(people$score))^2)) {
+      not_here("the ANOVA of", found$outcome[1], "(groups are all that differs)")
+      return(invisible())
+    }
+    made <- car::Anova(fit, type = type)
     made <- made[!rownames(made) %in% c("(Intercept)", "Residuals"), ]
     univariate <- cbind(made[, "Sum Sq"], made[, "F value"], made[, "Pr(>F)"])
     rownames(univariate) <- rownames(made); corrected <- NULL
@@ -343,6 +352,159 @@ if (!is.null(found) && !requireNamespace("lmerTest", quietly = TRUE)) {
   }
 }
 
+# Comparisons by other tests, and correlations: each person's mean over exposures.
+others <- 0
+names_in <- function(cell) if (is.na(cell)) character() else strsplit(cell, TIMES, TRUE)[[1]]
+means_of <- function(outcome, people, condition) {
+  here <- is.na(condition) | scores$condition %in% condition
+  mine <- here & !is.na(scores[[outcome]])
+  means <- tapply(as.numeric(scores[[outcome]][mine]), scores$participant[mine], mean)
+  unname(means[people])
+}
+unbiased <- function(df) exp(lgamma(df / 2) - lgamma((df - 1) / 2) - log(df / 2) / 2)
+
+# The exact distribution of a rank sum given the ties, person after person: rows are people dealt to a.
+rank_sum_p <- function(a, b, side) {
+  twice <- round(2 * rank(signif(c(a, b), 12))); n <- length(a)
+  ways <- matrix(0, n + 1, sum(twice) + 1); ways[1, 1] <- 1
+  for (step in twice) {
+    moved <- ways[seq_len(n), seq_len(ncol(ways) - step), drop = FALSE]
+    ways[-1, -seq_len(step)] <- ways[-1, -seq_len(step)] + moved
+  }
+  p <- ways[n + 1, ] / sum(ways[n + 1, ])
+  sums <- seq_along(p) - 1; found <- sum(twice[seq_len(n)]); middle <- n * (length(twice) + 1)
+  switch(side, greater = sum(p[sums >= found]), less = sum(p[sums <= found]),
+         sum(p[abs(sums - middle) >= abs(found - middle)]))
+}
+
+compare_means <- function(line, a, b) {
+  side <- if (line$alternative == "two-sided") "two.sided" else line$alternative
+  paired <- line$test == "paired_t"
+  test <- t.test(a, b, paired = paired, var.equal = line$test == "student_t", alternative = side,
+                 conf.level = as.numeric(line$confidence))
+  mean <- mean(a) - mean(b)
+  within <- if (paired) var(a - b) else {
+    ((length(a) - 1) * var(a) + (length(b) - 1) * var(b)) / (length(a) + length(b) - 2)
+  }
+  df <- if (paired) length(a) - 1 else length(a) + length(b) - 2
+  compare(line, "t", line$value, unname(test$statistic), size = 1e-6)
+  compare(line, "df", line$df, unname(test$parameter))
+  compare(line, "p", line$p, test$p.value)
+  compare(line, "difference", line$difference_estimate, mean, size = 1e-6)
+  compare(line, "interval, low", line$difference_low, test$conf.int[1], size = 1e-6)
+  compare(line, "interval, high", line$difference_high, test$conf.int[2], size = 1e-6)
+  if (df > 1) {
+    compare(line, "Hedges' g", line$effect_estimate, mean / sqrt(within) * unbiased(df), size = 1e-6)
+  }
+}
+
+compare_ranks <- function(line, a, b) {
+  above <- outer(a, b, ">") + outer(a, b, "==") / 2
+  compare(line, "U", line$value, sum(above))
+  compare(line, "r", line$effect_estimate, 2 * mean(above) - 1, size = 1e-6)
+  compare(line, "shift", line$difference_estimate, median(outer(a, b, "-")), size = 1e-6)
+  if (line$method == "exact") compare(line, "p, exact", line$p, rank_sum_p(a, b, line$alternative))
+}
+
+compare_signs <- function(line, a, b) {
+  d <- signif(a - b, 12); side <- line$alternative
+  if (!any(d != 0)) return(invisible())
+  test <- binom.test(sum(d > 0), sum(d != 0), alternative =
+    if (side == "two-sided") "two.sided" else side)
+  compare(line, "p", line$p, test$p.value)
+  compare(line, "share above", line$effect_estimate, unname(test$estimate))
+}
+
+found <- read_if_there("comparisons")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]
+  if (!is.na(line$timepoint_a) || !is.na(line$timepoint_b)) {
+    not_here(line$outcome, line$a, "minus", line$b, "(its data are not in scores.csv)")
+    next
+  }
+  a <- means_of(line$outcome, names_in(line$people_a), line$condition_a)
+  b <- means_of(line$outcome, names_in(line$people_b), line$condition_b)
+  switch(line$test, mann_whitney = compare_ranks(line, a, b), sign = compare_signs(line, a, b),
+         compare_means(line, a, b))
+  others <- others + 1
+}
+
+# Two one-sided t tests against the bounds of the plan.
+found <- read_if_there("equivalence")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]
+  paired <- is.na(line$between)
+  a <- means_of(line$outcome, names_in(line$people_a), if (paired) line$a else line$condition)
+  b <- means_of(line$outcome, names_in(line$people_b), if (paired) line$b else line$condition)
+  above <- t.test(a, b, paired = paired, mu = as.numeric(line$bound_low), alternative = "greater")
+  below <- t.test(a, b, paired = paired, mu = as.numeric(line$bound_high), alternative = "less")
+  about <- paste("equivalence of", line$a, "and", line$b)
+  compare(line, "t, low", line$t_low, unname(above$statistic), about, size = 1e-6)
+  compare(line, "t, high", line$t_high, unname(below$statistic), about, size = 1e-6)
+  compare(line, "p", line$p, max(above$p.value, below$p.value), about)
+  others <- others + 1
+}
+
+# Intraclass correlations of people with a score on every occasion, from the mean squares.
+found <- read_if_there("agreement")
+for (one in if (is.null(found)) list() else split(found, paste(found$outcome, found$over))) {
+  if (!one$over[1] %in% names(scores)) next
+  mine <- is.na(one$condition[1]) | scores$condition %in% one$condition[1]
+  mine <- mine & !is.na(scores[[one$outcome[1]]])
+  wide <- tapply(as.numeric(scores[[one$outcome[1]]][mine]),
+                 list(scores$participant[mine], scores[[one$over[1]]][mine]), mean)
+  wide <- wide[complete.cases(wide), , drop = FALSE]
+  n <- nrow(wide); k <- ncol(wide)
+  people <- k * var(rowMeans(wide)); occasions <- n * var(colMeans(wide))
+  rest <- wide - outer(rowMeans(wide), colMeans(wide), "+") + mean(wide)
+  error <- sum(rest^2) / ((n - 1) * (k - 1))
+  agreement <- (people - error) / (people + (k - 1) * error + k * (occasions - error) / n)
+  consistency <- (people - error) / (people + (k - 1) * error)
+  about <- paste("agreement over", one$over[1])
+  compare(one[2, ], "ICC(2,1)", one$estimate[2], agreement, about, size = 1e-6)
+  compare(one[3, ], "ICC(3,1)", one$estimate[3], consistency, about, size = 1e-6)
+  others <- others + 1
+}
+
+found <- read_if_there("correlations")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]
+  if (line$method == "repeated_measures") {
+    mine <- is.na(line$condition) | scores$condition %in% line$condition
+    x <- as.numeric(scores[[line$x]])[mine]; y <- as.numeric(scores[[line$y]])[mine]
+    both <- !is.na(x) & !is.na(y); who <- factor(scores$participant[mine][both])
+    x <- x[both]; y <- y[both]
+    left <- sum(resid(lm(y ~ who + x))^2); all <- sum(resid(lm(y ~ who))^2)
+    r <- sign(coef(lm(y ~ who + x))[["x"]]) * sqrt(1 - left / all)
+    p <- anova(lm(y ~ who), lm(y ~ who + x))[2, "Pr(>F)"]
+  } else {
+    people <- names_in(line$people_in_it)
+    x <- means_of(line$x, people, line$condition); y <- means_of(line$y, people, line$condition)
+    r <- cor(x, y, method = line$method)
+    p <- if (line$method == "pearson") cor.test(x, y)$p.value else NA
+  }
+  line$outcome <- line$x
+  about <- paste("correlation with", line$y)
+  compare(line, line$method, line$estimate, r, about, size = 1e-6)
+  if (!is.na(p)) compare(line, "p", line$p, p, about)
+  others <- others + 1
+}
+
+# Kruskal and Wallis: H of each person's mean, by the levels that the ANOVA has.
+found <- read_if_there("kruskal_wallis")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]; column <- paste0("anova: ", line$factor)
+  if (!column %in% names(scores)) next
+  people <- unique(scores$participant[!is.na(scores[[line$outcome]])])
+  level <- scores[[column]][match(people, scores$participant)]
+  mean <- means_of(line$outcome, people, NA)
+  test <- kruskal.test(signif(mean, 12)[!is.na(level)], factor(level[!is.na(level)]))
+  about <- paste("Kruskal-Wallis,", line$factor)
+  compare(line, "H", line$h, unname(test$statistic), about)
+  compare(line, "p, asymptotic", line$p_asymptotic, test$p.value, about)
+  others <- others + 1
+}
+
 table <- do.call(rbind, rows)
 if (is.null(table)) {
   cat("This report has no test.\n")
@@ -351,9 +513,9 @@ if (is.null(table)) {
 options(width = 140)
 print(table[names(table) != "wrong"], row.names = FALSE)
 wrong <- sum(table$wrong)
-cat(sprintf(paste0("\n%d numbers of %d tests and %d models; largest relative difference %g; ",
+cat(sprintf(paste0("\n%d numbers of %d tests, %d other tests and %d models; largest relative difference %g; ",
                    "%d differ by more than %g (of mixed models %g).\n"),
-            nrow(table), nrow(done), models, max(table$difference), wrong, LARGEST_DIFFERENCE,
+            nrow(table), nrow(done), others, models, max(table$difference), wrong, LARGEST_DIFFERENCE,
             LARGEST_OF_A_SEARCH))
 cat(R.version.string, "\n")
 quit(status = if (wrong) 1 else 0)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from vrcomfort.session.interfaces import OperatedStep, SessionOrder
+from vrcomfort.session.operator_desk import OperatedStep, SessionOrder
 
 
 @dataclass(frozen=True)

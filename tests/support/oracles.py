@@ -15,10 +15,10 @@ from vrcomfort.stats.effects import rank_biserial
 from vrcomfort.stats.friedman import friedman
 from vrcomfort.stats.mixed import mixed_model
 from vrcomfort.stats.multiplicity import holm
-from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.ranks import as_integers
 from vrcomfort.stats.shift import hodges_lehmann
 from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.t_tests import paired_t
 from vrcomfort.stats.withdrawal import fisher_exact, worst_rank
 
 DATA = Path(__file__).parents[1] / "data" / "oracles"
@@ -185,9 +185,8 @@ def ours_paired_t(name: str) -> Values:
         side: paired_t(differences, unit, alternative=side)
         for side in ("two-sided", "greater", "less")
     }
-    found = chosen(
-        sides["two-sided"], "n", "mean", "standard_error", "df", "t", "low", "high", "cohen_dz"
-    )
+    found = chosen(sides["two-sided"], "n", "mean", "standard_error", "df", "t", "low", "high")
+    found["cohen_dz"] = sides["two-sided"].cohen_d
     found |= {f"p {side}": test.p for side, test in sides.items()}
     return found | {"greater_low": sides["greater"].low}
 

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from vrcomfort.stats.anova import Anova, anova
-from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.ranks import as_integers
 from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.t_tests import paired_t
 
 DATA = Path(__file__).parents[1] / "data"
 Values = dict[str, float | None]
@@ -51,7 +51,8 @@ def _sleep() -> dict[str, Values]:
     t = paired_t(steps, 0.1)
     found: dict[str, Values] = {
         "paired t, two-sided": {
-            name: getattr(t, name) for name in ("t", "df", "p", "low", "high", "cohen_dz")
+            **{name: getattr(t, name) for name in ("t", "df", "p", "low", "high")},
+            "cohen_dz": t.cohen_d,
         }
     }
     for zeros, name in (("pratt", "Pratt zeros"), ("wilcox", "Wilcoxon zeros")):

@@ -76,7 +76,7 @@ def play_session(
     protocol = _protocol(options, session)
     wish = _wish(session, options, protocol)
     size_px = options.size_px or session.size_px
-    drawer = make_renderer(size_px)
+    drawer = make_renderer(size_px, photodiode=session.photodiode)
     comparison = Comparison()
     frames = _drawn(session, wish, drawer, size_px, comparison, protocol)
     sheet = _sheet(session, options, wish)
@@ -162,7 +162,11 @@ def _drawn(
             source = str(protocol.file.parent / source)
         return load_scene(source)
 
-    second = None if wish.beside is None else StereoRenderer(drawer.ctx, size_px)
+    second = (
+        None
+        if wish.beside is None
+        else StereoRenderer(drawer.ctx, size_px, photodiode=session.photodiode)
+    )
     return replay(
         session,
         wish,

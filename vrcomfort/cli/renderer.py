@@ -6,6 +6,7 @@ import hashlib
 from typing import TYPE_CHECKING
 
 from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.resources import data_folder
 
 if TYPE_CHECKING:
@@ -13,12 +14,15 @@ if TYPE_CHECKING:
     from vrcomfort.render.pipeline import StereoRenderer
 
 
-def make_renderer(size_px: tuple[int, int], *, hash_every: int = 0) -> StereoRenderer:
+def make_renderer(
+    size_px: tuple[int, int], *, hash_every: int = 0, photodiode: Photodiode | None = None
+) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
-    return StereoRenderer(create_context(), size_px, hash_every=hash_every)
+    ctx = create_context()
+    return StereoRenderer(ctx, size_px, hash_every=hash_every, photodiode=photodiode)
 
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:

@@ -44,7 +44,9 @@ def desktop_setup(
 
         headset = DesktopHeadset(ctx, window, settings)
         size, eyes = settings.image_size_px, settings.columns
-        renderer = StereoRenderer(ctx, size, eyes=eyes, hash_every=HASH_EVERY)
+        renderer = StereoRenderer(
+            ctx, size, eyes=eyes, hash_every=HASH_EVERY, photodiode=protocol.photodiode
+        )
         owned.callback(renderer.release)
         machine = replace(
             describe_machine(renderer, protocol),

@@ -94,6 +94,7 @@ def openxr_setup(
             headset.image_size_px,
             on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
             hash_every=HASH_EVERY,
+            photodiode=protocol.photodiode,
         )
         owned.callback(renderer.release)
         machine = replace(

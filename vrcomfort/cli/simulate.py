@@ -46,16 +46,23 @@ def simulate(
     size: Size = "320x400",
     refresh_hz: RefreshRate = None,
     exposure_s: ExposureOption = None,
+    frames: Annotated[
+        bool, typer.Option("--frames/--no-frames", help="Draw every frame, or let time jump.")
+    ] = True,
     language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
 ) -> None:
     """Take simulated participants through all their sessions, every frame rendered.
 
+    With --no-frames nothing is drawn, and time jumps from one event to the next: answers, ratings
+    and withdrawals as people give them, in no time.
+
     Where it was stopped, the same command goes on: what is recorded stays, and an interrupted
     session continues at its next exposure. One with other options is refused.
 
     - `vrcomfort simulate smoke --participants 4 --out my_study`
+    - `vrcomfort simulate carnegie_2015 --participants 200 --no-frames --out answers`
     - `vrcomfort simulate carnegie_2015 -n 8 --exposure-s 4 --refresh-hz 4 --out my_study`
     """
     outcomes = simulate_study(
@@ -66,6 +73,7 @@ def simulate(
         playback_options=(parse_size(size), open_trace(trace) if trace else None, refresh_hz),
         exposure_s=exposure_s,
         group_readable=group_readable,
+        frames=frames,
         quiet=quiet,
     )
     for outcome in outcomes:
@@ -84,6 +92,7 @@ def simulate_study(
     playback_options: tuple[tuple[int, int], Any, float | None],
     exposure_s: float | None,
     group_readable: bool = False,
+    frames: bool = True,
     quiet: bool,
 ) -> list[Outcome]:
     """Run all sessions of simulated participants P01, P02, … that are left.
@@ -100,11 +109,15 @@ def simulate_study(
     from vrcomfort.records import open_study, told_of_the_other_kind
 
     size_px, trace, refresh_hz = playback_options
-    if protocol.simulation.eyes is None:
+    if not frames and (trace or refresh_hz):
+        raise InputError("--no-frames plays no head trace; leave --trace and --refresh-hz out")
+    if frames and protocol.simulation.eyes is None:
         require_recorded_gaze(protocol.conditions, trace)
     playback = PlaybackSetup(size_px, protocol.headset.ipd_m, trace, refresh_hz)
-    setup = StudySetup(protocol, out, playback, seed, exposure_s, durability="session_end")
-    resume_check = ResumeCheck(protocol, playback, exposure_s)
+    setup = StudySetup(
+        protocol, out, playback, seed, exposure_s, durability="session_end", frames=frames
+    )
+    resume_check = ResumeCheck(protocol, playback if frames else None, exposure_s)
     kept_seed = open_study(out, protocol, seed=seed, group_readable=group_readable)
     design = build_design(protocol, seed=kept_seed)
     outcomes: list[Outcome] = []

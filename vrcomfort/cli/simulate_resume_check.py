@@ -12,6 +12,8 @@ from vrcomfort.cli.study_setup import RespondentKind
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 
+NO_HEADSET = "none"
+"""What a manifest calls what is there without frames."""
 REMEDY = "go on with the same, or choose another --out"
 
 
@@ -20,12 +22,14 @@ class ResumeCheck:
 
     Parameters
     ----------
+    playback
+        None without frames.
     exposure_s
         As asked for; `None` is the protocol's.
     """
 
     def __init__(
-        self, protocol: Protocol, playback: PlaybackSetup, exposure_s: float | None
+        self, protocol: Protocol, playback: PlaybackSetup | None, exposure_s: float | None
     ) -> None:
         self._protocol = protocol
         self._playback = playback
@@ -69,8 +73,13 @@ class ResumeCheck:
             yield from self._differences_of(headset)
 
     def _differences_of(self, headset: Mapping[str, Any]) -> Iterator[str]:
+        playback = self._playback
+        if (headset["name"] == NO_HEADSET) != (playback is None):
+            yield "--no-frames" if playback else "frames"
+        if playback is None:
+            return
         width, height = headset["image_size_px"]
-        if (width, height) != self._playback.size_px:
+        if (width, height) != playback.size_px:
             yield f"--size {width}x{height}"
         if headset["refresh_hz"] not in (rates_hz := self._would_be("refresh_hz")):
             yield f"frames at {headset['refresh_hz']:g} Hz, not {rates_hz[0]:g} Hz"
@@ -85,5 +94,8 @@ class ResumeCheck:
         """What a manifest would say of the headset, by the scene that comes first."""
         from vrcomfort.session import headset_facts
 
+        playback = self._playback
+        if playback is None:
+            return []
         scenes = [self._protocol.view(name).scene for name in self._protocol.scenes]
-        return [headset_facts(self._playback.standing_in(scene)) for scene in scenes]
+        return [headset_facts(playback.standing_in(scene)) for scene in scenes]

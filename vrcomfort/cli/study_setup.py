@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
     from vrcomfort.session import Enrolment, Outcome, ProgressCallback
-    from vrcomfort.session.interfaces import Relay
+    from vrcomfort.session.interfaces import HeadsetFor, Relay, Renderer
 
 
 class RespondentKind(StrEnum):
@@ -42,6 +42,8 @@ class StudySetup:
     ----------
     playback
         Where there is no live headset.
+    frames
+        False: time jumps from one event to the next, and nothing is drawn.
     group_readable, durability
         See `session.open_enrolment` and `session.run`.
 
@@ -61,6 +63,7 @@ class StudySetup:
         *,
         group_readable: bool = False,
         durability: Durability = "each_row",
+        frames: bool = True,
     ) -> None:
         self._protocol = protocol
         self._study = study
@@ -71,6 +74,7 @@ class StudySetup:
         _require_places(protocol)
         self._group_readable = group_readable
         self._durability = durability
+        self._frames = frames
         self._rendering: tuple[StereoRenderer, Machine] | None = None
         self._load_scene = lru_cache(maxsize=None)(_load_scene)
 
@@ -116,11 +120,12 @@ class StudySetup:
         respondent = self._respondent(kind, enrolment, headset, console)
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
         simulated = kind is RespondentKind.SIMULATED
+        loader = self._load_scene if self._frames else session.scenes_for(self._protocol)
         return session.run(
             enrolment,
             respondent=respondent,
-            headset_for=headset.headset_for if headset else self._playback,
-            load_scene=self._load_scene,
+            headset_for=headset.headset_for if headset else self._headset_for(),
+            load_scene=loader,
             renderer=renderer,
             clock=session.VirtualClock() if simulated else session.WallClock(),
             machine=machine,
@@ -130,14 +135,30 @@ class StudySetup:
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
             relay=relay,
+            jumps=not self._frames,
             progress=progress,
         )
 
-    def _windowless(self) -> tuple[StereoRenderer, Machine]:
+    def _headset_for(self) -> HeadsetFor:
+        """Return what stands in each scene where there is no live headset."""
+        from vrcomfort.session import StillHeadset
+
+        return self._playback if self._frames else lambda _name, _scene: StillHeadset()
+
+    def _windowless(self) -> tuple[Renderer, Machine]:
+        if not self._frames:
+            from vrcomfort.records import Machine
+            from vrcomfort.session import NoPictures
+
+            return NoPictures(), Machine()
         if self._rendering is None:
             from vrcomfort.render.image_hash import HASH_EVERY
 
-            renderer = make_renderer(self._playback.size_px, hash_every=HASH_EVERY)
+            renderer = make_renderer(
+                self._playback.size_px,
+                hash_every=HASH_EVERY,
+                photodiode=self._protocol.photodiode,
+            )
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering
 

@@ -32,7 +32,7 @@ class Server(Protocol):
 
 
 class Step(Protocol):
-    """A step of a session; `session.interfaces.OperatedStep`."""
+    """A step of a session; `session.operator_desk.OperatedStep`."""
 
     @property
     def number(self) -> int:
@@ -48,7 +48,7 @@ class Step(Protocol):
 
 
 class Order(Protocol):
-    """Who is run in which order; `session.interfaces.SessionOrder`."""
+    """Who is run in which order; `session.operator_desk.SessionOrder`."""
 
     @property
     def participant(self) -> str:
@@ -84,7 +84,7 @@ class Rendered(Protocol):
 
 
 class Trial(Protocol):
-    """How regularly frames came; `session.interfaces.TrialSoFar`."""
+    """How regularly frames came; `session.operator_desk.TrialSoFar`."""
 
     frames: int
     dropped: int
@@ -226,7 +226,7 @@ class ConsoleDesk:
         """Show everybody what was asked for, and whoever asked whether it was refused."""
         self._replies.append((command.id, refusal))
         action, said = command.action.replace("_", " "), f": {command.text}" if command.text else ""
-        if action == "answer" and not refusal:
+        if action in {"answer", "rate"} and not refusal:
             said = f"{said} {'rather not say' if command.value is None else f'{command.value:g}'}"
         told = f"refused: {refusal}" if refusal else f"{action}{said}"
         if not refusal and action in {"pause", "go on"}:

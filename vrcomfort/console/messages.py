@@ -24,7 +24,7 @@ class Entered:
     id
         The page's own name of this message, which the answer repeats.
     action, step, text, value
-        See `session.interfaces.Command`.
+        See `session.operator_desk.Command`.
     """
 
     id: str

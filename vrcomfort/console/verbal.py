@@ -175,7 +175,7 @@ class _Sheet:
         took_s, self._since_s = now_s - self._since_s, now_s
         self._answers[entry.text] = entry.value
         value = entry.value
-        heard(entry.text, None if value is None else _whole(value), took_s)
+        heard(entry.text, None if value is None else int(value), took_s)
 
     def shown(self) -> dict[str, Any]:
         """Return the questionnaire as the page shows it."""
@@ -197,13 +197,10 @@ def _fault_of(item: Item, entry: Any, action: str) -> str:
     if entry.action != action:
         return f"this question takes no {entry.action}"
     declined = entry.value is None and action == "answer"
-    if declined or (entry.value is not None and item.answers.offers(entry.value)):
+    whole = entry.value is not None and float(entry.value).is_integer()
+    if declined or (whole and item.answers.offers(entry.value)):
         return ""
     return f"{item.answers.asked_in_words} is an answer to {item.text!r}"
-
-
-def _whole(value: float) -> int:
-    return int(value)
 
 
 def _shown(item: Item, answer: float | None, *, answered: bool) -> dict[str, Any]:

@@ -14,6 +14,7 @@ _SAFE_DETAILS = {
     "questionnaire_missed", "questionnaire_resumed", "session_resumed", "session_state",
     "recentered", "refresh_rate_changed", "window_focus", "frame_discarded", "tracking_lost",
     "tracking_found", "unfocused", "pause", "questionnaire_skipped",
+    "ratings_planned", "exposure_ended",
 }  # fmt: skip
 """Events whose details the program writes, and that hold no path, date or typed text."""
 
@@ -58,6 +59,8 @@ def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dic
     found["memory"] = None
     if ended := manifest.get("exposure_ended"):
         found["exposure_ended"] = {**ended, "at": moved(ended["at"])}
+    if early := manifest.get("ended"):
+        found["ended"] = {**early, "reason": _REMOVED}
     if begun := manifest.get("under_way"):
         found["under_way"] = {**begun, "participant": participant}
     found["withdrawals_undone"] = [

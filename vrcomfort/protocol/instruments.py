@@ -48,6 +48,11 @@ def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:
     """Yield what keeps the instruments that were found from being asked."""
+    if not (protocol.questionnaires or protocol.ratings or protocol.tasks):
+        message = (
+            "nothing is asked, rated or done; add [[questionnaires]], [[ratings]] or [[tasks]]"
+        )
+        yield Problem((), message)
     for path, name in _named(protocol):
         if name in instruments:
             yield from _unaskable(path, instruments[name])

@@ -16,6 +16,7 @@ from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -201,6 +202,9 @@ class Protocol(Settings):
     """Time to learn the controls, before the first exposure of each session, in its scene."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
+    hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
+    """From the end of a participant's session to the beginning of the next, at least; `run` refuses
+    to begin it sooner. Simulated participants have waited."""
     max_dropped_percent: Annotated[float, Field(ge=0, le=100)] = 5.0
     """Share of dropped frames, or of frozen time, above which a trial is flagged; its data stay."""
     resumed_questions_within_s: Rest = 600.0
@@ -230,8 +234,8 @@ class Protocol(Settings):
     Without it, each instrument is asked in its own."""
     text: dict[str, LanguageTable] = Field(default_factory=dict)
     """Words of other languages, or other words: `[text.fr]`."""
-    questionnaires: Annotated[tuple[Ask, ...], Field(min_length=1)]
-    """What is asked, and when."""
+    questionnaires: tuple[Ask, ...] = ()
+    """What is asked, and when. A study without any has ratings or tasks."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""
@@ -249,6 +253,8 @@ class Protocol(Settings):
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
     """How they answer in it."""
+    photodiode: Photodiode | None = None
+    """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
     locomotion: Locomotion = Locomotion()

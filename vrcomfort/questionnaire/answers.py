@@ -41,12 +41,12 @@ class Answers:
         """Return the largest number of which every answer is a multiple."""
         return common_divisor(exact(self.step), exact(self.low))
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Return how many answers a form offers."""
         return int((exact(self.high) - exact(self.low)) / exact(self.asked_step)) + 1
 
-    @property
+    @cached_property
     def asked(self) -> tuple[Answer, ...]:
         """Return the answers that a form offers, from low to high."""
         step, low = exact(self.asked_step), exact(self.low)

@@ -72,7 +72,9 @@ class WordingTable(Settings):
     """An item in another language."""
 
     text: str
+    """As it is asked."""
     aliases: tuple[str, ...] = ()
+    """Other headings of its column in files."""
 
 
 def _worded(given: Any) -> Any:

@@ -152,7 +152,7 @@ class Instrument:
     """Whether plans and tables put the instrument's name before those of its scores and items."""
     licence: str = ""
     """What allows the wording to be here."""
-    translations: Mapping[str, Translation] = field(default_factory=dict, repr=False)
+    translations: Mapping[str, Translation] = field(default_factory=dict, repr=False, hash=False)
     """Language → what is asked of all items in it."""
     text: str = field(default="", repr=False)
     """The TOML that it was read from."""

@@ -6,12 +6,11 @@ error and not a missing value.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from vrcomfort.csv_table import CsvTable, plain_digits
+from vrcomfort.csv_table import CsvTable, number_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire.answers import Answer, exact
 from vrcomfort.questionnaire.instruments import Instrument, Item
@@ -195,7 +194,7 @@ def _require_one_candidate(
 def _require_no_sums(table: CsvTable, instrument: Instrument, columns: Mapping[int, Item]) -> None:
     """Raise `InputError` where the column of an item is exactly the sum of others."""
     texts = list(zip(*table.rows, strict=True))
-    read = {i: [_plain_answer(cell) for cell in texts[i]] for i in range(len(texts))}
+    read = {i: [number_or_none(cell) for cell in texts[i]] for i in range(len(texts))}
     sheets = [
         {item.name: read[index][row] for index, item in columns.items()}
         for row in range(len(table.rows))
@@ -216,11 +215,6 @@ def _require_no_sums(table: CsvTable, instrument: Instrument, columns: Mapping[i
             raise table.fault(f"{message}; {hint}", 1, heading)
 
 
-def _plain_answer(cell: str) -> Answer | None:
-    number = _number(cell)
-    return number if math.isfinite(number) else None
-
-
 def _answer(
     table: CsvTable,
     item: Item,
@@ -235,8 +229,10 @@ def _answer(
         return answers.plain[text]
     if not text:
         return None
-    number = _number(text) + (0 if coded_from is None else answers.low - coded_from)
-    if not math.isfinite(number) or (exact(number) / answers.resolution).denominator != 1:
+    number = number_or_none(text)
+    if number is not None and coded_from is not None:
+        number += answers.low - coded_from
+    if number is None or (exact(number) / answers.resolution).denominator != 1:
         what = "a whole number" if answers.resolution == 1 else f"one of {answers.in_words}"
         raise table.fault(f"`{text}` is not {what}", line, column)
     if not answers.low <= number <= answers.high:
@@ -248,14 +244,6 @@ def _answer(
     if not answers.has(number):
         raise table.fault(f"`{text}` is not one of {answers.in_words}", line, column)
     return int(number) if number.is_integer() else number
-
-
-def _number(text: str) -> float:
-    """Return the number that an answer says, NaN where it says none."""
-    try:
-        return float(plain_digits(text))
-    except ValueError:
-        return float("nan")
 
 
 def read_long(

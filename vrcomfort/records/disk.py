@@ -111,8 +111,13 @@ def sync_folder(folder: Path) -> None:
         os.close(descriptor)
 
 
-def replace_text(file: Path, text: str, access: Access = OWNER) -> None:
+def replace_text(file: Path, text: str, access: Access = OWNER, *, sync: bool = True) -> None:
     """Replace a file as a whole: readers see the old text or the new, never half of it.
+
+    Parameters
+    ----------
+    sync
+        Whether it is on the disk at return; else only the end of the program cannot harm it.
 
     Raises
     ------
@@ -127,9 +132,11 @@ def replace_text(file: Path, text: str, access: Access = OWNER) -> None:
         with os.fdopen(descriptor, "w", encoding="utf-8", newline="") as stream:
             stream.write(text)
             stream.flush()
-            os.fsync(stream.fileno())
+            if sync:
+                os.fsync(stream.fileno())
         draft.replace(file)
-        sync_folder(file.parent)
+        if sync:
+            sync_folder(file.parent)
     except OSError as error:
         raise refused(file, error) from error
 

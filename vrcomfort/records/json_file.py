@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from json.decoder import JSONDecoder
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -49,6 +50,26 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
     if fault:
         raise damaged(file, what, fault, text=text, path=path)
     return content if isinstance(content, dict) else {}
+
+
+def indented(content: Mapping[str, Any]) -> str:
+    """Return `json.dumps(content, indent=2)`; parts that were written before take no time.
+
+    A manifest is written a dozen times in a session, and most of it is what it was.
+    """
+    parts = (
+        f"  {json.dumps(key, ensure_ascii=False)}: "
+        f"{_indented(json.dumps(value, ensure_ascii=False))}"
+        for key, value in content.items()
+    )
+    return "{\n" + ",\n".join(parts) + "\n}"
+
+
+@lru_cache(maxsize=256)
+def _indented(compact: str) -> str:
+    """Return a value of a table, from its JSON in one line."""
+    text = json.dumps(json.loads(compact), indent=2, ensure_ascii=False)
+    return text.replace("\n", "\n  ")
 
 
 def damaged(file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()) -> InputError:

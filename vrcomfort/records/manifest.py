@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Protocol
 from vrcomfort.records.disk import OWNER, Access, replace_text
-from vrcomfort.records.json_file import read_json
+from vrcomfort.records.json_file import indented, read_json
 from vrcomfort.records.manifest_shape import ManifestShape
 from vrcomfort.records.schema import SCHEMA_VERSION
 
@@ -105,16 +105,16 @@ class Manifest:
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
 
-    def write(self, folder: Path, access: Access = OWNER) -> None:
-        """Write ``manifest.json`` as a whole; it is on the disk at return.
+    def write(self, folder: Path, access: Access = OWNER, *, sync: bool = True) -> None:
+        """Write ``manifest.json`` as a whole; it is on the disk at return, if `sync`.
 
         Raises
         ------
         InputError
             If the disk refuses.
         """
-        text = json.dumps(self._content(), indent=2, ensure_ascii=False)
-        replace_text(folder / "manifest.json", text + "\n", access)
+        text = indented(self._content())
+        replace_text(folder / "manifest.json", text + "\n", access, sync=sync)
 
     def _content(self) -> dict[str, Any]:
         protocol = self.protocol
@@ -141,6 +141,21 @@ class Manifest:
             "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),
+            **self._of_protocol,
+            "earlier_runs": self.earlier_runs,
+            "under_way": self.under_way,
+            "exposure_ended": self.exposure_ended,
+            "missed_questions": self.missed_questions,
+            "withdrawals_undone": self.withdrawals_undone,
+            "memory": self.memory,
+            "ended": self.ended,
+        }
+
+    @cached_property
+    def _of_protocol(self) -> dict[str, Any]:
+        """Return what a manifest keeps of the protocol, which does not change."""
+        protocol = self.protocol
+        return {
             "protocol": {
                 "name": protocol.name,
                 "file": protocol.file.name if protocol.file else None,
@@ -152,13 +167,6 @@ class Manifest:
                 ],
             },
             "settings": protocol.model_dump(mode="json"),
-            "earlier_runs": self.earlier_runs,
-            "under_way": self.under_way,
-            "exposure_ended": self.exposure_ended,
-            "missed_questions": self.missed_questions,
-            "withdrawals_undone": self.withdrawals_undone,
-            "memory": self.memory,
-            "ended": self.ended,
         }
 
 
@@ -197,6 +205,12 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 
 def versions() -> dict[str, str]:
     """Return the versions of Python and of the packages that shape the stimulus."""
+    return dict(_versions())
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Look the versions up: once, for that reads the files of many packages."""
     found = {"python": platform.python_version(), "platform": platform.platform()}
     for package in _PACKAGES:
         try:

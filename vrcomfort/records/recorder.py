@@ -13,7 +13,7 @@ from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.row_files import SESSION_ROWS, Durability, RowFiles
-from vrcomfort.records.rows import EventRow, Row, csv_line
+from vrcomfort.records.rows import EventRow, Row, TrialRow, csv_line
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:
@@ -54,7 +54,8 @@ class Recorder:
         Append to the files of a session that was interrupted (see `take_up`), and mark the rows.
     durability
         "session_end" syncs at the end alone, for sessions that can be simulated again: until
-        then rows survive the end of the program, and not of the machine.
+        then rows survive the end of the program, and not of the machine. Nobody waits for a row
+        but for that of a trial.
     access
         Who may read the files.
 
@@ -84,6 +85,7 @@ class Recorder:
         self.folder = session_folder(study, participant, session)
         self.access = access
         self.frames_not_recorded = 0
+        self.durability = durability
         self._gap: _Gap | None = None
         self._closed = False
         if not resumed and is_begun(self.folder):
@@ -106,7 +108,11 @@ class Recorder:
             If the disk is full or refuses; rows written before are kept.
         """
         self.write_soon(*rows)
-        if not all(isinstance(row, FrameRow) for row in rows):
+        if self.durability == "each_row":
+            waited_for = not all(isinstance(row, FrameRow) for row in rows)
+        else:
+            waited_for = any(isinstance(row, TrialRow) for row in rows)
+        if waited_for:
             self.flush()
 
     def replace(self, old: Row, new: Row) -> None:

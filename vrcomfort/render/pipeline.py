@@ -24,6 +24,7 @@ from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
 from vrcomfort.render.camera_motion import hand_poses, previous_eye_pose, turned_like
 from vrcomfort.render.condition_passes import ConditionPasses, Drawn
@@ -31,6 +32,7 @@ from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.frames import EyeImages, RenderedFrame
 from vrcomfort.render.head_step import HeadStep
 from vrcomfort.render.image_hash import ImageHasher
+from vrcomfort.render.photodiode import PatchPainter
 from vrcomfort.render.plan import PlannedPass, plan_passes
 from vrcomfort.render.scene_pass import ScenePass
 from vrcomfort.render.warm_up import looks_around
@@ -74,6 +76,8 @@ class StereoRenderer:
     hash_every
         The images of every so many frames are hashed, the first of each `begin` among them; 0: of
         none.
+    photodiode
+        The patch that frames with a `Frame.patch` have.
     """
 
     def __init__(
@@ -86,11 +90,14 @@ class StereoRenderer:
         eyes: Literal[1, 2] = 2,
         on_eye: Callable[[int, EyeImages], None] | None = None,
         hash_every: int = 0,
+        photodiode: Photodiode | None = None,
     ) -> None:
         self.size_px = size_px
         self._hash_every = hash_every
         self._hasher: ImageHasher | None = None
         self._drawn = 0
+        self._photodiode = photodiode
+        self._patch: PatchPainter | None = None
         self._eyes = eyes
         self.ctx = ctx
         self._samples = samples
@@ -129,6 +136,9 @@ class StereoRenderer:
             self.ctx, scene, condition, self.size_px, samples=self._samples, near_m=self._near_m,
             eyes=self._eyes,
         )  # fmt: skip
+        if self._photodiode is not None:
+            images = tuple(each.target for each in self._passes.tone_maps)
+            self._patch = PatchPainter(self.ctx, self._photodiode, images)
         self._allocated = first, account.mark()
 
     def memory(self) -> tuple[gpu_memory.Allocation, ...]:
@@ -212,6 +222,8 @@ class StereoRenderer:
             triangles += passes.triangles
             if on_eye is not None:
                 on_eye(index, images)
+        if self._patch is not None and frame.patch is not None:
+            self._patch.paint(tuple(view.fov for view in frame.views), white=frame.patch)
         self._before = _Before(
             frame.head_pose,
             frame.avatar_pose,
@@ -256,6 +268,7 @@ class StereoRenderer:
     def release(self) -> None:
         """Let go of everything on the GPU; `begin` may follow."""
         self._passes = None
+        self._patch = None
         self._before = None
         self._timer = None
         gl.collect(self.ctx)

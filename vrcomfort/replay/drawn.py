@@ -9,6 +9,7 @@ from typing import Any, Protocol
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
+from vrcomfort.render.photodiode import PatchLight
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedExposure, RecordedSession
 
@@ -159,6 +160,8 @@ class _Film:
         )
         start_ns = int(session.trace.time_ns[exposure.first])
         cut = snap = False
+        patch = session.photodiode
+        light = None if patch is None else PatchLight(patch)
         for row, frame in enumerate(headset.frames(), start=exposure.first):
             trial = exposure.trial if row >= exposure.shown else 0
             session_s = float(session.session_s[row])
@@ -171,6 +174,7 @@ class _Film:
                 frame,
                 discontinuity=frame.discontinuity or cut,
                 snap_turn=frame.snap_turn or snap,
+                patch=None if light is None else _is_white(light, frame, trial),
             )
             cut = snap = False
             scene_time_s = (frame.predicted_display_time_ns - start_ns) / 1e9
@@ -217,3 +221,7 @@ class _Film:
         self._shown_ns = now_ns
         self.length_s = video_s + period_ns / 1e9
         return video_s
+
+
+def _is_white(light: PatchLight, frame: Frame, trial: int) -> bool:
+    return trial > 0 and light.of_next(frame.predicted_display_time_ns)

@@ -15,7 +15,9 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
+from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.records import (
+    EventRow,
     FrameRow,
     ImageRow,
     RatingRow,
@@ -30,6 +32,8 @@ from vrcomfort.settings import in_words
 from vrcomfort.traces.table import Table, read_parts
 from vrcomfort.traces.trace import Trace, read_trace
 
+VALIDATION = "gaze_validation"
+"""The event of a validation of the eye tracker."""
 _EPSILON_S = 1e-6
 """Of session times in files."""
 
@@ -111,6 +115,12 @@ class RecordedSession:
         width, height = self.manifest["headset"]["image_size_px"]
         return int(width), int(height)
 
+    @property
+    def photodiode(self) -> Photodiode | None:
+        """Return the patch that was shown."""
+        settings = self.manifest.get("settings", {}).get("photodiode")
+        return None if settings is None else Photodiode.model_validate(settings)
+
     def scene(self, name: str) -> str:
         """Return the scene that a trial's `scene` means: the one of a view, or itself."""
         views = self.manifest.get("settings", {}).get("views", ())
@@ -146,7 +156,7 @@ def read_session(folder: Path) -> RecordedSession:
     trace = replace(read_trace(folder / FrameRow.FILE), cuts=frames.cuts)
     attempts = list(_attempts(folder, manifest))
     ratings = [*_ratings(folder)]
-    exposures = tuple(_exposures(attempts, frames, ratings))
+    exposures = tuple(_exposures(attempts, frames, ratings, _validated_until_s(folder)))
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)
     return RecordedSession(
@@ -247,8 +257,22 @@ def _attempts(folder: Path, manifest: Mapping[str, Any]) -> Iterator[Mapping[str
         yield {**begun, "end_s": np.inf, "status": ""}
 
 
+def _validated_until_s(folder: Path) -> list[float]:
+    """Return when each validation of the eye tracker ended: its frames are of no exposure."""
+    if not (folder / EventRow.FILE).exists():
+        return []
+    return [
+        row["onset_s"] + row["duration_s"]
+        for row in _rows(folder, EventRow)
+        if row["name"] == VALIDATION
+    ]
+
+
 def _exposures(
-    attempts: Sequence[Mapping[str, Any]], frames: _Frames, ratings: Sequence[Rating]
+    attempts: Sequence[Mapping[str, Any]],
+    frames: _Frames,
+    ratings: Sequence[Rating],
+    validated_until_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
     before_s = -np.inf
@@ -258,6 +282,8 @@ def _exposures(
         rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
         if len(rows):
             shown, end = int(rows[0]), int(rows[-1]) + 1
+            ends_s = [each - _EPSILON_S for each in validated_until_s if each <= row["start_s"]]
+            before_s = max([before_s, *ends_s])
             trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
             others = np.flatnonzero(~trained)
             first = int(others[-1]) + 1 if len(others) else 0

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.csv_table import number_or_none
 from vrcomfort.report.ordering import natural
 
 if TYPE_CHECKING:
@@ -75,14 +76,6 @@ def _seconds(file: Path) -> Iterator[tuple[tuple[str, ...], float]]:
         whose = [header.index(name) for name in _WHOSE if name in header]
         for cells in rows:
             if len(cells) == len(header) and cells[asked] and cells[answered]:
-                seconds = _number(cells[answered]) - _number(cells[asked])
-                if seconds >= 0:
-                    yield tuple([cells[place].strip() for place in whose]), seconds
-
-
-def _number(cell: str) -> float:
-    """Return the number of a cell; NaN, which is not above 0, where it has none."""
-    try:
-        return float(cell)
-    except ValueError:
-        return float("nan")
+                start, end = number_or_none(cells[asked]), number_or_none(cells[answered])
+                if start is not None and end is not None and end >= start:
+                    yield tuple([cells[place].strip() for place in whose]), end - start

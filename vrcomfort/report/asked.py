@@ -37,7 +37,8 @@ def check_timepoints(sheets: list[Sheet], plan: Plan) -> None:
 
 def unused_timepoints(study: StudyData, plan: Plan) -> list[str]:
     """Say which questionnaires the plan does not use: one of its timepoints may be misspelt."""
-    counts = Counter(sheet.timepoint for sheet in study.sheets)
+    chosen = plan.of_choices
+    counts = Counter(s.timepoint for s in study.sheets if s.keys["instrument"] not in chosen)
     known = timepoints_of(plan)
     *first, last = known
     return [

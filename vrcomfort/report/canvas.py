@@ -144,10 +144,14 @@ def lines(name: str, width: int) -> str:
 
 
 def dots(axes: Axes, x: Floats, y: Floats, colour: str, *, size: float = 4.0, **more: Any) -> None:
-    """Draw round dots as one path: an element for each is a large file for a thousand people."""
+    """Draw round dots as one path: an element for each is a large file for a thousand people.
+
+    Not snapped to pixels: the ends of a line this short would meet, and nothing be drawn.
+    """
     gap = np.full(x.shape, np.nan)
     across = np.column_stack([x, x + 1e-9, gap]).ravel()
-    axes.plot(across, np.column_stack([y, y, gap]).ravel(), "-", color=colour, lw=size, **more)
+    axes.plot(across, np.column_stack([y, y, gap]).ravel(), "-", color=colour, lw=size,
+              snap=False, **more)  # fmt: skip
 
 
 def threads(axes: Axes, x: Floats, rows: Floats, **more: Any) -> None:

@@ -16,7 +16,7 @@ from vrcomfort.report.pairs import Groups, Pairs, groups_of, pair_up
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.mann_whitney import mann_whitney
 from vrcomfort.stats.proportions import sign_test
-from vrcomfort.stats.t_tests import TTest, paired_t_test, two_sample_t
+from vrcomfort.stats.t_tests import TTest, paired_t, two_sample_t
 
 if TYPE_CHECKING:
     from vrcomfort.report.contrasts import Compared
@@ -142,7 +142,7 @@ def _t(test: TTest | None) -> Row | None:
 
 def _paired_t(samples: Any, plan: Plan, contrast: Compared) -> Row | None:
     return _t(
-        paired_t_test(
+        paired_t(
             samples.differences, samples.unit, alternative=contrast.alternative,
             confidence=plan.confidence,
         )

@@ -13,8 +13,8 @@ from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, sides_of
 from vrcomfort.settings import did_you_mean
-from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.t_tests import paired_t
 from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
@@ -252,7 +252,14 @@ def _t_test(pairs: Pairs, plan: Plan, alternative: Alternative) -> dict[str, Any
     found = paired_t(
         pairs.differences, pairs.unit, alternative=alternative, confidence=plan.confidence
     )
-    return None if found is None else asdict(found)
+    if found is None:
+        return None
+    return {
+        "n": found.n, "mean": found.mean, "standard_error": found.standard_error,
+        "df": int(found.df), "t": found.t, "p": found.p, "low": found.low, "high": found.high,
+        "confidence": found.confidence, "alternative": found.alternative,
+        "cohen_dz": found.cohen_d, "bayes_factor_10": found.bayes_factor_10,
+    }  # fmt: skip
 
 
 def describe_test(test: SignedRank) -> dict[str, Any]:

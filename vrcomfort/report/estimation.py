@@ -9,21 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.report.canvas import (
-    FAINT,
-    GRID,
-    INK,
-    PAPER,
-    SOFT,
-    Drawing,
-    canvas,
-    dots,
-    lines,
-    spread,
-    threads,
-)
+from vrcomfort.report.canvas import FAINT, GRID, INK, PAPER, Drawing, canvas, dots, lines, spread
 from vrcomfort.report.pairs import Side, in_a_test, pair_up
-from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.sides import (
+    dot_size,
+    draw_difference,
+    draw_people,
+    draw_side,
+    draw_zero,
+    thinned,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,10 +32,6 @@ if TYPE_CHECKING:
 
 MOST_BESIDE = 2
 """Comparisons that fit beside the scores; more go below them, one in a row."""
-MOST_DRAWN = 1000
-"""People who are drawn; of more, as many evenly spaced ones. Means and tests are of everybody."""
-CROWD = 60
-"""People from whom on dots and lines are drawn thin."""
 
 
 def estimation_figure(scored: Exposures, tests: list[Test], words: Vocabulary) -> Drawing | None:
@@ -103,59 +94,33 @@ def differences(scored: Exposures, test: Test) -> Floats:
 
 def _draw_scores(axes: Axes, scores: Floats, shown: list[str], words: Vocabulary) -> None:
     places = np.arange(len(shown), dtype=float)
-    crowded = len(scores) > CROWD
-    threads(axes, places, thinned(scores), color=FAINT, lw=0.5 if crowded else 0.8,
-            alpha=0.25 if crowded else 0.7, zorder=1)  # fmt: skip
+    draw_people(axes, places, scores)
     for place, condition in enumerate(shown):
         values = scores[:, place][~np.isnan(scores[:, place])]
-        colour = colour_of(words.place(condition))
-        across = places[place] + spread(len(values), 0.05 if len(values) > 12 else 0.0)
-        dots(axes, thinned(across), thinned(values), colour,
-             size=2.2 if crowded else 4.0, alpha=0.55, zorder=2)  # fmt: skip
-        deviation = values.std(ddof=1) if len(values) > 1 else 0.0
-        axes.errorbar(places[place] + 0.2, values.mean(), deviation,
-                      fmt=marker_of(words.place(condition)), color=colour, ms=6, lw=1.6,
-                      mec=PAPER, mew=0.8, zorder=5)  # fmt: skip
+        half = 0.05 if len(values) > 12 else 0.0
+        draw_side(axes, places[place], values, words.place(condition), half)
     axes.set_xticks(places, [lines(words.condition(c), 14) for c in shown])
     axes.set_xlim(-0.45, len(shown) - 0.4)
-    _zero(axes.axhline)
-
-
-def thinned(values: Floats) -> Floats:
-    """Return evenly spaced rows, the first and the last among them, where there are too many."""
-    if len(values) <= MOST_DRAWN:
-        return values
-    chosen: Floats = values[np.linspace(0, len(values) - 1, MOST_DRAWN).round().astype(int)]
-    return chosen
+    draw_zero(axes)
 
 
 def _draw_beside(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
     for place, (test, each) in enumerate(found):
-        thin = len(each) > CROWD
         across = place - 0.22 + spread(len(each), 0.1)
-        dots(
-            axes,
-            thinned(across),
-            thinned(each),
-            FAINT,
-            size=2.2 if thin else 3.6,
-            alpha=0.6,
-            zorder=2,
-        )
-        low, high = _ends(test, each)
-        _whisker(axes, (place + 0.12, place + 0.12), (low, high))
-        _estimate(axes, place + 0.12, test["shift"])
+        dots(axes, thinned(across), thinned(each), FAINT, size=dot_size(len(each), 3.6), alpha=0.6,
+             zorder=2)  # fmt: skip
+        estimate = test["shift"]["estimate"] if test["shift"] else None
+        draw_difference(axes, place + 0.12, estimate, *_ends(test, each))
     names = [_difference_of(test, words, 16) for test, _ in found]
     axes.set_xticks(range(len(found)), names)
     axes.set_xlim(-0.55, len(found) - 0.4)
     axes.set_ylabel(difference_label(found[0][0]["outcome"], words))
-    _zero(axes.axhline)
+    draw_zero(axes)
 
 
 def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary) -> None:
     for place, (test, each) in enumerate(found):
-        low, high = _ends(test, each)
-        _whisker(axes, (low, high), (place, place))
+        axes.plot(_ends(test, each), (place, place), "-", color=INK, lw=2.2, zorder=4)
         if test["shift"]:
             axes.plot(test["shift"]["estimate"], place, "D", color=INK, ms=5.5, mec=PAPER, mew=0.8)
     axes.set_yticks(range(len(found)), [_difference_of(test, words, 40) for test, _ in found])
@@ -164,7 +129,7 @@ def _draw_below(axes: Axes, found: list[tuple[Test, Floats]], words: Vocabulary)
     axes.grid(axis="x", color=GRID)
     axes.set_axisbelow(True)
     axes.set_xlabel(difference_label(found[0][0]["outcome"], words))
-    _zero(axes.axvline)
+    draw_zero(axes, upright=True)
 
 
 def difference_label(outcome: str, words: Vocabulary) -> str:
@@ -189,16 +154,3 @@ def _ends(test: Test, differences: Floats) -> tuple[float, float]:
         float(differences.min()) if low is None else low,
         float(differences.max()) if high is None else high,
     )
-
-
-def _whisker(axes: Axes, x: tuple[float, float], y: tuple[float, float]) -> None:
-    axes.plot(x, y, "-", color=INK, lw=2.2, zorder=4)
-
-
-def _estimate(axes: Axes, place: float, shift: dict[str, Any] | None) -> None:
-    if shift:
-        axes.plot(place, shift["estimate"], "D", color=INK, ms=6, mec=PAPER, mew=0.8, zorder=5)
-
-
-def _zero(line: Any) -> None:
-    line(0, color=SOFT, lw=0.8, ls=(0, (4, 3)), zorder=0)

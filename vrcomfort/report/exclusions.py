@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.csv_table import number_or_none
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
 from vrcomfort.settings import did_you_mean
@@ -92,7 +93,7 @@ def _hits(
     else:
         for person in study.participants:
             text = person.get(rule.column, "")
-            if text and (text in rule.equals or _outside(rule, _number(text))):
+            if text and (text in rule.equals or _outside(rule, number_or_none(text))):
                 yield (person["participant"], "", ""), f"{rule.column} is {text}"
 
 
@@ -112,16 +113,12 @@ def _measure(trial: dict[str, str], name: str) -> float | None:
     if name == "length_s":
         return trial_s({**trial, "live_s": ""})
     if name == "dropped_percent":
-        frames, dropped = _number(trial.get("frames", "")), _number(trial.get("dropped", ""))
+        frames, dropped = (
+            number_or_none(trial.get("frames", "")),
+            number_or_none(trial.get("dropped", "")),
+        )
         return 100 * dropped / frames if frames and dropped is not None else None
-    return _number(trial.get(name, ""))
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
+    return number_or_none(trial.get(name, ""))
 
 
 def _outside(rule: Exclusion, value: float | None) -> bool:

@@ -134,13 +134,14 @@ def score_exposures(study: StudyData, plan: Plan) -> Exposures:
         If the plan's exposure timepoint is not in the data.
     """
     kept = kept_by_the_experimenter(study)
-    check_timepoints(kept, plan)
+    others = [sheet for sheet in kept if sheet.keys["instrument"] not in plan.of_choices]
+    check_timepoints(others, plan)
     there = set(study.instruments_at(plan.exposure_timepoint))
     wanted = outcomes_of_plan(study, plan)
     outcomes = tuple(
         each for each in wanted if isinstance(each, Measure) or each.instrument in there
     )
-    if not outcomes and study.sheets:
+    if not outcomes and others:
         have = ", ".join(sorted({sheet.keys["instrument"] for sheet in study.sheets}))
         named = ", ".join(plan.outcomes)
         raise plan.fault(

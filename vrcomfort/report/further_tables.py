@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 Row = dict[str, Any]
+PEOPLE = " × "
+"""Between the names of people in one cell, as ``reproduce.R`` reads it."""
 _LISTS = ("participants", "sides", "values", "bounds", "shares")
 
 
@@ -12,8 +14,16 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
     """Return the name of a table and its rows."""
     return {
         "comparisons": [_comparison(row) for row in results["comparisons"]],
-        "correlations": [_plain(row) for row in results["correlations"]],
-        "equivalence": [_plain(row) for row in results["equivalence"]],
+        "correlations": [
+            _plain(row) | {"people_in_it": PEOPLE.join(row["participants"])}
+            for row in results["correlations"]
+        ],
+        "equivalence": [
+            _plain(row)
+            | {side: PEOPLE.join(row[side]) for side in ("people_a", "people_b")}
+            | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
+            for row in results["equivalence"]
+        ],
         "preferences": [_preference(row) for row in results["preferences"]],
         "agreement": [line for row in results["agreement"] for line in _agreement(row)],
         "marginal_means": [line for found in results["mixed_models"] for line in _means(found)],
@@ -51,12 +61,18 @@ def _plain(row: Row) -> Row:
 def _comparison(row: Row) -> Row:
     inner = {"difference", "effect", "descriptives"}
     flat = {key: value for key, value in _plain(row).items() if key not in inner}
+    n = row["n_a"]
+    sides = (row["participants"][:n], row["participants"][-row["n_b"] :] if row["n_b"] else [])
+    for side, people, where in zip("ab", sides, row["sides"], strict=True):
+        flat |= {f"people_{side}": PEOPLE.join(people)}
+        flat |= {f"{key}_{side}": where[key] for key in ("condition", "timepoint")}
     for side in ("a", "b"):
         described = row.get("descriptives", {}).get(side, {})
         flat |= {f"{key}_{side}": described.get(key) for key in ("mean", "sd", "median")}
     for part in ("difference", "effect"):
         found = row.get(part) or {}
         flat |= {f"{part}_{key}": found.get(key) for key in ("what", "estimate", "low", "high")}
+    flat["confidence"] = (row.get("difference") or {}).get("confidence")
     return flat
 
 

@@ -10,21 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vrcomfort.report.canvas import (
-    FAINT,
-    INK,
-    PAPER,
-    SOFT,
-    Drawing,
-    canvas,
-    dots,
-    lines,
-    spread,
-    threads,
-)
-from vrcomfort.report.estimation import CROWD, difference_label, thinned
+from vrcomfort.report.canvas import Drawing, canvas, lines
+from vrcomfort.report.estimation import difference_label
 from vrcomfort.report.pairs import Side, groups_of, pair_up
-from vrcomfort.report.palette import colour_of, marker_of
+from vrcomfort.report.sides import draw_difference, draw_people, draw_side, draw_zero
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,11 +41,10 @@ def group_figure(scored: Exposures, row: Row, words: Vocabulary) -> Drawing | No
     with canvas(name, 5.2, 3.7) as (figure, drawing):
         raw, effect = figure.subplots(1, 2, width_ratios=[2.4, 1.3])
         if row["design"] == "paired":
-            threads(raw, np.array([0.0, 1.0]), thinned(np.column_stack([a, b])), color=FAINT,
-                    lw=0.8, alpha=0.5, zorder=1)  # fmt: skip
+            draw_people(raw, np.array([0.0, 1.0]), np.column_stack([a, b]))
         for place, (side, values) in enumerate((("a", a), ("b", b))):
             half = 0.0 if row["design"] == "paired" else 0.09
-            _draw_side(raw, place, values, words.place(row[side]), half)
+            draw_side(raw, place, values, words.place(row[side]), half)
         raw.set_xticks([0, 1], [lines(words.condition(row[side]), 14) for side in ("a", "b")])
         raw.set_xlim(-0.45, 1.6)
         raw.set_ylabel(lines(words.axis(row["outcome"]), 40))
@@ -85,22 +73,11 @@ def _in_points(steps: NDArray[np.int64], unit: float) -> Floats:
     return np.asarray(steps * unit, dtype=np.float64)
 
 
-def _draw_side(axes: Axes, place: int, values: Floats, colour: int, half: float) -> None:
-    crowded = len(values) > CROWD
-    across = place + spread(len(values), half)
-    dots(axes, thinned(across), thinned(values), colour_of(colour),
-         size=2.2 if crowded else 4.0, alpha=0.6, zorder=2)  # fmt: skip
-    deviation = values.std(ddof=1) if len(values) > 1 else 0.0
-    axes.errorbar(place + 0.25, values.mean(), deviation, fmt=marker_of(colour),
-                  color=colour_of(colour), ms=6, lw=1.6, mec=PAPER, mew=0.8, zorder=5)  # fmt: skip
-
-
 def _draw_difference(axes: Axes, row: Row, words: Vocabulary) -> None:
     found = row["difference"]
     ends = [found["estimate"] if found[end] is None else found[end] for end in ("low", "high")]
-    axes.plot([0, 0], ends, "-", color=INK, lw=2.2, zorder=4)
-    axes.plot(0, found["estimate"], "D", color=INK, ms=6, mec=PAPER, mew=0.8, zorder=5)
-    axes.axhline(0, color=SOFT, lw=0.8, ls=(0, (4, 3)), zorder=0)
+    draw_difference(axes, 0, found["estimate"], *ends)
+    draw_zero(axes)
     a, b = (lines(words.condition(row[side]), 16) for side in ("a", "b"))
     axes.set_xticks([0], [f"{a}\n− {b}"])
     axes.set_xlim(-0.6, 0.6)

@@ -272,7 +272,7 @@ def _t_tests(results: Results) -> Method | None:
         "Means",
         "Beside the signed-rank tests stand paired t tests (Student, 1908) of the same pairs, "
         "Cohen’s d_z (Lakens, 2013) and the JZS Bayes factor with a Cauchy prior of scale √2/2 "
-        "(Rouder et al., 2009), by pingouin (Vallat, 2018).",
+        "(Rouder et al., 2009), the latter by pingouin (Vallat, 2018).",
         ("student_1908", "lakens_2013", "rouder_2009", "vallat_2018"),
     )
 

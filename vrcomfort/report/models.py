@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import shapiro
 
+from vrcomfort.csv_table import number_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.report.exposures import COLUMNS, column_of
 from vrcomfort.report.ordering import natural
@@ -128,20 +128,13 @@ def check_columns(plan: Plan, scored: Exposures) -> None:
             )
     for index, name in enumerate(plan.covariates):
         for who, person in scored.people.items():
-            if person.get(name) and not _is_number(person[name]):
+            if person.get(name) and number_or_none(person[name]) is None:
                 raise plan.fault(
                     f"covariate `{name}` of participant {who} is `{person[name]}`, which is no "
                     "number; give it to [[anova]] or mixed_model as a factor",
                     "covariates",
                     index,
                 )
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
 
 
 def check_levels(plan: Plan, scored: Exposures, labels: dict[str, str]) -> None:

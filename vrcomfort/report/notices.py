@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
-from vrcomfort.report.withdrawals import everybody
+from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from vrcomfort.questionnaire import Answer
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.study_data import StudyData
@@ -25,13 +27,18 @@ def notices(
     scored: Exposures,
     tests: list[dict[str, Any]],
     exclusions: list[dict[str, str]],
+    of_choices: Collection[str] = (),
 ) -> list[str]:
-    """Return the sentences, without their full stops."""
+    """Return the sentences, without their full stops.
+
+    `of_choices` are questionnaires whose answers say which of two, and are no score.
+    """
     return [
         *_losses(study, tests, exclusions),
+        *_ended_early(study),
         *_repeated(scored),
         *_suspect_names(study),
-        *_coded_from_one(study),
+        *_coded_from_one(study, of_choices),
         *_confounded(study, tests),
     ]
 
@@ -64,6 +71,24 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+_BY = {
+    "rating": "a rating",
+    "score": "a score",
+    "participant": "the participant",
+    "task": "a task that was done",
+}
+
+
+def _ended_early(study: StudyData) -> list[str]:
+    """Say how many exposures and sessions ended before their time, while the study went on."""
+    parts = [
+        f"{each['n']} {each['ends']}{'s' if each['n'] > 1 else ''} by {_BY[each['by']]}"
+        for each in early_endings(study)
+        if each["ends"] != "study" and each["by"] in _BY
+    ]
+    return [f"ended before their time: {', '.join(parts)}"] if parts else []
 
 
 def _met(study: StudyData, side: dict[str, str]) -> set[str]:
@@ -102,7 +127,7 @@ def _suspect_names(study: StudyData) -> list[str]:
     ]
 
 
-def _coded_from_one(study: StudyData) -> list[str]:
+def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
     """Ask where no answer is 0: all of them may be too high by one."""
     answers: dict[str, Counter[Answer]] = defaultdict(Counter)
     for sheet in study.sheets:
@@ -112,7 +137,8 @@ def _coded_from_one(study: StudyData) -> list[str]:
     found = []
     for name, counts in answers.items():
         instrument = study.instruments[name]
-        if answered := never_zero(instrument, counts):
+        answered = 0 if name in of_choices else never_zero(instrument, counts)
+        if answered:
             found.append(
                 f"none of {answered} answers to the {instrument.short} is 0: are they coded 1 to "
                 f"{instrument.high + 1}, with no {instrument.high + 1} among them? Then every "

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 MOST_DOTS = 400
 """Dots of one plot; of more values, as many evenly spaced ones of the ordered are drawn."""
 FEWEST = 3
+MOST_TICKS = 5
+"""Of an axis: the plots are small."""
 
 
 def residual_figure(found: list[Residuals], words: Vocabulary) -> Drawing | None:
@@ -30,6 +32,8 @@ def residual_figure(found: list[Residuals], words: Vocabulary) -> Drawing | None
         return None
     with canvas("residuals", 7.0, 2.15 * len(rows) + 0.3) as (figure, drawing):
         grid = figure.subplots(len(rows), 3, squeeze=False)
+        for axes in grid.flat:
+            axes.locator_params(nbins=MOST_TICKS)
         for (quantiles, normal, over), each in zip(grid, rows, strict=True):
             _quantiles(quantiles, each.differences)
             _quantiles(normal, each.residuals)
@@ -66,6 +70,8 @@ def _over_fitted(axes: Axes, fitted: Floats, residuals: Floats) -> None:
         return
     chosen = np.argsort(fitted, kind="stable")[_thinned(fitted.size)]
     dots(axes, fitted[chosen], residuals[chosen], INK, size=3.2, alpha=0.75)
+    if np.ptp(fitted) == 0:  # else the axis would show the length of a dot
+        axes.set_xlim(fitted[0] - 1, fitted[0] + 1)
     axes.axhline(0, color=SOFT, lw=0.9, zorder=0)
 
 

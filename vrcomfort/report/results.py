@@ -122,7 +122,7 @@ def analyse(study: StudyData, plan: Plan) -> tuple[dict[str, Any], Exposures]:
         },
         "exclusion_rules": rules_in_words(plan, scored, exclusions),
         "exclusions": exclusions,
-        "notices": notices(study, scored, tests, exclusions),
+        "notices": notices(study, scored, tests, exclusions, plan.of_choices),
         "families": families,
         "tests": tests,
         "comparisons": comparisons,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from vrcomfort.csv_table import CsvTable
+from vrcomfort.csv_table import CsvTable, number_or_none
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import (
     FOLDER,
@@ -128,7 +128,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
-    if files and not sheets:
+    if files and not sheets and not _table(source, "tasks.csv", []):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
     return StudyData(
@@ -227,10 +227,12 @@ def with_frames(
 
 def trial_s(trial: dict[str, str]) -> float | None:
     """Return how long a trial's stimulus was seen: its live time, or (not recorded) its length."""
-    try:
-        return float(trial.get("live_s") or float(trial["end_s"]) - float(trial["start_s"]))
-    except (KeyError, ValueError):
-        return None
+    start, end, live = (
+        number_or_none(trial.get(name) or "") for name in ("start_s", "end_s", "live_s")
+    )
+    if live is not None:
+        return live
+    return None if start is None or end is None else end - start
 
 
 def _files(source: Path, name: str) -> list[Path]:

@@ -162,6 +162,11 @@ class SimulatedRespondent:
         decay = np.exp(-elapsed_s / 60 / self._settings.recovery_min)
         return np.asarray(self._limit + (self.sickness - self._limit) * decay)
 
+    def next_s(self, elapsed_s: float) -> float:
+        """Return when they next rate or withdraw, after a time of the exposure."""
+        times = (self._withdraws_at_s, self._answer_at_s)
+        return min((each for each in times if each > elapsed_s), default=math.inf)
+
     def endure(self, elapsed_s: float) -> None:
         """Withdraw when it has become too much."""
         if elapsed_s >= self._withdraws_at_s:

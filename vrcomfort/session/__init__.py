@@ -4,6 +4,7 @@ from vrcomfort.session.clock import Clock, VirtualClock, WallClock
 from vrcomfort.session.enrolment import Enrolment, open_enrolment
 from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
 from vrcomfort.session.manifest_writer import headset_facts
+from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
 from vrcomfort.session.participant_sessions import Outcome
 from vrcomfort.session.run import run
 
@@ -12,13 +13,16 @@ __all__ = [
     "Enrolment",
     "HeadsetFor",
     "LoadScene",
+    "NoPictures",
     "Outcome",
     "Progress",
     "ProgressCallback",
     "Renderer",
+    "StillHeadset",
     "VirtualClock",
     "WallClock",
     "headset_facts",
     "open_enrolment",
     "run",
+    "scenes_for",
 ]

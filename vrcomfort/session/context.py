@@ -41,6 +41,8 @@ class SessionContext:
         The participant's, as the operator measured it; None where it was not entered.
     durability
         When rows are safe from a power cut.
+    jumps
+        Whether exposures pass without frames, from one event to the next.
     watchdog
         Closes the records where the headset's runtime hangs.
     steering
@@ -65,6 +67,7 @@ class SessionContext:
     ipd_measured_m: float | None
     durability: Durability
     progress: ProgressCallback
+    jumps: bool
     watchdog: Watchdog
     steering: Steering
     relay: Relay

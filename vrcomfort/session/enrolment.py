@@ -10,7 +10,7 @@ from pathlib import Path
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import enrolled, entered, note_withdrawal, only_run, open_study
-from vrcomfort.session.resume import InterruptedSessions, choose_sessions
+from vrcomfort.session.resume import InterruptedSessions, choose_sessions, require_rest
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,6 +92,8 @@ def open_enrolment(
         row = enrolled(study, participant)
         known = entered(design, row, covariates or {})
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
+        if respondent != "simulated":
+            require_rest(protocol, study, participant, chosen)
         interrupted = InterruptedSessions(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
         interrupted.check(protocol, seed=kept_seed, sequence=sequence, respondent=respondent)

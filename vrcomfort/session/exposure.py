@@ -12,6 +12,7 @@ from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.records import RatingRow
+from vrcomfort.render.photodiode import PatchLight
 from vrcomfort.scene.camera_path import CameraPath
 from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
@@ -93,6 +94,8 @@ class FrameLoop:
         self._clocks = ClockBridge(self.context, self.events.recorder)
         self._clocks_due_s: float | None = None
         self._task: Doing | None = None
+        self._light: PatchLight | None = None
+        self._light_told = False
 
     def show(
         self,
@@ -115,6 +118,9 @@ class FrameLoop:
         self.log.start_trial()
         self._rating = (stimulus, schedule) if schedule else None
         self._clocks_due_s = None
+        photodiode = self.context.protocol.photodiode
+        self._light = PatchLight(photodiode) if photodiode and stimulus.trial else None
+        self._light_told = False
         self._task = task
         try:
             with collector_at_rest():
@@ -239,7 +245,8 @@ class FrameLoop:
         scene_time_s = self._scene_time_s(frame)
         rendered = None
         if frame.should_render:
-            rendered = self.context.renderer.render(self._with_unseen_jumps(frame), scene_time_s)
+            shown = self._with_patch(self._with_unseen_jumps(frame))
+            rendered = self.context.renderer.render(shown, scene_time_s)
         else:
             self._cut_unseen |= frame.discontinuity
             self._snap_unseen |= frame.snap_turn
@@ -247,6 +254,13 @@ class FrameLoop:
         self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
         self.context.steering.desk.see(frame, rendered, self.log.timing)
         self._pass_on(frame, stimulus)
+
+    def _with_patch(self, frame: Frame) -> Frame:
+        """Return a frame with the patch for a photodiode: black in training."""
+        if self.context.protocol.photodiode is None:
+            return frame
+        time_ns = frame.predicted_display_time_ns
+        return replace(frame, patch=self._light is not None and self._light.of_next(time_ns))
 
     def _pass_on(self, frame: Frame, stimulus: Stimulus) -> None:
         """Tell other devices of a frame that was submitted; read all clocks now and then."""
@@ -258,6 +272,10 @@ class FrameLoop:
         seen_ns = self._clocks.monotonic_ns(frame.predicted_display_time_ns)
         if begins:
             relay.begin_exposure(stimulus.trial, stimulus.condition, seen_ns)
+        if self._light is not None and self._light.has_begun and not self._light_told:
+            self._light_told = True
+            time_ns = frame.predicted_display_time_ns + self.log.recorded_minus_display_ns
+            self.events.event_soon("photodiode", detail=f"white from xr_time_ns {time_ns} on")
         relay.show(frame, seen_ns)
 
     def _carried(self, frame: Frame) -> Frame:

@@ -23,10 +23,12 @@ from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.gaze_validation import Validation
-from vrcomfort.session.interfaces import SessionOrder, Step
+from vrcomfort.session.interfaces import Step
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
+from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.open_questions import OpenQuestions
+from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
 from vrcomfort.session.standing import Standing, stand
 from vrcomfort.session.steering import Redone, Skipped
@@ -249,7 +251,7 @@ class SessionFlow:
         self._steering.look()
         before_s, paused = clock.now_s(), self._steering.paused
         if not self._respondent.resting(left_s):
-            clock.wait(min(left_s, REST_SLICE_S))
+            clock.wait(left_s if self._context.jumps else min(left_s, REST_SLICE_S))
         return clock.now_s() - before_s if paused else 0.0
 
     def _trial(self, place: TrialPlace) -> None:
@@ -336,7 +338,8 @@ class SessionFlow:
         self._task = self._task_in(place, standing.scene)
         context.renderer.begin(self._task.drawn if self._task else standing.scene, condition)
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
-        return FrameLoop(context, headset, self._events, self._log, standing.path)
+        loop = EventLoop if context.jumps else FrameLoop
+        return loop(context, headset, self._events, self._log, standing.path)
 
     def _stand(self, place: TrialPlace) -> tuple[Headset, Standing]:
         """Load a trial's scene, and lead the participant into it."""

@@ -105,7 +105,9 @@ class ManifestWriter:
 
     def _write(self) -> None:
         self._manifest.clock_set_back += self._clock.set_back()
-        self._manifest.write(self._recorder.folder, self._recorder.access)
+        running = self._manifest.status == "running"
+        sync = self._recorder.durability == "each_row" or not running
+        self._manifest.write(self._recorder.folder, self._recorder.access, sync=sync)
 
 
 def headset_facts(headset: Headset) -> dict[str, Any]:

@@ -110,8 +110,11 @@ class PanelScreen:
 
     def rest_on(self, words: str | None) -> None:
         """Show words wherever nothing else is shown, or no longer."""
+        picture = None if words is None else words_picture(words)
+        if picture is self._resting:
+            return
         nothing_else = self._picture is self._resting
-        self._resting = None if words is None else words_picture(words)
+        self._resting = picture
         if nothing_else:
             self.show(None)
 
@@ -235,7 +238,7 @@ def loading_picture() -> Picture:
     return words_picture("Loading …")
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def words_picture(words: str) -> Picture:
     """Return a panel with nothing but words on it."""
     return Painter().draw(Page("", words, ()), None)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +12,9 @@ from vrcomfort.protocol import Protocol, Ratings
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.stop_rules import StopRule
+
+LATE_S = 0.001
+"""So much after its time a question is missed, where no frame says when that is seen."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,12 @@ class RatingSchedule:
         return missed
 
     @property
+    def late_s(self) -> float | None:
+        """Return when the open question is missed, None where none is open."""
+        pending = self._pending
+        return None if pending is None else pending.elapsed_s + self._settings.timeout_s + LATE_S
+
+    @property
     def next_s(self) -> float | None:
         """Return when the next question is due, None after the last."""
         return self.due_s[self._asked] if self._asked < len(self.due_s) else None
@@ -157,6 +167,15 @@ class RatingSchedules:
         if due and min(due)[0] <= elapsed_s:
             self._schedules[min(due)[1]].ask(elapsed_s, now_s)
         return None
+
+    @property
+    def next_s(self) -> float:
+        """Return when `update` has something to do at the latest; infinite: never again."""
+        for schedule in self._schedules:
+            if (late_s := schedule.late_s) is not None:
+                return late_s
+        due = [each.next_s for each in self._schedules if each.next_s is not None]
+        return min(due, default=math.inf)
 
     def missed_while_frozen(
         self, elapsed_s: float, now_s: float, stretch: float

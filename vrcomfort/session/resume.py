@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -58,6 +59,30 @@ def choose_sessions(
     for number in done.intersection(numbers):
         raise overwriting(session_folder(study, participant, number), participant, number)
     return Chosen(numbers, taken_up)
+
+
+def require_rest(protocol: Protocol, study: Path, participant: str, chosen: Chosen) -> None:
+    """Raise `InputError` where a new session would follow the one before too soon.
+
+    An interrupted one may go on at any time. Clocks that were set back count as no time.
+    """
+    new = [number for number in chosen.numbers if number not in chosen.unfinished]
+    before = [n for n in recorded_sessions(study, participant) if new and n < new[0]]
+    wanted = timedelta(hours=protocol.hours_between_sessions)
+    if not before or not wanted:
+        return
+    ended_at = read_manifest(session_folder(study, participant, before[-1])).get("finished_at")
+    if ended_at is None:
+        return
+    ended = datetime.fromisoformat(ended_at)
+    passed = max(datetime.now(UTC) - ended, timedelta())
+    if passed < wanted:
+        hours = f"{passed / timedelta(hours=1):.1f} h ago, and the protocol wants"
+        message = (
+            f"session {before[-1]} of {participant} ended {hours} {wanted / timedelta(hours=1):g} h"
+        )
+        until = (ended + wanted).astimezone().strftime("%Y-%m-%d %H:%M")
+        raise InputError(f"{message} between sessions; come back after {until}")
 
 
 def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:

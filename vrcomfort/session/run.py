@@ -10,7 +10,6 @@ from vrcomfort.session.enrolment import Enrolment
 from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
-    NoDesk,
     NoRelay,
     NoWatchdog,
     ProgressCallback,
@@ -19,6 +18,7 @@ from vrcomfort.session.interfaces import (
     Watchdog,
 )
 from vrcomfort.session.interfaces import silent as no_progress
+from vrcomfort.session.operator_desk import NoDesk
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
 from vrcomfort.session.steering import Steering
@@ -39,6 +39,7 @@ def run(
     watchdog: Watchdog | None = None,
     steering: Steering | None = None,
     relay: Relay | None = None,
+    jumps: bool = False,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
     """Run the sessions that an enrolment has chosen.
@@ -61,6 +62,8 @@ def run(
         Hears the operators; without it, nobody steers but by Ctrl-C.
     relay
         Passes on what happens to other devices.
+    jumps
+        Let time jump from one event to the next: for simulated participants without frames.
 
     Returns
     -------
@@ -95,6 +98,7 @@ def run(
         watchdog=watchdog or NoWatchdog(),
         steering=steering or Steering(NoDesk()),
         relay=relay or NoRelay(),
+        jumps=jumps,
     )
     enrolment.interrupted.check_memory(respondent)  # before anything is written
     interrupted = enrolment.interrupted.take_up(context.sequence)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session.interfaces import Command, OperatedStep, OperatorDesk, StepKind
+from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk, StepKind
 
 IDLE_S = 0.02
 """So long a moment is in which nothing is to be done."""
@@ -154,6 +154,7 @@ class Steering:
         if not self.desk.starts_sessions:
             return
         self.begin("ready", "waiting for the start")
+        self._rest_on(PAUSED)  # drawn now, so that a pause need not draw it between two frames
         self._rest_on(READY)
         try:
             while not self._started:

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-from scipy.special import stdtr
 from scipy.stats import norm
 
 from vrcomfort.stats.packages import quiet
 from vrcomfort.stats.signed_rank import signed_rank
+from vrcomfort.stats.t_tests import p_of_t
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -152,10 +152,7 @@ def paired_t_p(differences: Floats, alternative: Alternative) -> float:
     if sd == 0:
         return 1.0
     t = float(differences.mean()) / sd * math.sqrt(differences.size)
-    df = differences.size - 1
-    if alternative == "two-sided":
-        return float(2 * stdtr(df, -abs(t)))
-    return float(stdtr(df, -t if alternative == "greater" else t))
+    return p_of_t(t, differences.size - 1, alternative)
 
 
 def t_test_power(effect_sd: float, n: int, alpha: float, alternative: Alternative) -> float:

@@ -11,8 +11,8 @@ from scipy.optimize import brentq
 from scipy.special import gammaln, nctdtr
 from scipy.stats import t as t_distribution
 
+from vrcomfort.stats.bayes_factor import jzs_bayes_factor
 from vrcomfort.stats.effects import Effect
-from vrcomfort.stats.paired_t import jzs_bayes_factor
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -28,6 +28,8 @@ Variances = Literal["welch", "pooled"]
 class TTest:
     """A t test of a difference of means, in points."""
 
+    n: int
+    """Pairs, or people of both groups together."""
     mean: float
     standard_error: float
     df: float
@@ -38,10 +40,13 @@ class TTest:
     high: float | None
     confidence: float
     alternative: Alternative
+    cohen_d: float
+    """Of pairs, over the standard deviation of the differences (d_z); of groups, the pooled one."""
     hedges_g: Effect
-    """Of pairs, over the standard deviation of the differences; of groups, over the pooled one."""
+    """The same without its bias."""
     bayes_factor_10: float
-    """JZS (Rouder et al. 2009), two-sided."""
+    """JZS (Rouder et al. 2009), two-sided: how much likelier a difference makes the data; infinite
+    where it is larger than a float64 can be."""
 
 
 @dataclass(frozen=True)
@@ -63,14 +68,27 @@ class Equivalence:
     confidence: float
 
 
-def paired_t_test(
+def paired_t(
     differences: ArrayLike,
     unit: float = 1.0,
     *,
     alternative: Alternative = "two-sided",
     confidence: float = 0.95,
 ) -> TTest | None:
-    """Test whether the mean of paired differences is zero; None without any variance of them."""
+    """Test whether the mean of paired differences is zero (Student 1908).
+
+    Parameters
+    ----------
+    differences
+        First minus second, in steps of the scale, shape (n,).
+    unit
+        Points per step.
+
+    Returns
+    -------
+    TTest or None
+        None with fewer than two differences, or if all are alike: there is no t then.
+    """
     values = np.asarray(differences, dtype=np.float64)
     if values.size < 2 or np.ptp(values) == 0:
         return None
@@ -173,21 +191,24 @@ def _t_test(
     sides = 2 if alternative == "two-sided" else 1
     half = float(t_distribution.isf((1 - confidence) / sides, df)) * error
     return TTest(
+        n=sizes[0] + (sizes[1] or 0),
         mean=mean * unit,
         standard_error=error * unit,
         df=df,
         t=t,
-        p=_p(t, df, alternative),
+        p=p_of_t(t, df, alternative),
         low=None if alternative == "less" else (mean - half) * unit,
         high=None if alternative == "greater" else (mean + half) * unit,
         confidence=confidence,
         alternative=alternative,
+        cohen_d=g[0],
         hedges_g=_hedges_g(*g, alternative, confidence),
         bayes_factor_10=jzs_bayes_factor(g[0] / g[2], *sizes),
     )
 
 
-def _p(t: float, df: float, alternative: Alternative) -> float:
+def p_of_t(t: float, df: float, alternative: Alternative) -> float:
+    """Return the p value of a t statistic."""
     if alternative == "two-sided":
         return float(2 * t_distribution.sf(abs(t), df))
     return float(t_distribution.sf(t if alternative == "greater" else -t, df))

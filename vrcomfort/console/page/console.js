@@ -62,8 +62,7 @@ function showPicture(blob) {
   if (pictureUrl) URL.revokeObjectURL(pictureUrl);
   pictureUrl = URL.createObjectURL(blob);
   at("eyes").src = pictureUrl;
-  at("eyes").hidden = !at("look").checked;
-  put(at("eyes-words"), "");
+  if (state && state.step) showEyes();
 }
 
 function show(now) {
@@ -71,6 +70,7 @@ function show(now) {
   if (state.step) {
     put(at("who"), `${state.participant}, session ${state.session}, order ${state.sequence}`);
     showStep();
+    showEyes();
     showQuestion(state.question || null);
     showRatings();
     showFrames(state.frame);
@@ -112,6 +112,13 @@ function showStep() {
     at("withdrawing").hidden = !asks;
     if (asks) at("withdrawing-why").focus();
   }
+}
+
+// Between exposures, and in a pause, the last picture would be one of what is gone.
+function showEyes() {
+  const scene = ["training", "exposure"].includes(state.step.kind) && !state.paused && !state.ended;
+  at("eyes").hidden = !at("look").checked || !scene || pictureUrl === null;
+  if (state.pictures) put(at("eyes-words"), scene ? "" : "Nothing of the scene is shown now.");
 }
 
 function clock(seconds) {
@@ -211,7 +218,7 @@ function showRatings() {
   const text = words || "None yet.";
   if (at("curve-words").textContent === text) return;
   put(at("curve-words"), text);
-  const longest = Math.max(60, ...points.map(([, s]) => s));
+  const longest = Math.max(state.total || 1, ...points.map(([, s]) => s));
   const highest = Math.max(10, ...points.map(([, , value]) => value || 0));
   const x = (s) => 30 + 330 * s / longest;
   const y = (value) => 100 - 90 * value / highest;

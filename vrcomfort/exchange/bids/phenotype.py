@@ -9,6 +9,7 @@ from typing import Any
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
+from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import QuestionnaireRow
 from vrcomfort.records.study import recorded_sessions
@@ -28,6 +29,7 @@ def write_phenotype(study: Path, out: Path, participants: Iterable[str]) -> None
     for name in participants:
         for number in recorded_sessions(study, name):
             file = session_folder(study, name, number) / QuestionnaireRow.FILE
+            asked_in = _languages(file.parent)
             for row in CsvTable.read(file, appended=True).dicts():
                 instrument = row["instrument"]
                 cells = tables.setdefault(instrument, {}).setdefault(f"sub-{name}", {})
@@ -35,8 +37,19 @@ def write_phenotype(study: Path, out: Path, participants: Iterable[str]) -> None
                 for column, value, meaning in _cells(row, known.get(instrument)):
                     cells[column] = value
                     said.setdefault(column, meaning)
+                if instrument in asked_in:
+                    column = f"ses-{row['session']}_language"
+                    cells[column] = asked_in[instrument]
+                    text = f"Language in which it was asked in session {row['session']}"
+                    said.setdefault(column, {"Description": text})
     for instrument, rows in tables.items():
         _write(out / "phenotype", instrument, rows, columns[instrument], known)
+
+
+def _languages(session: Path) -> dict[str, str]:
+    """Return instrument → language in which a session asked it, as its manifest says."""
+    wordings = read_manifest(session).get("wordings") or []
+    return {str(each["instrument"]): str(each["language"]) for each in wordings}
 
 
 def _cells(row: Mapping[str, str], instrument: Instrument | None) -> Iterable[tuple[str, str, Any]]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.csv_table import plain_digits
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.recorded_rows import Kind, RecordedRow, cell_value, kinds_of, split_line
@@ -118,7 +119,7 @@ def _check_numbers(
         if not cell:
             continue
         try:
-            float(cell)
+            float(plain_digits(cell))
         except ValueError:
             message = f"column {name}: {cell[:40]!r} is not a number; restore the file from a copy"
             found.fault(file, message, number)

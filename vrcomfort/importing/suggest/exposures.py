@@ -155,6 +155,9 @@ class _Facts(FactDraft):
         if not columns or fact in self._known.said:
             return
         column = columns[0]
+        if fact in {"trial", "period"} and "condition" in self._known.said:
+            self._exposures_of_rows(fact, column)
+            return
         numbers = fact in {"session", "trial", "period", "block"}
         if numbers and not is_numeric(self._table, column):
             what = "numbered in the order of the rows"
@@ -165,6 +168,18 @@ class _Facts(FactDraft):
             self.doubt(question, f"they are, {what}")
         else:
             self.use(fact, column)
+
+    def _exposures_of_rows(self, fact: str, column: int) -> None:
+        """Count exposures: the number of a row, which is ignored, is not that of each in it."""
+        self._roles.metadata.append(column)
+        self.found.columns[fact] = (column,)
+        how = "exposures in the order of the rows, and in a row of the conditions"
+        self.found.draft.put(fact, {"count": True}, how)
+        question = f"{self.heading(column)!r} numbers rows of several conditions each. Do rows, and"
+        self.doubt(
+            f"{question} conditions in a row, stand in the order of time?",
+            "they do; exposures are numbered so",
+        )
 
     def _timepoint(self) -> None:
         columns = self._roles.facts.get("timepoint", [])

@@ -6,6 +6,7 @@ from collections import Counter, defaultdict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from vrcomfort.csv_table import number_in
 from vrcomfort.errors import InputError
 from vrcomfort.report.ordering import natural
 from vrcomfort.report.study_data import trial_s
@@ -187,13 +188,10 @@ def _rating(row: dict[str, str]) -> tuple[float, float]:
 
 def _number(row: Mapping[str, str], name: str) -> float | None:
     text = row.get(name) or ""
-    if not text.strip():
-        return None
     try:
-        value = float(text)
+        return number_in(text, words=True)
     except ValueError:
         who = row.get("participant", "")
         raise InputError(
             f"`{name}` of {who} is `{text}` in ratings.csv or trials.csv; give a number"
         ) from None
-    return value

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from vrcomfort.csv_table import number_or_none
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
@@ -96,10 +98,10 @@ class LiveClock:
 
 
 def _lost_s(trial: Mapping[str, str]) -> float:
-    try:
-        return float(trial["end_s"]) - float(trial["start_s"]) - float(trial["live_s"])
-    except (KeyError, ValueError):
-        return 0.0
+    start, end, live = (
+        number_or_none(trial.get(name) or "") for name in ("start_s", "end_s", "live_s")
+    )
+    return 0.0 if start is None or end is None or live is None else end - start - live
 
 
 def _whose(file: Path) -> tuple[str, str] | None:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.stats.paired_t import paired_t
 from vrcomfort.stats.symptom_model import Constants, SymptomFit, fit_symptoms
+from vrcomfort.stats.t_tests import paired_t
 
 if TYPE_CHECKING:
     from vrcomfort.report.courses.exposures import RatedExposure

@@ -160,24 +160,35 @@ def _half_widths(part: dict[str, Floats]) -> Floats:
 
 
 def times_of(session: Path, name: str, otherwise_s: float) -> list[tuple[float, float]]:
-    """Return begin and end, in session time, of a session's events of a name.
+    """Return begin and end, in session time, of a session's events, or shots, of a name.
 
     Parameters
     ----------
+    name
+        Of an event (events.csv), or what a row of a task is of (`kind` of tasks.csv, as ``shot``).
     otherwise_s
         How long one lasts that says nothing, or 0 s.
 
     Raises
     ------
     InputError
-        If the events are damaged, with their place.
+        If a file is damaged, with its place.
     """
-    file = session / "events.csv"
+    begun = [
+        *_begun(session / "events.csv", "name", name),
+        *_begun(session / "tasks.csv", "kind", name),
+    ]
+    return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
+
+
+def _begun(file: Path, column: str, name: str) -> list[tuple[float, float]]:
+    """Return onset and duration of the rows of a name; none of a file without these columns."""
     if not file.is_file():
         return []
     table = CsvTable.read(file, appended=True)
-    table.require(("onset_s", "duration_s", "name"))
-    table.require_numbers(("onset_s", "duration_s"))
-    begun = [(float(row["onset_s"]), float(row["duration_s"] or 0)) for row in table.dicts()
-             if row["name"] == name]  # fmt: skip
-    return [(onset, onset + (length or otherwise_s)) for onset, length in begun]
+    if not {column, "onset_s"} <= set(table.header):
+        return []
+    lasting = "duration_s" in table.header
+    table.require_numbers(("onset_s", "duration_s") if lasting else ("onset_s",))
+    rows = (row for row in table.dicts() if row[column] == name)
+    return [(float(row["onset_s"]), float(row.get("duration_s") or 0)) for row in rows]

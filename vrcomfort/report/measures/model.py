@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, Protocol
 
+from vrcomfort.csv_table import number_in
+
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
@@ -94,19 +96,14 @@ class Source(Protocol):
 
 
 def number_of(text: str) -> Fraction | None:
-    """Return the number that a cell holds, exactly; None of a blank one.
+    """Return the number that a cell holds, exactly; None of a blank one, and of NA.
 
     Raises
     ------
     ValueError
         If it is no finite number.
     """
-    if text.strip().casefold() in {"", "na", "nan", "n/a"}:
-        return None
-    value = float(text)
-    if not math.isfinite(value):
-        raise ValueError(text)
-    return Fraction(text.strip())
+    return None if number_in(text, words=True) is None else Fraction(text.strip())
 
 
 def exactly(value: float | Fraction) -> Fraction | None:

@@ -22,7 +22,8 @@ class GazeAndHead(Settings):
     )  # fmt: skip
     """Heights of centred zones as shares of the image's."""
     during: tuple[str, ...] = ()
-    """Names of events (events.csv) whose time is looked at apart as well, such as shots."""
+    """Names of events (events.csv), or kinds of rows of tasks.csv, such as `shot`, whose time is
+    looked at apart as well."""
     during_s: Positive = 0.5
     """How long an event without a duration of its own lasts."""
     fixations: Literal["i_vt", "i_dt"] = "i_vt"

@@ -196,6 +196,11 @@ class Plan(Settings):
     _file: Path | None = PrivateAttr(default=None)
 
     @property
+    def of_choices(self) -> frozenset[str]:
+        """Return the questionnaires that compare conditions and are counted as preferences."""
+        return frozenset(each.item.partition(".")[0] for each in self.preferences)
+
+    @property
     def text(self) -> str:
         """Return the TOML text that this was read from."""
         return self._text

@@ -1,0 +1,124 @@
+"""`vrcomfort new`: what it writes passes `check`, and what it cannot write is one sentence."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from typer.testing import CliRunner
+
+from vrcomfort.cli import new as command
+from vrcomfort.cli.app import app
+from vrcomfort.design import build_design
+from vrcomfort.design.balance import cannot_balance
+from vrcomfort.errors import InputError
+from vrcomfort.protocol import load_protocol
+from vrcomfort.protocol.draft import HIGH
+from vrcomfort.questionnaire import find_instrument
+
+
+def new(*words: str):
+    return CliRunner().invoke(app, ["new", *words])
+
+
+@pytest.mark.parametrize(
+    ("compare", "rating", "scenes"),
+    list(
+        itertools.product(
+            ["depth_of_field", "motion_blur", "both"],
+            ["fms", "misc", "none"],
+            [["temple"], ["temple", "mountain"]],
+        )
+    ),
+)
+def test_whatever_is_chosen_is_a_protocol_that_balances(tmp_path, compare, rating, scenes):
+    file = tmp_path / "study.toml"
+    chosen = [word for scene in scenes for word in ("--scene", scene)]
+    told = ["--compare", compare, "--rating", rating, "--participants", "5", "--yes"]
+    result = new(str(file), *chosen, *told)
+    assert result.exit_code == 0, result.output
+    protocol = load_protocol(file)
+    assert protocol.name == "study"
+    assert protocol.scenes == tuple(scenes)
+    assert protocol.participants is not None
+    assert protocol.participants >= 5
+    assert cannot_balance(build_design(protocol), protocol.participants) is None
+    assert [each.instrument for each in protocol.ratings] == [rating] * (rating != "none")
+    effects = {(bool(c.depth_of_field), bool(c.motion_blur)) for c in protocol.conditions}
+    assert (False, False) in effects
+    assert len(effects) == (4 if compare == "both" else 2)
+
+
+def test_options_stand_in_the_file_and_every_table_has_a_comment(tmp_path):
+    file = tmp_path / "study.toml"
+    title = 'Ein "Titel" für alle'
+    new(
+        str(file), "--title", title, "--exposure-min", "2.5", "--sessions", "2", "--participants",
+        "4", "--language", "de", "--language", "en", "--yes",
+    )  # fmt: skip
+    protocol = load_protocol(file)
+    assert (protocol.title, protocol.exposure_s) == (title, 150.0)
+    assert (protocol.order.sessions, protocol.break_s) == (2, 0.0)
+    assert protocol.languages == ("de", "en")
+    lines = file.read_text(encoding="utf-8").splitlines()
+    for number, line in enumerate(lines):
+        if line.startswith(("[order]", "[simulation]", "languages")):
+            assert lines[number - 1].startswith("#")
+
+
+def test_it_passes_check_with_its_rehearsal(tmp_path):
+    file = tmp_path / "study.toml"
+    new(str(file), "--participants", "4", "--exposure-min", "1", "--language", "de", "--yes")
+    result = CliRunner().invoke(app, ["check", str(file), "--no-draw"])
+    assert result.exit_code == 0, result.output
+    assert "nothing is wrong" in result.output
+
+
+def test_questions_are_asked_again_until_the_answer_can_be(tmp_path, monkeypatch):
+    answers = iter(
+        ["blur", "motion_blur", "moon", "mountain", "no", "0", "12", "A name", "", "2", "misc"]
+    )
+    asked = []
+
+    def answer(question):
+        asked.append(question)
+        return next(answers, "")
+
+    monkeypatch.setattr("builtins.input", answer)
+    monkeypatch.setattr(command, "somebody_answers", lambda: True)
+    file = tmp_path / "asked.toml"
+    command.new(file)
+    protocol = load_protocol(file)
+    assert asked[0].startswith("What is compared with no blur (depth_of_field, motion_blur, both)")
+    assert protocol.conditions[1].motion_blur is not None
+    assert (protocol.scenes, protocol.participants) == (("mountain",), 12)
+    assert (protocol.title, protocol.exposure_s) == ("A name", 600.0)
+    assert (protocol.order.sessions, protocol.ratings[0].instrument) == (2, "misc")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["there.toml"], "is there already; choose another name"),
+        (["no/where/study"], "there is no such folder"),
+        (["my study"], "cannot be called 'my study'"),
+        (["moon", "--scene", "moon"], "there is no scene `moon`"),
+        (["odd", "--sessions", "3"], "cannot be dealt evenly over 3 sessions"),
+        (["czech", "--language", "cs"], "`cs` lacks words of the panel"),
+    ],
+)
+def test_what_cannot_be_is_refused_and_nothing_is_written(tmp_path, words, told):
+    (tmp_path / "there.toml").write_text("kept", encoding="utf-8")
+    name, *options = words
+    result = new(str(tmp_path / name), *options, "--yes")
+    assert isinstance(result.exception, InputError)
+    found = [result.exception, *result.exception.others]
+    assert any(told in str(each) for each in found)
+    assert [path.name for path in tmp_path.iterdir()] == ["there.toml"]
+    assert (tmp_path / "there.toml").read_text(encoding="utf-8") == "kept"
+
+
+def test_ratings_that_end_exposures_are_on_their_scales():
+    for name, high in HIGH.items():
+        answers = find_instrument(name).items[0].answers
+        assert answers.low < high < answers.high

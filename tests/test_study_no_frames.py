@@ -1,0 +1,85 @@
+"""Simulated sessions without frames: the same people and answers, and no time spent."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from tests.support.session import go, manifest, rows
+from tests.support.study import PROTOCOL, tiny_protocol
+from vrcomfort.cli.simulate import simulate_study
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.protocol import load_protocol
+from vrcomfort.records.json_file import indented
+from vrcomfort.respondent import SimulatedRespondent
+from vrcomfort.session import NoPictures, StillHeadset
+
+
+def simulated(tmp_path, study, **more):
+    protocol = tiny_protocol(tmp_path)
+    person = SimulatedRespondent(protocol.simulation, participant="P01", seed=0)
+    return go(tmp_path, person, study=study, **more)
+
+
+def test_answers_and_ratings_are_those_of_a_session_with_frames(tmp_path):
+    simulated(tmp_path, "S")
+    simulated(tmp_path, "J", headset=StillHeadset, renderer=NoPictures(), jumps=True)
+    for session in (1, 2):
+        with_frames = rows(tmp_path, "questionnaires.csv", session)
+        without = rows(tmp_path, "questionnaires.csv", session, "J")
+        said = [(row["trial"], row["item"], row["response"]) for row in with_frames]
+        assert [(row["trial"], row["item"], row["response"]) for row in without] == said
+        seen = rows(tmp_path, "ratings.csv", session)
+        jumped = rows(tmp_path, "ratings.csv", session, "J")
+        assert [row["response"] for row in jumped] == [row["response"] for row in seen]
+        assert len(jumped) == 4  # two exposures of 10 s, asked every 3 s with 2 s to answer
+        for a, b in zip(seen, jumped, strict=True):
+            # A question waits for a frame, and an answer for another; here nothing does.
+            assert float(a["onset_s"]) == pytest.approx(float(b["onset_s"]), abs=0.5)
+    assert not verify_study(tmp_path / "J").faults
+
+
+def test_exposures_last_as_long_and_have_no_frames(tmp_path):
+    simulated(tmp_path, "S", headset=StillHeadset, renderer=NoPictures(), jumps=True)
+    for row in rows(tmp_path, "trials.csv"):
+        assert float(row["end_s"]) - float(row["start_s"]) == pytest.approx(10.0)
+        assert (row["frames"], row["live_s"]) == ("0", "10.0")
+    assert rows(tmp_path, "frames.csv") == []
+    assert manifest(tmp_path)["headset"]["name"] == "none"
+
+
+def test_whoever_withdraws_does_so_at_their_own_moment(tmp_path):
+    text = PROTOCOL + "\n[simulation]\nrate_per_min = 600.0\nhazard_per_min = 1000.0\n"
+    protocol = tiny_protocol(tmp_path, text)
+    (outcome,) = simulate_study(
+        protocol, participants=1, out=tmp_path / "W", seed=None,
+        playback_options=((16, 16), None, None), exposure_s=None, frames=False, quiet=True,
+    )  # fmt: skip
+    assert outcome.status == "withdrawn"
+    (trial,) = rows(tmp_path, "trials.csv", study="W")
+    assert trial["status"] == "withdrawn"
+    assert 0 < float(trial["end_s"]) - float(trial["start_s"]) < 10
+
+
+def test_a_study_without_frames_goes_on_without_frames_alone(tmp_path):
+    options = {"seed": None, "exposure_s": None, "quiet": True, "out": tmp_path / "study"}
+    play = ((32, 40), None, None)
+    protocol = load_protocol("carnegie_2015")
+    simulate_study(protocol, participants=1, playback_options=play, frames=False, **options)
+    with pytest.raises(InputError, match="begun with --no-frames"):
+        simulate_study(protocol, participants=2, playback_options=play, **options)
+    more = simulate_study(protocol, participants=2, playback_options=play, frames=False, **options)
+    assert [each.participant for each in more] == ["P02"]
+    with pytest.raises(InputError, match="plays no head trace"):
+        simulate_study(
+            protocol, participants=3, playback_options=((32, 40), None, 20.0), frames=False,
+            **options,
+        )  # fmt: skip
+
+
+def test_a_manifest_is_written_as_json_writes_it():
+    content = {"a": {"b": [1, 2.5, None, 'ü\n"x"'], "c": {}}, "d": [], "e": True, "f": [[1], {}]}
+    for _ in range(2):  # the second from what was written before
+        assert indented(content) == json.dumps(content, indent=2, ensure_ascii=False)

@@ -1,0 +1,203 @@
+"""Writes a commented protocol from a few answers, for a study that nobody has written yet."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+Compared: TypeAlias = Literal["depth_of_field", "motion_blur", "both"]
+
+_HEAD = """\
+# {title}
+#
+# Written by `vrcomfort new`. Change what you like: every key is in docs/protocol_reference.md, and
+# `vrcomfort check {file}` tells what is wrong, how long a session takes, and
+# whether the blur can be seen.
+
+name = {name}
+title = {title_text}
+participants = {participants}     # planned; `check` says whether they balance the orders
+
+exposure_s = {exposure_s:.1f}   # each scene, under each condition, is shown so long
+training_s = 60.0     # before the first exposure: to learn the controls
+break_s = {break_s:.1f}       # between two exposures of a session
+
+scenes = {scenes}
+"""
+
+_LANGUAGES = """\
+
+# In which participants can be asked, the usual one first: `vrcomfort run … --language {last}`.
+languages = {languages}
+"""
+
+_OFF = """\
+
+# What is compared. Participants meet every condition in every scene.
+[[conditions]]
+name = "off"
+label = "No blur"
+"""
+
+_ON = {
+    "depth_of_field": """\
+
+[[conditions]]
+name = "depth_of_field"
+label = "Depth of field"
+[conditions.focus]
+method = "nine_ray"    # what is sharp lies where the head points: docs/focus.md
+law = "linear_dioptre" # how focus moves to something new
+[conditions.depth_of_field]
+law = "dioptre"        # blur grows with the defocus in dioptres: docs/depth_of_field.md
+""",
+    "motion_blur": """\
+
+[[conditions]]
+name = "motion_blur"
+label = "Motion blur"
+[conditions.motion_blur]
+mode = "rotation_cancelled"   # turning the head blurs nothing: docs/motion_blur.md
+""",
+}
+
+_BOTH = """\
+
+# What is compared: two factors, crossed. They make the conditions sharp_still, sharp_moving, …
+[[factors]]
+name = "depth_of_field"
+[[factors.levels]]
+name = "sharp"
+[[factors.levels]]
+name = "dof"
+[factors.levels.focus]
+method = "nine_ray"    # what is sharp lies where the head points: docs/focus.md
+law = "linear_dioptre" # how focus moves to something new
+[factors.levels.depth_of_field]
+law = "dioptre"        # blur grows with the defocus in dioptres: docs/depth_of_field.md
+
+[[factors]]
+name = "motion_blur"
+[[factors.levels]]
+name = "still"
+[[factors.levels]]
+name = "moving"
+[factors.levels.motion_blur]
+mode = "rotation_cancelled"   # turning the head blurs nothing: docs/motion_blur.md
+"""
+
+_ORDER = """\
+
+# Who meets what in which order: each condition at each position, and after each other, equally
+# often (docs/design.md). `vrcomfort design {file}` prints the table.
+[order]
+rule = "williams"
+sessions = {sessions}
+"""
+
+_QUESTIONS = """\
+
+# The Simulator Sickness Questionnaire: before, after each exposure, and at the end.
+[[questionnaires]]
+instrument = "ssq"
+timepoint = "baseline"
+when = "session_start"
+
+[[questionnaires]]
+instrument = "ssq"
+timepoint = "post"
+when = "after_trial"
+
+# Whose score has risen so far goes home, and may come back another day.
+[[stop.score_rise]]
+instrument = "ssq"
+scale = "T"
+by = 60.0
+ends = "session"
+"""
+
+_RATING = """\
+
+# One question during exposure, again and again. Two answers this high end the exposure.
+[[ratings]]
+instrument = {instrument}
+every_s = {every_s:.1f}
+timeout_s = {timeout_s:.1f}
+stop_at = {stop_at}
+stop_in_a_row = 2
+stop_ends = "exposure"
+"""
+
+_SIMULATION = """\
+
+# How simulated participants feel (`vrcomfort simulate`): assumptions, for trying the analysis.
+[simulation]
+rate_per_min = 0.06
+"""
+
+HIGH = {"fms": 15, "misc": 7}
+"""Rating instrument → the answer that ends an exposure."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What `vrcomfort new` has been told.
+
+    Parameters
+    ----------
+    sessions
+        Over which each participant's exposures are dealt.
+    rating
+        Instrument of the question during exposure; blank for none.
+    languages
+        Blank where instruments keep their own.
+    """
+
+    name: str
+    title: str
+    compared: Compared
+    scenes: tuple[str, ...]
+    participants: int
+    exposure_s: float
+    sessions: int
+    rating: str
+    languages: tuple[str, ...]
+
+    @property
+    def conditions(self) -> int:
+        """Return how many conditions are compared."""
+        return 4 if self.compared == "both" else 2
+
+    def toml(self) -> str:
+        """Return the commented text."""
+        file = f"{self.name}.toml"
+        in_a_day = self.conditions * len(self.scenes) // self.sessions
+        parts = [
+            _HEAD.format(
+                title=self.title,
+                file=file,
+                name=json.dumps(self.name),
+                title_text=json.dumps(self.title, ensure_ascii=False),
+                participants=self.participants,
+                exposure_s=self.exposure_s,
+                break_s=600.0 if in_a_day > 1 else 0.0,
+                scenes=json.dumps(list(self.scenes)),
+            )
+        ]
+        if self.languages:
+            given = json.dumps(list(self.languages))
+            parts.append(_LANGUAGES.format(last=self.languages[-1], languages=given))
+        parts.append(_BOTH if self.compared == "both" else _OFF + _ON[self.compared])
+        parts += [_ORDER.format(file=file, sessions=self.sessions), _QUESTIONS]
+        if self.rating:
+            every_s = min(60.0, self.exposure_s / 4)
+            parts.append(
+                _RATING.format(
+                    instrument=json.dumps(self.rating),
+                    every_s=every_s,
+                    timeout_s=min(15.0, every_s / 2),
+                    stop_at=HIGH[self.rating],
+                )
+            )
+        return "".join([*parts, _SIMULATION])

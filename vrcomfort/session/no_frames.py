@@ -1,0 +1,151 @@
+"""Sessions of simulated participants without frames: time jumps from one event to the next."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+
+from vrcomfort.frame import EYE_HEIGHT_M, FocusSample, Frame, GpuTime, HeadsetEvent, ImageHash
+from vrcomfort.geometry import Fov, Pose, View
+from vrcomfort.protocol import Condition
+from vrcomfort.protocol import Protocol as StudyProtocol
+from vrcomfort.scene.load import load_scene
+from vrcomfort.session.exposure import Ending, FrameLoop, Stimulus
+from vrcomfort.session.interfaces import LoadScene
+from vrcomfort.session.ratings import RatingSchedules
+from vrcomfort.session.standing import without_meshes
+
+STEPS_HZ = 20.0
+"""So often something happens in tasks and in validations of the gaze, which go step by step."""
+
+
+@runtime_checkable
+class Foretells(Protocol):
+    """A respondent who knows when something will happen to them: a simulated participant."""
+
+    def next_s(self, elapsed_s: float) -> float:
+        """Return when, after a time of the exposure; infinite: not any more."""
+
+
+class EventLoop(FrameLoop):
+    """Lets an exposure pass without frames.
+
+    What falls due is met at its own time, and not at the next frame's. Tasks and validations of the
+    gaze go in steps, and these alone have rows of frames.
+    """
+
+    def _run(
+        self,
+        stimulus: Stimulus,
+        schedule: RatingSchedules | None,
+        progress: Callable[[float], None],
+    ) -> Ending:
+        if self._task is not None:
+            return super()._run(stimulus, schedule, progress)
+        duration_s = stimulus.duration_s * stimulus.stretch
+        while True:
+            self.context.steering.look()
+            self._pass(min(self._next_s(schedule), duration_s), stimulus)
+            if self.felt_s >= duration_s:
+                self.elapsed_s = stimulus.duration_s
+                return "completed"
+            self._listen(stimulus, schedule)
+            progress(self.elapsed_s)
+
+    def _next_s(self, schedule: RatingSchedules | None) -> float:
+        """Return the next moment of the protocol's time in which something happens."""
+        respondent = self.context.respondent
+        times = [math.inf if schedule is None else schedule.next_s]
+        if isinstance(respondent, Foretells):
+            times.append(respondent.next_s(self.felt_s))
+        return max(min(times), self.felt_s)
+
+    def _pass(self, felt_s: float, stimulus: Stimulus) -> None:
+        before_s, self.felt_s = self.elapsed_s, felt_s
+        self.elapsed_s = felt_s / stimulus.stretch
+        self.context.clock.advance(self.elapsed_s - before_s)
+        self.log.timing.seen.live_s += self.elapsed_s - before_s
+
+
+def scenes_for(protocol: StudyProtocol) -> LoadScene:
+    """Return what loads as much of a scene as a session without frames needs."""
+    if protocol.tasks:
+        return load_scene
+    return without_meshes if protocol.views else lambda _source: None
+
+
+@dataclass
+class StillHeadset:
+    """A headset whose head stands still and that shows nothing."""
+
+    refresh_hz: float = STEPS_HZ
+    name: str = "none"
+    image_size_px: tuple[int, int] = (16, 16)
+
+    @property
+    def details(self) -> dict[str, Any]:
+        """Return nothing."""
+        return {}
+
+    def frames(self) -> Iterator[Frame]:
+        """Yield frames for ever."""
+        head = Pose(np.array([0.0, EYE_HEIGHT_M, 0.0]))
+        view = View(head, Fov(-0.8, 0.8, 0.8, -0.8))
+        period_ns = round(1e9 / self.refresh_hz)
+        frame = Frame(0, 0, period_ns, head, (view, view), Pose())
+        index = 0
+        while True:
+            time_ns = index * period_ns
+            yield replace(
+                frame, index=index, predicted_display_time_ns=time_ns, discontinuity=index == 0
+            )
+            index += 1
+
+    def submit(self, frame: Frame, eyes: Any) -> None:
+        """Show nothing."""
+
+    def take_events(self) -> list[HeadsetEvent]:
+        """Return nothing: nothing happens to it."""
+        return []
+
+
+@dataclass(frozen=True)
+class _Unseen:
+    eyes: tuple[None, None] = (None, None)
+    focus_samples: tuple[FocusSample, ...] = ()
+    max_blur_px: float | None = 0.0
+    cpu_ms: float | None = None
+    gpu_times: tuple[GpuTime, ...] | None = None
+    hashed: bool = False
+    image_hashes: tuple[ImageHash, ...] = ()
+
+
+class NoPictures:
+    """A renderer that draws nothing."""
+
+    def begin(self, scene: Any, condition: Condition) -> None:
+        """Prepare nothing."""
+
+    def render(self, frame: Frame, scene_time_s: float) -> _Unseen:  # noqa: ARG002
+        """Draw nothing."""
+        return _Unseen()
+
+    def drain(self) -> tuple[FocusSample, ...]:
+        """Return nothing."""
+        return ()
+
+    def drain_times(self) -> tuple[GpuTime, ...]:
+        """Return nothing."""
+        return ()
+
+    def drain_hashes(self) -> tuple[ImageHash, ...]:
+        """Return nothing."""
+        return ()
+
+    def clamps(self) -> tuple[str, ...]:
+        """Return nothing."""
+        return ()
