@@ -155,8 +155,8 @@ PLANS_OF_DESIGNS = Path(__file__).parents[1] / "docs" / "plans"
 @pytest.mark.parametrize(
     ("design", "numbers"),
     [
-        ("between_groups", ("U", "p, exact", "shift", "Hedges' g", "spearman")),
-        ("tasks_only", ("interval, high", "Hedges' g", "repeated_measures")),
+        ("between_groups", ("U", "p, exact", "shift", "Hedges' g", "t, low", "spearman")),
+        ("tasks_only", ("interval, high", "ICC(2,1)", "ICC(3,1)", "repeated_measures")),
     ],
 )
 def test_r_finds_other_tests_and_correlations(tmp_path, design, numbers):

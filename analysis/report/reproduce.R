@@ -1,7 +1,8 @@
 # Makes the primary tests of this report again, in base R, from tables/scores.csv, and prints what
 # the report has (tables/tests.csv) beside what R finds; then the crossover analyses, comparisons by
-# other tests, correlations and Kruskal-Wallis tests, in base R too, the analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken
-# from the report but who is compared with whom, and how.
+# other tests, equivalence, correlations, agreement and Kruskal-Wallis tests, in base R too, the
+# analyses of variance (package car) and the mixed models (package lmerTest). Nothing is taken from
+# the report but who is compared with whom, and how.
 #
 #   Rscript reproduce.R
 #
@@ -425,6 +426,43 @@ for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
   b <- means_of(line$outcome, names_in(line$people_b), line$condition_b)
   switch(line$test, mann_whitney = compare_ranks(line, a, b), sign = compare_signs(line, a, b),
          compare_means(line, a, b))
+  others <- others + 1
+}
+
+# Two one-sided t tests against the bounds of the plan.
+found <- read_if_there("equivalence")
+for (k in seq_len(if (is.null(found)) 0 else nrow(found))) {
+  line <- found[k, ]
+  paired <- is.na(line$between)
+  a <- means_of(line$outcome, names_in(line$people_a), if (paired) line$a else line$condition)
+  b <- means_of(line$outcome, names_in(line$people_b), if (paired) line$b else line$condition)
+  above <- t.test(a, b, paired = paired, mu = as.numeric(line$bound_low), alternative = "greater")
+  below <- t.test(a, b, paired = paired, mu = as.numeric(line$bound_high), alternative = "less")
+  about <- paste("equivalence of", line$a, "and", line$b)
+  compare(line, "t, low", line$t_low, unname(above$statistic), about, size = 1e-6)
+  compare(line, "t, high", line$t_high, unname(below$statistic), about, size = 1e-6)
+  compare(line, "p", line$p, max(above$p.value, below$p.value), about)
+  others <- others + 1
+}
+
+# Intraclass correlations of people with a score on every occasion, from the mean squares.
+found <- read_if_there("agreement")
+for (one in if (is.null(found)) list() else split(found, paste(found$outcome, found$over))) {
+  if (!one$over[1] %in% names(scores)) next
+  mine <- is.na(one$condition[1]) | scores$condition %in% one$condition[1]
+  mine <- mine & !is.na(scores[[one$outcome[1]]])
+  wide <- tapply(as.numeric(scores[[one$outcome[1]]][mine]),
+                 list(scores$participant[mine], scores[[one$over[1]]][mine]), mean)
+  wide <- wide[complete.cases(wide), , drop = FALSE]
+  n <- nrow(wide); k <- ncol(wide)
+  people <- k * var(rowMeans(wide)); occasions <- n * var(colMeans(wide))
+  rest <- wide - outer(rowMeans(wide), colMeans(wide), "+") + mean(wide)
+  error <- sum(rest^2) / ((n - 1) * (k - 1))
+  agreement <- (people - error) / (people + (k - 1) * error + k * (occasions - error) / n)
+  consistency <- (people - error) / (people + (k - 1) * error)
+  about <- paste("agreement over", one$over[1])
+  compare(one[2, ], "ICC(2,1)", one$estimate[2], agreement, about, size = 1e-6)
+  compare(one[3, ], "ICC(3,1)", one$estimate[3], consistency, about, size = 1e-6)
   others <- others + 1
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -141,6 +141,21 @@ class Manifest:
             "clock_set_back": self.clock_set_back,
             **asdict(self.machine),
             "versions": versions(),
+            **self._of_protocol,
+            "earlier_runs": self.earlier_runs,
+            "under_way": self.under_way,
+            "exposure_ended": self.exposure_ended,
+            "missed_questions": self.missed_questions,
+            "withdrawals_undone": self.withdrawals_undone,
+            "memory": self.memory,
+            "ended": self.ended,
+        }
+
+    @cached_property
+    def _of_protocol(self) -> dict[str, Any]:
+        """Return what a manifest keeps of the protocol, which does not change."""
+        protocol = self.protocol
+        return {
             "protocol": {
                 "name": protocol.name,
                 "file": protocol.file.name if protocol.file else None,
@@ -152,13 +167,6 @@ class Manifest:
                 ],
             },
             "settings": protocol.model_dump(mode="json"),
-            "earlier_runs": self.earlier_runs,
-            "under_way": self.under_way,
-            "exposure_ended": self.exposure_ended,
-            "missed_questions": self.missed_questions,
-            "withdrawals_undone": self.withdrawals_undone,
-            "memory": self.memory,
-            "ended": self.ended,
         }
 
 

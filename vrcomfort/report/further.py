@@ -104,17 +104,19 @@ def _equivalence(scored: Exposures, plan: Plan, asked: Equivalent) -> Row:
         sides = sides_of(asked.between, asked.a, asked.b, asked.condition)
         groups = groups_of(scored, asked.outcome, *sides, complete=complete)
         problem = too_few(groups)
+        people = (groups.people_a, groups.people_b)
         n = int(groups.a.size + groups.b.size)
         found = None if problem else equivalence_of_groups(
             groups.a * groups.unit, groups.b * groups.unit, bounds, level=level
         )  # fmt: skip
     else:
         pairs = pair_up(scored, asked.outcome, Side(asked.a), Side(asked.b), complete=complete)
+        people = (pairs.participants, pairs.participants)
         problem, n = too_few(pairs), len(pairs.participants)
         found = None if problem else equivalence_of_pairs(
             pairs.differences * pairs.unit, bounds, level=level
         )  # fmt: skip
-    result["n"] = n
+    result |= {"n": n, "people_a": list(people[0]), "people_b": list(people[1])}
     if found is None:
         return result | {"not_tested": problem or NO_VARIANCE}
     return result | asdict(found) | {"equivalent": found.p <= level}

@@ -18,7 +18,12 @@ def further_tables(results: Row) -> dict[str, list[Row]]:
             _plain(row) | {"people_in_it": PEOPLE.join(row["participants"])}
             for row in results["correlations"]
         ],
-        "equivalence": [_plain(row) for row in results["equivalence"]],
+        "equivalence": [
+            _plain(row)
+            | {side: PEOPLE.join(row[side]) for side in ("people_a", "people_b")}
+            | dict(zip(("bound_low", "bound_high"), row["bounds"], strict=True))
+            for row in results["equivalence"]
+        ],
         "preferences": [_preference(row) for row in results["preferences"]],
         "agreement": [line for row in results["agreement"] for line in _agreement(row)],
         "marginal_means": [line for found in results["mixed_models"] for line in _means(found)],
