@@ -100,7 +100,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
         outcome = run(
             enrolment,
             respondent=respondent,
-            headset_for=lambda _name, _scene: StillHeadset(),
+            headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
             load_scene=scenes_for(protocol),
             renderer=NoPictures(),
             jumps=True,
@@ -110,6 +110,11 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
     if outcome.status != "completed":
         raise InputError(f"a rehearsed session ended early: {outcome.note or outcome.status}")
     return outcome.sequence
+
+
+def _steps_hz(protocol: Protocol) -> float:
+    """Return how often a second tasks go on: coarser than people would, but of any length."""
+    return max(4.0, 20 / protocol.longest_s)
 
 
 def _length(study: Path, name: str, group: str, sequence: str, session: int) -> SessionLength:
