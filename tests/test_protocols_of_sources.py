@@ -7,8 +7,10 @@ from itertools import pairwise
 
 import pytest
 
+from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import build_design
 from vrcomfort.protocol.load import load_protocol
+from vrcomfort.resources import data_folder
 
 NOT_COMPARED = {"name", "title", "text", "source", "path"}
 
@@ -98,3 +100,18 @@ def test_hillaires_situations_have_their_lengths_and_tasks():
     assert lengths_s == [180, 300, 300, 300]
     assert person.trials[0].task == "none"
     assert len({trial.task for trial in person.trials}) == 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(p.stem for p in data_folder("protocols").glob("*.toml")))
+def test_every_shipped_protocol_is_gone_through_whole(run, name, tmp_path):
+    """In its own length: no frames are drawn, and time jumps."""
+    code, _, err = run("simulate", name, "-n", 2, "--no-frames", "--out", tmp_path / "s")
+    assert code == 0, err
+    protocol = load_protocol(name)
+    planned = [len(session) for session in build_design(protocol).plan(1)[0].sessions]
+    for folder in sorted((tmp_path / "s").glob("sub-*/ses-*")):
+        rows = list(CsvTable.read(folder / "trials.csv", appended=True).dicts())
+        left = any(row["status"] == "stopped" for row in rows)  # some feel too ill to go on
+        assert left or len(rows) == planned[int(folder.name[4:]) - 1]
+    assert sorted((tmp_path / "s").glob("sub-P01/ses-*"))
