@@ -140,7 +140,7 @@ def test_covariates_that_do_not_fit_are_refused_before_anybody_is_enrolled(tmp_p
 def test_design_of_a_study_on_the_command_line(tmp_path, run):
     (tmp_path / "room.glb").touch()
     protocol = tmp_path / "p.toml"
-    protocol.write_text(grouped(ALLOCATION).text.replace(".gltf", ".glb"), encoding="utf-8")
+    protocol.write_text(grouped(ALLOCATION).toml.replace(".gltf", ".glb"), encoding="utf-8")
     code, out, _ = run("design", protocol, "-n", 8)
     assert code == 0
     assert "Covariates of the people above were drawn" in " ".join(out.split())

@@ -4,7 +4,7 @@
 the bounds, and the cases of the last long run.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, get_args
 
 import numpy as np
 import pytest
@@ -32,7 +32,13 @@ from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.headset.eye_painter import EyePainter
-from vrcomfort.protocol.conditions import Condition, DepthOfField, Focus, MotionBlur
+from vrcomfort.protocol.conditions import (
+    Condition,
+    DepthOfField,
+    Focus,
+    MotionBlur,
+    RefocusLawName,
+)
 from vrcomfort.render.effects.depth_of_field.effect import DepthOfFieldPass
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
 from vrcomfort.render.output import read_texture
@@ -242,8 +248,9 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     """
     read = {
         "display/picture.vert",
-        "display/picture.frag",
-    }  # tried above
+        "display/picture.frag",  # tried above
+        "display/image_hash.comp",  # sums whole numbers of any pixels: test_render_image_hash.py
+    }
     source = shaders.source
     monkeypatch.setattr(shaders, "source", lambda name: (read.add(name), source(name))[1])
     rng = np.random.default_rng(2)
@@ -253,7 +260,11 @@ def test_every_shader_is_tried_here(ctx, monkeypatch):
     zone = Condition(name="zone", focus=focus, depth_of_field=DepthOfField())
     order = ("motion_blur", "depth_of_field")
     later = zone.model_copy(update={"motion_blur": MotionBlur(), "effect_order": order})
-    for condition in (*every_choice(rng), wide, few, zone, later):
+    laws = [
+        Condition(name=law, focus=Focus(law=law), depth_of_field=DepthOfField())
+        for law in get_args(RefocusLawName)
+    ]
+    for condition in (*every_choice(rng), *laws, wide, few, zone, later):
         renderer = StereoRenderer(ctx, (320, 5))  # wide enough for discs of every kind
         renderer.build(scene(rng), condition)
         renderer.release()

@@ -83,7 +83,7 @@ DOUBTS = {
     "limesurvey": ["answers 1 to 4 in place of 0 to 3", "in the published order"],
     "headerless": ["no headings", "tell participants apart", "the condition", "published order"],
     "named_files": ["names of the files"],
-    "long_numbers": ["published order", "IPQ"],
+    "long_numbers": ["published order", "Comfort"],
     "misspelt": ["salivaton", "Fullnes of head", "Stomach awarness", "Diff. concentrating"],
     "melted": ["Which moments are T0, T1?"],
     "asked_twice": ["asked twice in a row"],

@@ -95,6 +95,8 @@ def _values(model, rng, fixed):
             values[name] = value
     if values.get("method") == "scripted":
         values["script"] = sorted({0.0: 0.05, float(rng.random()): 3e4}.items())
+    if "foreground" in model.model_fields:
+        values["foreground"] = [str(rng.choice(["*", "held", "[fl]*"]))]
     return values
 
 

@@ -210,7 +210,7 @@ def long_numbers(folder: Path) -> tuple[list[Path], Truth]:
         ["subject_id", "condition", "questionnaire", "question", "response"]
     ]
     for (person, condition, _), answers in truth.items():
-        rows += [[person, condition, "IPQ", n, 4] for n in range(1, 15)]
+        rows += [[person, condition, "Comfort", n, 4] for n in range(1, 15)]
         rows += [[person, condition, "SSQ", n, a] for n, a in enumerate(answers, start=1)]
     return [write(folder / "answers.tsv", rows, separator="\t", encoding="utf-16")], truth
 
