@@ -188,7 +188,7 @@ def test_a_session_is_resumed_in_its_language(tmp_path):
 
     protocol = tiny_protocol(tmp_path, f"{BOTH}{PROTOCOL}")
     session(tmp_path, protocol.spoken("de"), Interrupting())
-    with pytest.raises(InputError, match="begun in de, not en; resume it with --language de"):
+    with pytest.raises(InputError, match="begun with --language de; resume it with the same"):
         session(tmp_path, protocol.spoken("en"), Scripted(), resume=True)
     assert session(tmp_path, protocol.spoken("de"), Scripted(), resume=True)["language"] == "de"
 

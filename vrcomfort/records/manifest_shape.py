@@ -92,7 +92,7 @@ class ManifestShape(_Part):
     finished_at: Moment | None = None
     seed: Annotated[int, Field(ge=0)]
     respondent: str
-    language: str | None = None
+    language: Annotated[str, Field(min_length=2)] | None = None
     headset: HeadsetFacts = HeadsetFacts()
     ipd_measured_m: Annotated[float, Field(gt=0, lt=1)] | None = None
     exposure_s: Annotated[float, Field(gt=0, le=LONGEST_S)]

@@ -118,8 +118,8 @@ class InterruptedSessions:
                 what = f"with {then}, not {respondent}; resume it with {then}"
             elif manifest.get("language") != protocol.language:
                 begun_in = manifest.get("language")
-                what = f"in {begun_in or 'no chosen language'}, not {protocol.language}"
-                what += f"; resume it with --language {begun_in}" if begun_in else ""
+                then = f"--language {begun_in}" if begun_in else "no --language"
+                what = f"with {then}; resume it with the same"
             else:
                 continue
             raise InputError(f"session {number} was begun {what}", file=self._folders[number])
