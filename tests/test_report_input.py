@@ -218,6 +218,30 @@ def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
         build_report(tmp_path / "s", out=tmp_path / "o")
 
 
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"status": []},
+        {"status": {}, "ended": {}},
+        {"status": "ended", "ended": [1]},
+        {"withdrawals_undone": 3},
+        {"withdrawals_undone": [1]},
+        {"withdrawals_undone": [{"trial": 1}]},
+        {"settings": [1]},
+        {"settings": {"questionnaires": 1}},
+        {"protocol": []},
+    ],
+    ids=str,
+)
+def test_damaged_manifests_are_told_and_not_used(tmp_path, damage):
+    foreign(tmp_path / "s" / "questionnaires.csv", SCORES)
+    whole = {"protocol": {"sha256": "0"}, "status": "completed", "participant": "P1"}
+    (tmp_path / "s" / "manifest.json").write_text(json.dumps(whole | damage))
+    summary = build_report(tmp_path / "s", out=tmp_path / "o")
+    assert summary.analysed == 5
+    assert summary.warnings == ("manifest.json: not used, because it is no session's manifest",)
+
+
 def test_before_and_after_need_no_condition(tmp_path):
     rows = [
         {"participant": f"P{n}", "timepoint": when, "item": item, "response": answer}

@@ -316,10 +316,15 @@ def _is_manifest(content: dict[str, Any]) -> bool:
     """Return whether what a report reads of a session's manifest is what it takes it for."""
     protocol, settings = content.get("protocol"), content.get("settings") or {}
     asks = settings.get("questionnaires", []) if isinstance(settings, dict) else None
+    undone = content.get("withdrawals_undone") or []
     return (
         isinstance(protocol, dict)
         and isinstance(protocol.get("sha256", ""), str)
         and isinstance(content.get("clamps", []), list)
+        and isinstance(content.get("status", ""), str)
+        and isinstance(content.get("ended") or {}, dict)
+        and isinstance(undone, list)
+        and all(isinstance(each, dict) and {"trial", "attempt"} <= each.keys() for each in undone)
         and isinstance(asks, list)
         and all(isinstance(each, dict) for each in asks)
     )
