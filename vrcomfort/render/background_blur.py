@@ -1,26 +1,17 @@
-"""Blurs what was drawn so far, so that named nodes can be drawn over it, sharp: layers by node."""
+"""Which nodes are drawn sharp over a blurred background: layers by node."""
 
 from __future__ import annotations
 
 from fnmatch import fnmatchcase
-from typing import NamedTuple
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.errors import InputError
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.mip_chain import MipChain
-from vrcomfort.optics.relocation_blur import levels
-from vrcomfort.protocol.conditions import BackgroundBlur, Condition
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
 from vrcomfort.settings import did_you_mean
-
-
-class _Level(NamedTuple):
-    level: float
 
 
 def plan(scene: Scene, condition: Condition) -> PlannedPass:
@@ -63,40 +54,3 @@ def foreground(scene: Scene, condition: Condition) -> NDArray[np.bool_]:
             f"{scene.name!r} is called {wanted}; {hint}"
         )
     return found
-
-
-class BackgroundBlurPass:
-    """Draws `colour` at a MIP level over all samples of `samples`; depth stays as it is.
-
-    Parameters
-    ----------
-    colour
-        Linear HDR RGBA16F: what was drawn so far, one sample per pixel.
-    samples
-        The multisampled image that is drawn on.
-    """
-
-    def __init__(
-        self,
-        ctx: moderngl.Context,
-        *,
-        colour: moderngl.Texture,
-        samples: moderngl.Texture,
-        settings: BackgroundBlur,
-    ) -> None:
-        self._level = settings.level
-        self._chain = MipChain(ctx, colour, levels(settings.level), colour.size)
-        self._pass = FullscreenPass(
-            ctx,
-            "common/mip_level.frag",
-            size_px=colour.size,
-            inputs={"image": colour, "levels": self._chain.levels},
-            filtered={"levels"},
-            defines={"CHAIN": len(self._chain.levels)},
-            target=samples,
-        )
-
-    def render(self) -> None:
-        """Blur the present image."""
-        self._chain.render()
-        self._pass.render(_Level(self._level))

@@ -8,12 +8,13 @@ import moderngl
 
 from vrcomfort.geometry import Fov, Pose
 from vrcomfort.gpu import gl, shaders
-from vrcomfort.protocol.conditions import BackgroundBlur, Condition
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render import lighting
-from vrcomfort.render.background_blur import BackgroundBlurPass, foreground
+from vrcomfort.render.background_blur import foreground
 from vrcomfort.render.camera import EyeCamera, Lens, LensLaw, PreviousCamera
 from vrcomfort.render.eye_blocks import EyeBlocks
 from vrcomfort.render.gpu_scene import GpuScene, Viewpoint
+from vrcomfort.render.mip_level import MipLevelPass
 from vrcomfort.render.resolve import ResolvePass, Samples
 from vrcomfort.render.shadow import ShadowMap
 from vrcomfort.scene.data import Scene
@@ -67,7 +68,10 @@ class ScenePass:
             ctx, size_px, velocity_dtype=velocity_dtype if velocity else None, samples=samples
         )
         settings = None if background is None else background.background_blur
-        self._background = None if settings is None else self._targets.background_blur(settings)
+        self._background_level = 0.0 if settings is None else settings.level
+        self._background = (
+            self._targets.background_blur(self._background_level) if settings else None
+        )
         self._blocks = EyeBlocks(ctx, scene, size_px, lens=lens_law is not None, velocity=velocity)
         self._eyes: tuple[EyeCamera, ...] = ()
         self._placed: tuple[float, float, Pose] | None = None
@@ -173,7 +177,7 @@ class ScenePass:
         if self._background is not None:
             self._ctx.enable_only(moderngl.NOTHING)
             self.resolve.render(camera)
-            self._background.render()
+            self._background.render(self._background_level)
             if self._shadow is not None:
                 self._shadow.bind()
             self._targets.use()
@@ -256,10 +260,11 @@ class _Targets:
         """Draw colour, depth and velocity from now on."""
         self._many.use()
 
-    def background_blur(self, settings: BackgroundBlur) -> BackgroundBlurPass:
-        """Return what blurs the colour of all samples."""
-        return BackgroundBlurPass(
-            self._ctx, colour=self.resolve.colour, samples=self._colours, settings=settings
+    def background_blur(self, level: float) -> MipLevelPass:
+        """Return what blurs the colour of all samples, as it is resolved; depth stays as it is."""
+        colour = self.resolve.colour
+        return MipLevelPass(
+            self._ctx, colour, most_level=level, size_px=colour.size, target=self._colours
         )
 
     def begin(self) -> None:

@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import moderngl
 
 from vrcomfort.gpu import gl
-from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.mip_chain import MipChain
-from vrcomfort.optics.relocation_blur import level_after, levels
+from vrcomfort.optics.relocation_blur import level_after
 from vrcomfort.protocol.conditions import Condition, RelocationBlur
 from vrcomfort.render.effects.effect import EffectKind, EyeFrame, reading_colour
+from vrcomfort.render.mip_level import MipLevelPass
 from vrcomfort.render.planned_pass import PlannedPass
 from vrcomfort.scene.data import Scene
-
-
-class _Level(NamedTuple):
-    level: float
 
 
 def plan(_: Scene, condition: Condition) -> PlannedPass:
@@ -51,17 +44,9 @@ class RelocationBlurPass:
         size_px: tuple[int, int],
     ) -> None:
         self._settings, self._colour = settings, colour
-        self._chain = MipChain(ctx, colour, levels(settings.level), size_px)
-        self._pass = FullscreenPass(
-            ctx,
-            "common/mip_level.frag",
-            size_px=size_px,
-            inputs={"image": colour, "levels": self._chain.levels},
-            filtered={"levels"},
-            defines={"CHAIN": len(self._chain.levels)},
-        )
+        self._blur = MipLevelPass(ctx, colour, most_level=settings.level, size_px=size_px)
         self._copy = gl.copier(ctx)
-        self.target = self._pass.target
+        self.target = self._blur.target
         self._relocated_ns: int | None = None
 
     def render(self, eye: EyeFrame) -> None:
@@ -70,11 +55,11 @@ class RelocationBlurPass:
         if level == 0:
             self._copy(self._colour, self.target)
             return
-        self._draw(level)
+        self._blur.render(level)
 
     def warm_up(self) -> None:
         """Draw everything once, which frames long after a relocation leave out."""
-        self._draw(self._settings.level)
+        self._blur.render(self._settings.level)
 
     def clamps(self) -> tuple[str, ...]:
         """Return nothing: it has no limit."""
@@ -92,10 +77,6 @@ class RelocationBlurPass:
             return 0.0
         elapsed_s = (eye.display_time_ns - self._relocated_ns) / 1e9
         return level_after(settings.level, elapsed_s=elapsed_s, duration_s=settings.duration_s)
-
-    def _draw(self, level: float) -> None:
-        self._chain.render(levels(level))
-        self._pass.render(_Level(level))
 
 
 KIND = EffectKind("relocation_blur", plan, reading_colour(RelocationBlurPass))
