@@ -154,7 +154,7 @@ def ordinal_model(
         omnibus={name: work.omnibus(name, fit) for name in columns},
         participant_sd=None if repeated is None else fit.sd,
         log_likelihood=fit.log_likelihood,
-        proportional={name: work.proportional(name, answers) for name in columns}
+        proportional={name: work.proportional(name, answers, fit) for name in columns}
         if answers.size > 2
         else {},
     )
@@ -196,7 +196,7 @@ class _Work:
         smaller = fit_cumulative_link(self._answers, self._design(factor), self._groups)
         return _ratio(whole, smaller, len(self._columns[factor]))
 
-    def proportional(self, factor: str, values: Floats) -> Proportionality:
+    def proportional(self, factor: str, values: Floats, whole: CumulativeLink) -> Proportionality:
         """Check whether the odds ratios of a factor are those of every cut."""
         own = np.column_stack(list(self._columns[factor].values()))
         merged = _merged(self._answers, np.where(own.any(axis=1), 1 + own.argmax(axis=1), 0))
@@ -212,7 +212,8 @@ class _Work:
         except InputError as error:
             return Proportionality(None, together, error.message, cuts)
         df = own.shape[1] * (len(parts) - 2)
-        return Proportionality(_ratio(larger, self.fit(answers), df), together, "", cuts)
+        smaller = self.fit(answers) if together else whole
+        return Proportionality(_ratio(larger, smaller, df), together, "", cuts)
 
     def _by_cut(self, factor: str) -> dict[str, tuple[float | None, ...]]:
         names = [name for own in self._columns.values() for name in own]
