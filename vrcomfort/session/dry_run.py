@@ -57,7 +57,6 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
         If a session does not come to its end.
     """
     study = folder / "dry_run"
-    protocol = _that_ends_for_nobody(protocol)
     design = build_design(protocol)
     wanted = {group.name for group in protocol.groups} or {""}
     lengths: list[SessionLength] = []
@@ -74,15 +73,6 @@ def dry_run(protocol: Protocol, folder: Path) -> list[SessionLength]:
     return lengths
 
 
-def _that_ends_for_nobody(protocol: Protocol) -> Protocol:
-    """Return the protocol with a validation of the gaze that ends no session, whatever it finds."""
-    validation = protocol.gaze_validation
-    if validation is None:
-        return protocol
-    noting = validation.model_copy(update={"above": "note"})
-    return protocol.model_copy(update={"gaze_validation": noting})
-
-
 def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str]) -> str:
     stays: dict[str, object] = {
         "rate_per_min": 0.0,
@@ -90,7 +80,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
         "noise_sd": 0.0,
         "hazard_per_min": 0.0,
         "question_hazard": 0.0,
-        "eyes": None,
+        "eyes": None,  # or a validation of them could end a session
     }
     settings = protocol.simulation.model_copy(update=stays)
     respondent = SimulatedRespondent(settings, participant=name, seed=0)
