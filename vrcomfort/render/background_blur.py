@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.planned_pass import PlannedPass
+from vrcomfort.scene.boxes import with_all_below
 from vrcomfort.scene.data import Scene
 from vrcomfort.settings import did_you_mean
 
@@ -42,13 +43,12 @@ def foreground(scene: Scene, condition: Condition) -> NDArray[np.bool_]:
     """
     settings = condition.background_blur
     patterns = () if settings is None else settings.foreground
-    found = np.zeros(len(scene.nodes), dtype=bool)
-    for index, node in enumerate(scene.nodes):
-        named = any(fnmatchcase(node.name, pattern) for pattern in patterns)
-        found[index] = named or (node.parent >= 0 and found[node.parent])
+    names = [node.name for node in scene.nodes]
+    named = [any(fnmatchcase(name, pattern) for pattern in patterns) for name in names]
+    found = with_all_below(scene, np.array(named, dtype=bool))
     if patterns and not found.any():
         wanted = " or ".join(repr(pattern) for pattern in patterns)
-        hint = did_you_mean(patterns[0], {node.name for node in scene.nodes if node.name})
+        hint = did_you_mean(patterns[0], set(names) - {""})
         raise InputError(
             f"condition {condition.name!r}: background_blur: no node of the scene "
             f"{scene.name!r} is called {wanted}; {hint}"

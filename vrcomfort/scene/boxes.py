@@ -1,14 +1,28 @@
-"""The box around a node of a scene."""
+"""Boxes around nodes of a scene, and what hangs on which node."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vrcomfort.geometry import Array
 from vrcomfort.scene.data import Scene
 
 _ENDS = np.indices((2, 2, 2)).reshape(3, 8)
 _AXES = np.arange(3)[:, None]
+
+
+def box_corners(lower: Array, upper: Array) -> Array:
+    """Return the (3, 8) corners of a box."""
+    return np.asarray(np.stack([lower, upper])[_ENDS, _AXES])
+
+
+def with_all_below(scene: Scene, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return (nodes,) the chosen nodes and their descendants."""
+    found = np.array(chosen, dtype=bool)
+    for index, node in enumerate(scene.nodes):  # parents come first in a scene
+        found[index] |= node.parent >= 0 and found[node.parent]
+    return found
 
 
 def node_box(scene: Scene, index: int, time_s: float) -> tuple[Array, Array]:
@@ -18,24 +32,9 @@ def node_box(scene: Scene, index: int, time_s: float) -> tuple[Array, Array]:
     """
     world = scene.world_from_node(time_s)
     parts = [
-        world[each, :3, :3] @ _corners(scene, k) + world[each, :3, 3:]
-        for each in _below(scene, index)
+        world[each, :3, :3] @ box_corners(*scene.primitives[k].bounds) + world[each, :3, 3:]
+        for each in np.flatnonzero(with_all_below(scene, np.arange(len(scene.nodes)) == index))
         for k in scene.nodes[each].mesh
     ]
     points = np.concatenate(parts, axis=1) if parts else world[index, :3, 3:]
     return points.min(axis=1), points.max(axis=1)
-
-
-def _below(scene: Scene, index: int) -> list[int]:
-    """Return a node and its descendants; parents come first in a scene."""
-    found = [index]
-    for each in range(index + 1, len(scene.nodes)):
-        if scene.nodes[each].parent in found:
-            found.append(each)
-    return found
-
-
-def _corners(scene: Scene, primitive: int) -> Array:
-    """Return the (3, 8) corners of the box around a primitive, in its node's frame."""
-    low, high = scene.primitives[primitive].bounds
-    return np.asarray(np.stack([low, high])[_ENDS, _AXES])

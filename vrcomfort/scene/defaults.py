@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.geometry import Array, Pose
+from vrcomfort.scene.boxes import box_corners
 from vrcomfort.scene.data import Scene, WalkableArea
 
 Mask: TypeAlias = NDArray[np.bool_]
@@ -25,8 +26,6 @@ VIEW = math.tan(math.radians(30.0))
 """What is looked at lies within this tangent of straight ahead, which every headset shows."""
 NEAREST_M = 0.5
 HEADROOM_M = 2.0
-_ENDS = np.indices((2, 2, 2)).reshape(3, 8)
-_AXES = np.arange(3)[:, None]
 
 
 def with_defaults(scene: Scene) -> Scene:
@@ -140,7 +139,7 @@ def _draws(scene: Scene) -> list[tuple[int, int]]:
 
 def _corners_of_draws(scene: Scene) -> Corners:
     world = scene.world_from_node(0.0)
-    boxes = [_corners(*primitive.bounds) for primitive in scene.primitives]
+    boxes = [box_corners(*primitive.bounds) for primitive in scene.primitives]
     corners = [
         world[node, :3, :3]
         @ (boxes[index] if scene.nodes[node].skin is None else _bent_box(scene, node, index))
@@ -152,9 +151,4 @@ def _corners_of_draws(scene: Scene) -> Corners:
 
 def _bent_box(scene: Scene, node: int, index: int) -> Array:
     positions = scene.positions(node, index, 0.0)
-    return _corners(positions.min(axis=0), positions.max(axis=0))
-
-
-def _corners(lower: Array, upper: Array) -> Array:
-    """Return the (3, 8) corners of a box."""
-    return np.asarray(np.stack([lower, upper])[_ENDS, _AXES])
+    return box_corners(positions.min(axis=0), positions.max(axis=0))
