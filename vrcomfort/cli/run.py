@@ -152,6 +152,7 @@ def run(
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
         _require_gaze(headset, study, playback)
+        _require_dial(headset, study, kind)
         numbers = [session or next_session(out, participant)]
         enrolment = owned.enter_context(
             study_setup.open_enrolment(
@@ -213,6 +214,14 @@ def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSe
     else:
         openxr = headset is HeadsetKind.OPENXR
         require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+
+def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
+    """Refuse a protocol whose participants turn a dial, where they have none."""
+    if protocol.adjustments and headset is HeadsetKind.PLAYBACK and kind != "simulated":
+        name = protocol.adjustments[0].name
+        message = f"participants turn the dial `{name}`, and the playback headset has none"
+        raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
 
 
 def _connect(

@@ -21,6 +21,7 @@ from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
     OVER,
+    DialRow,
     EventRow,
     QuestionnaireRow,
     RatingRow,
@@ -259,6 +260,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
     }
     if (folder / TaskRow.FILE).exists():
         columns = {**columns, TaskRow: ("onset_s", "reaction_s")}
+    if (folder / DialRow.FILE).exists():
+        columns = {**columns, DialRow: ("onset_s",)}
     for row_type, parts in columns.items():
         for row in _of(whose, read_rows(folder, row_type)):
             yield sum(row[part] or 0.0 for part in parts)

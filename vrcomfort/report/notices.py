@@ -78,6 +78,7 @@ _BY = {
     "score": "a score",
     "participant": "the participant",
     "task": "a task that was done",
+    "adjustment": "an adjustment that was confirmed",
 }
 
 
