@@ -16,6 +16,7 @@ from vrcomfort.records.rows import (
     ClockRow,
     EventRow,
     GazeValidationRow,
+    PracticeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -30,7 +31,7 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, ClockRow, TaskRow, GazeValidationRow,
+    GazeRow, ImageRow, ClockRow, TaskRow, GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -39,7 +40,7 @@ SYNC_EVERY_S = 0.5
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
-_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, EventRow)
+_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, PracticeRow, EventRow)
 
 
 class RowFiles:

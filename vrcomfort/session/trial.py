@@ -194,6 +194,7 @@ class TrialRunner:
             scene,
             attempt=known["attempt"],
             resumed=bool(known["resumed"]),
+            duration_s=self._context.shown_s(place.scene),
         )
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: Ending) -> None:
