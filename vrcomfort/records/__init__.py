@@ -10,6 +10,7 @@ from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     FACTS,
     ClockRow,
+    DialRow,
     EventRow,
     GazeValidationRow,
     ParticipantRow,
@@ -42,6 +43,7 @@ __all__ = [
     "ENDED_THE_STUDY",
     "FACTS",
     "ClockRow",
+    "DialRow",
     "Durability",
     "EventRow",
     "FrameRow",

@@ -21,6 +21,7 @@ from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
     OVER,
+    DialRow,
     EventRow,
     PracticeRow,
     QuestionnaireRow,
@@ -287,6 +288,7 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
     }
     optional: Mapping[type[Row], tuple[str, ...]] = {
         TaskRow: ("onset_s", "reaction_s"),
+        DialRow: ("onset_s",),
         PracticeRow: ("end_s",),
     }
     there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}

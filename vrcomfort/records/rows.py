@@ -282,6 +282,39 @@ class PracticeRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class DialRow(FlatRow):
+    """Where a dial was turned to during an exposure.
+
+    Parameters
+    ----------
+    attempt
+        As in ``trials.csv``.
+    dial
+        Its name in the protocol.
+    setting
+        Of an adjustment: what it changes in the condition.
+    kind
+        start (where it stood when the exposure began), change, confirmed, or end (where it stood
+        when the exposure ended and nothing was confirmed).
+    value
+        In the setting's unit, from that frame on.
+    """
+
+    FILE: ClassVar[str] = "dials.csv"
+    participant: str
+    session: int
+    trial: int
+    condition: str
+    attempt: int
+    dial: str
+    setting: str
+    kind: str
+    onset_s: float
+    value: float
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class GazeValidationRow(FlatRow):
     """How good the gaze on one point was, or (point blank) the mean over all points.
 

@@ -80,6 +80,7 @@ _BY = {
     "task": "a task that was done",
     "gaze": "the validation of the gaze",
     "practice": "practice that did not go well enough",
+    "adjustment": "an adjustment that was confirmed",
 }
 
 

@@ -91,8 +91,8 @@ class TaskRun:
 
     @property
     def done(self) -> bool:
-        """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
-        return self._task.done
+        """Whether the task is done, so that the exposure may end; see `interfaces.Doing`."""
+        return self._task.done and self.context.protocol.exposure_ends == "task"
 
     def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be done now."""
@@ -143,16 +143,12 @@ class TaskRun:
         if isinstance(respondent, Performs):
             ray = respondent.act(self._task.demand(), head, time_s)
             pressed = [] if ray is None else [ray]
-        elif isinstance(headset, HasInputs) and not self._panel_stands():
+        elif isinstance(headset, HasInputs) and not self.context.panel_stands:
             inputs = headset.inputs()
             aims = [hand.aim for hand in inputs.hands if hand.select]
             aims += [None] if inputs.keys.enter else []
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
         return Moment(time_s, head, seen, tuple(pressed))
-
-    def _panel_stands(self) -> bool:
-        """Return whether presses are answers to a question."""
-        return self.context.screen is not None and self.context.screen.quad is not None
 
     @property
     def _stream(self) -> int:
@@ -241,8 +237,10 @@ class _Thing:
         return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
 
 
-def task_random(seed: int, participant: str, session: int, trial: int) -> np.random.Generator:
+def task_random(
+    seed: int, participant: str, session: int, trial: int, stream: int = _STREAM
+) -> np.random.Generator:
     """Return what a task draws from: the same at each attempt at a trial."""
     person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
-    key = (person, session, trial, _STREAM)
+    key = (person, session, trial, stream)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))
