@@ -8,7 +8,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.check import problems
+from vrcomfort.protocol.adjustment_check import adjusted_conditions
+from vrcomfort.protocol.check import folder_of, problems
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
@@ -51,7 +52,13 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
-    found += text_problems(protocol.languages, protocol.text, _asked(protocol, instruments))
+    found += text_problems(
+        protocol.languages,
+        protocol.text,
+        _asked(protocol, instruments),
+        protocol.instructions,
+        folder_of(protocol),
+    )
     if found:
         raise source.first_problem(found)
     return _by_name(protocol, instruments, tasks)
@@ -107,6 +114,11 @@ def _by_name(
             worded = translated(worded, language, protocol.text)
         named._instruments[each.name] = worded
     named._tasks = dict(tasks)
+    named._adjustments = {
+        condition.name: each
+        for each in protocol.adjustments
+        for condition in adjusted_conditions(protocol, each)
+    }
     return named
 
 

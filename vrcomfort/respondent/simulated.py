@@ -17,10 +17,12 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
+from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
+from vrcomfort.respondent.turning import SimulatedAdjuster, Turn
 from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
@@ -52,12 +54,16 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
+_SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
+"""Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
 """Which of a trial's random streams is the hands'."""
 _EYES = 5
 """The same of the eyes."""
+_DIAL = 6
+"""The same of what turns a dial."""
 
 
 class SimulatedRespondent:
@@ -121,6 +127,19 @@ class SimulatedRespondent:
         """Return world-from-ray of a press in this frame, if there is one."""
         return self._hands.act(demand, head, time_s)
 
+    def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
+        """Begin to adjust, with random streams of their own: that changes no answer."""
+        name = int.from_bytes(hashlib.sha256(adjustment.name.encode()).digest()[:4])
+        keys = (self._person, name, _DIAL), (self._person, self._session, trial, _DIAL)
+        person, exposure = (
+            np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
+        )
+        self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
+
+    def turn(self, place: float, time_s: float) -> Turn:
+        """Return what they do to the dial, which is at a place (0 to 1) of its range."""
+        return self._adjuster.turn(place, time_s)
+
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return where they look, as an eye tracker says it; None where they have no such eyes."""
         self._eyes = self._eyes or self._opened(0)
@@ -175,6 +194,7 @@ class SimulatedRespondent:
     def end_exposure(self, elapsed_s: float) -> None:
         """Keep the sickness reached."""
         self.sickness = float(self._after(np.array(elapsed_s)))
+        self._withdraws_at_s = self._answer_at_s = math.inf
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Think about the rating for a part of the time there is, or miss it."""
@@ -196,6 +216,18 @@ class SimulatedRespondent:
         """Recover."""
         self._limit = 0.0
         self.sickness = float(self._after(np.array(duration_s)))
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+        """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
+        takes_s = _SECONDS_PER_WORD * len(telling.text.split())
+        takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
+        left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
+        if left_s > 0:
+            return left_s
+        return None if may_go_on else math.inf
+
+    def leave(self) -> None:
+        """Do nothing."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer, refuse after a withdrawal, or (rarely) withdraw at a question."""
