@@ -35,6 +35,7 @@ from vrcomfort.records.rows import (
     EventRow,
     GazeValidationRow,
     ParticipantRow,
+    PracticeRow,
     TaskRow,
     cell_text,
     csv_line,
@@ -192,7 +193,7 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        more = (TaskRow, DialRow, GazeValidationRow)
+        more = (TaskRow, DialRow, GazeValidationRow, PracticeRow)
         there = [each for each in more if (source / each.FILE).exists()]
         for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE

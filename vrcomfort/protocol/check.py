@@ -9,6 +9,7 @@ from vrcomfort.protocol.adjustment_check import adjustment_problems
 from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.practice_check import practice_problems
 from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
@@ -36,6 +37,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
     yield from instruction_problems(protocol.instructions, folder_of(protocol))
+    yield from practice_problems(protocol)
     if protocol.exposure_ends == "task" and not protocol.tasks:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)

@@ -19,6 +19,7 @@ from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
@@ -210,6 +211,8 @@ class Protocol(Settings):
     """How long a trial is, up to four hours; views may have lengths of their own."""
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
+    practice: tuple[Practice, ...] = ()
+    """What is tried before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0

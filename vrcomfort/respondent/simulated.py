@@ -209,6 +209,7 @@ class SimulatedRespondent:
     def end_exposure(self, elapsed_s: float) -> None:
         """Keep the sickness reached."""
         self.sickness = float(self._after(np.array(elapsed_s)))
+        self._withdraws_at_s = self._answer_at_s = math.inf
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Think about the rating for a part of the time there is, or miss it."""

@@ -56,6 +56,12 @@ class TaskRun:
         None in a session without pictures that needs none.
     attempt
         At this trial.
+    duration_s
+        How long it lasts at most.
+    stream
+        Number of its random numbers; without it, that of the trial.
+    keep
+        Takes what comes of it; without it, that is written into ``tasks.csv``.
     """
 
     context: SessionContext
@@ -65,6 +71,9 @@ class TaskRun:
     scene: Scene | None
     attempt: int
     resumed: bool
+    duration_s: float
+    stream: int | None = None
+    keep: Callable[[Sequence[Result]], None] | None = None
     elapsed_s: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -104,9 +113,7 @@ class TaskRun:
         if self._began_s is None:
             self._began_s = self.context.clock.now_s() - elapsed_s
             if isinstance(self.context.respondent, Performs):
-                self.context.respondent.start_task(
-                    self.place.trial or 0, self.place.condition or ""
-                )
+                self.context.respondent.start_task(self._stream, self.place.condition or "")
         self.elapsed_s = elapsed_s
         self._write(self._task.step(self._moment(frame, headset, elapsed_s)))
         if self._markers is not None:
@@ -143,7 +150,14 @@ class TaskRun:
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
         return Moment(time_s, head, seen, tuple(pressed))
 
+    @property
+    def _stream(self) -> int:
+        return (self.place.trial or 0) if self.stream is None else self.stream
+
     def _write(self, results: Sequence[Result]) -> None:
+        if self.keep is not None:
+            self.keep(results)
+            return
         for each in results:
             self.events.recorder.write_soon(self._row(each))
 
@@ -185,9 +199,9 @@ class TaskRun:
         )
         return Surroundings(
             random=task_random(
-                context.seed, context.participant, self.events.session, self.place.trial or 0
+                context.seed, context.participant, self.events.session, self._stream
             ),
-            duration_s=context.shown_s(self.place.scene),
+            duration_s=self.duration_s,
             spawn=scene.spawn if scene else Pose(),
             thing=lambda name: _Thing.of(scene, name, self.place.scene),
             free_m=free_m,

@@ -203,6 +203,7 @@ class TrialRunner:
             scene,
             attempt=known["attempt"],
             resumed=bool(known["resumed"]),
+            duration_s=self._context.shown_s(place.scene),
         )
 
     def _adjustment_in(self, place: TrialPlace) -> AdjustmentRun | None:
