@@ -19,6 +19,7 @@ from vrcomfort.records.rows import (
     RatingRow,
     Row,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
 )
@@ -60,6 +61,7 @@ __all__ = [
     "Recorder",
     "Row",
     "TaskRow",
+    "TextRow",
     "TimingRow",
     "TrialRow",
     "access_of",
