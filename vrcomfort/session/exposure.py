@@ -30,13 +30,11 @@ def collector_at_rest() -> Iterator[None]:
 
     Looking at everything takes as long as some frames; what frames make is little.
     """
-    rests = gc.get_freeze_count() > 0
     gc.freeze()
     try:
         yield
     finally:
-        if not rests:  # else it is for others to say when it is over
-            gc.unfreeze()
+        gc.unfreeze()
 
 
 Ending = Literal["completed", "task_done", "headset_ended"]
