@@ -9,6 +9,7 @@ from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     FACTS,
+    BallRow,
     ClockRow,
     EventRow,
     GazeValidationRow,
@@ -40,6 +41,7 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 __all__ = [
     "ENDED_THE_STUDY",
     "FACTS",
+    "BallRow",
     "ClockRow",
     "Durability",
     "EventRow",

@@ -249,7 +249,13 @@ class FrameLoop:
             self._cut_unseen |= frame.discontinuity
             self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
-        self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+        self.log.add(
+            frame,
+            rendered,
+            trial=stimulus.trial,
+            session_s=self.context.clock.now_s(),
+            balls=self._task.changed() if self._task else (),
+        )
         self.context.steering.desk.see(frame, rendered, self.log.timing)
         self._pass_on(frame, stimulus)
 

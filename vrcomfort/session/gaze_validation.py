@@ -14,7 +14,7 @@ from vrcomfort.protocol import Condition
 from vrcomfort.protocol.gaze_validation import GazeValidation, Point
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene
-from vrcomfort.scene.markers import Markers
+from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -96,6 +96,10 @@ class PointsRun:
         if gaze is not None and gaze.valid:
             point.directions.append(gaze.pose.forward)
             point.towards.append(normalize(point.ball.position_m - gaze.pose.position))
+
+    def changed(self) -> tuple[Shown, ...]:
+        """Return nothing: its frames are of no exposure, and are not shown again."""
+        return ()
 
     def finish(self) -> None:
         """End with the exposure; nothing is open."""
