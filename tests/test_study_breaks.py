@@ -35,7 +35,7 @@ class Lingering(Scripted):
 
     lingers_s = 50.0
 
-    def read(self, telling, _elapsed_s, *, may_go_on):
+    def read(self, telling, _elapsed_s, **_more):
         assert telling.away
         self.told.append(telling)
         left_s = self.lingers_s - 30.0 - _elapsed_s
