@@ -37,6 +37,7 @@ from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
 from vrcomfort.cli.run_relay import open_relays
+from vrcomfort.cli.run_sound import open_speaker
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import RuntimeLostError
@@ -167,6 +168,7 @@ def run(
         simulated = kind is RespondentKind.SIMULATED
         relays = open_relays(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
         relay = owned.enter_context(relays)
+        speaker = None if simulated else owned.enter_context(open_speaker(study))
         console = owned.enter_context(open_console()) if with_console else None
         progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
         try:
@@ -178,6 +180,7 @@ def run(
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
                 console=console,
                 relay=relay,
+                speaker=speaker,
             )
         except RuntimeLostError as error:
             complain(str(error))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from pathlib import Path as FilePath
 
+from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
 from vrcomfort.protocol.view_check import view_problems
@@ -32,10 +34,16 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
+    yield from instruction_problems(protocol.instructions, folder_of(protocol))
     if protocol.exposure_ends == "task" and not protocol.tasks:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
     yield from _visibility(protocol)
+
+
+def folder_of(protocol: Protocol) -> FilePath | None:
+    """Return where the files of a protocol are looked for; None where it is none itself."""
+    return protocol.file.parent if protocol.file else None
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:

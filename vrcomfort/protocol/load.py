@@ -8,7 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.check import problems
+from vrcomfort.protocol.check import folder_of, problems
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
@@ -51,7 +51,13 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
-    found += text_problems(protocol.languages, protocol.text, _asked(protocol, instruments))
+    found += text_problems(
+        protocol.languages,
+        protocol.text,
+        _asked(protocol, instruments),
+        protocol.instructions,
+        folder_of(protocol),
+    )
     if found:
         raise source.first_problem(found)
     return _by_name(protocol, instruments, tasks)

@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
+from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.stopping import Stopping
@@ -234,6 +235,8 @@ class Protocol(Settings):
     Without it, each instrument is asked in its own."""
     text: dict[str, LanguageTable] = Field(default_factory=dict)
     """Words of other languages, or other words: `[text.fr]`."""
+    instructions: tuple[Instruction, ...] = ()
+    """What participants are told, and when."""
     questionnaires: tuple[Ask, ...] = ()
     """What is asked, and when. A study without any has ratings or tasks."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
@@ -408,6 +411,40 @@ class Protocol(Settings):
     def asks(self, when: str) -> Iterator[Ask]:
         """Yield the questionnaires asked at a moment, in the file's order."""
         return (ask for ask in self.questionnaires if ask.when == when)
+
+    def tells(self, when: str, session: int, trial: int | None) -> Iterator[Instruction]:
+        """Yield what is told at a moment, in the participant's language."""
+        return (each for each in self.told if each.is_due(when, session, trial))
+
+    @property
+    def told(self) -> list[Instruction]:
+        """Return all instructions in the participant's language."""
+        table = self.text.get(self._language or "")
+        wordings = table.instructions if table else {}
+        return [each.worded(wordings.get(each.name)) for each in self.instructions]
+
+    @property
+    def media(self) -> dict[str, str]:
+        """Return file → SHA-256 of the pictures and sounds of instructions, as they are now.
+
+        Raises
+        ------
+        InputError
+            If one cannot be read.
+        """
+        hashes = {}
+        for name in sorted({name for each in self.told for _, name in each.files()}):
+            file = self.media_file(name)
+            try:
+                hashes[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            except OSError as error:
+                message = f"this cannot be read: {error.strerror or error}"
+                raise InputError(message, file=file) from error
+        return hashes
+
+    def media_file(self, name: str) -> Path:
+        """Return the file of a picture or a sound, which is beside the protocol file."""
+        return self._file.parent / name if self._file else Path(name)
 
     def scene_source(self, scene: str) -> str:
         """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""

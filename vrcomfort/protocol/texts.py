@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field
 
+from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
 from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean
@@ -48,6 +50,10 @@ class Words(Settings):
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
     """Where looks choose."""
+    proceed: Button = "Continue"
+    """Button: below an instruction."""
+    listen_sound: Sentence = "Please listen."
+    """While an instruction is heard that has nothing to see."""
 
 
 ENGLISH = Words()
@@ -67,6 +73,8 @@ GERMAN = Words(
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
+    proceed="Weiter",
+    listen_sound="Bitte hören Sie zu.",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 """Languages that are shipped."""
@@ -81,6 +89,8 @@ class LanguageTable(Settings):
     """Of the panel, by the keys of its words."""
     instruments: dict[str, TranslationTable] = Field(default_factory=dict)
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
+    instructions: dict[str, InstructionWording] = Field(default_factory=dict)
+    """Name of an instruction → what is told in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:
@@ -106,6 +116,8 @@ def text_problems(
     languages: tuple[str, ...],
     tables: Mapping[str, LanguageTable],
     asked: Mapping[str, Instrument],
+    instructions: tuple[Instruction, ...] = (),
+    folder: Path | None = None,
 ) -> list[Problem]:
     """Return what languages lack, and what is said of nothing.
 
@@ -113,6 +125,8 @@ def text_problems(
     ----------
     asked
         The instruments whose language is the participant's, by their names.
+    folder
+        Where the files of instructions are looked for.
     """
     found: list[Problem] = []
     for index, language in enumerate(languages):
@@ -126,8 +140,13 @@ def text_problems(
             lacks = translated(instrument, language, tables).lacks(language)
             if lacks:
                 message = f"the {instrument.short} lacks in `{language}`: {', '.join(lacks)}"
-                where = f"[text.{language}.instruments.{instrument.name}]"
-                found.append(Problem(path, f"{message}; write it into {where}"))
+                table_name = f"[text.{language}.instruments.{instrument.name}]"
+                found.append(Problem(path, f"{message}; write it into {table_name}"))
+        wordings = tables[language].instructions if language in tables else {}
+        for where, message in wording_problems(
+            language, index == 0, wordings, instructions, folder
+        ):
+            found.append(Problem((*path, *where), message))
     for language, table in tables.items():
         found += _of_nothing(language, table, languages, asked)
     return found

@@ -165,6 +165,7 @@ class Manifest:
                     {"file": Path(file).name, "sha256": sha256}
                     for file, sha256 in protocol.parts.items()
                 ],
+                "media": protocol.media,
             },
             "settings": protocol.model_dump(mode="json"),
         }

@@ -18,7 +18,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
 from vrcomfort.tasks import Demand
@@ -52,6 +52,8 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
+_SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
+"""Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
@@ -196,6 +198,18 @@ class SimulatedRespondent:
         """Recover."""
         self._limit = 0.0
         self.sickness = float(self._after(np.array(duration_s)))
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+        """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
+        takes_s = _SECONDS_PER_WORD * len(telling.text.split())
+        takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
+        left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
+        if left_s > 0:
+            return left_s
+        return None if may_go_on else math.inf
+
+    def leave(self) -> None:
+        """Do nothing."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer, refuse after a withdrawal, or (rarely) withdraw at a question."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from vrcomfort.headset.sound import Speaker
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Durability, Machine
 from vrcomfort.respondent import Respondent
@@ -49,6 +50,8 @@ class SessionContext:
         What operators want.
     relay
         Other devices that are told what happens.
+    speaker
+        Plays the sounds of instructions; None where nothing can be heard.
     """
 
     protocol: Protocol
@@ -71,6 +74,7 @@ class SessionContext:
     watchdog: Watchdog
     steering: Steering
     relay: Relay
+    speaker: Speaker | None
 
     @property
     def stretch(self) -> float:

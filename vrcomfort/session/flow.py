@@ -16,6 +16,7 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.gaze_validation import Validation
+from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
@@ -59,6 +60,7 @@ class SessionFlow:
         self._open = (
             OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
         )
+        self._instructor = Instructor(context, events)
         self._scores = ScoreWatch(context.protocol)
         self._steering = context.steering
         self._trials = TrialRunner(
@@ -128,18 +130,21 @@ class SessionFlow:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
+            self._instructor.tell("session_start", TrialPlace())
             self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
             self._manifest.boundary()
             if index and self._context.protocol.break_s:
                 self._rest(self._context.protocol.break_s)
             self._validate_gaze(place, first=index == 0)
+            self._instructor.tell("before_trial", place)
             self._ask("before_trial", place)
             self._trial(place)
         if places or self._open is None:
             self._ask("session_end", TrialPlace())
         else:
             self._missed(self._open.ask("session_end", TrialPlace()))
+        self._instructor.tell("session_end", TrialPlace())
 
     def _validate_gaze(self, place: TrialPlace, *, first: bool) -> None:
         """Validate the eye tracker at the session's start, and after breaks."""
@@ -226,6 +231,7 @@ class SessionFlow:
     def _ask_about(self, place: TrialPlace, reason: Withdrew | StopRule | None) -> None:
         """Ask how an exposure was; raise the reason if the participant's study ends with it."""
         if reason is None:
+            self._instructor.tell("after_trial", place)
             self._ask("after_trial", place)
             return
         self._events.event("exposure_stopped", detail=str(reason))

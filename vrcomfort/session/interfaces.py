@@ -186,7 +186,9 @@ class NoRelay:
         return 0
 
 
-Step = Literal["session", "training", "exposure", "questionnaire", "rest", "notice", "end"]
+Step = Literal[
+    "session", "training", "exposure", "questionnaire", "rest", "instruction", "notice", "end"
+]
 
 
 @dataclass(frozen=True)
