@@ -27,6 +27,7 @@ from vrcomfort.rotations import (
     rotation_matrix,
     rotation_rows,
     slerp,
+    turn_to,
     unit_quaternion,
     yaw_pitch_roll,
 )
@@ -34,6 +35,7 @@ from vrcomfort.rotations import (
 __all__ = [
     "FARTHEST_M",
     "Array",
+    "EyeGaze",
     "Fov",
     "Gaze",
     "Pose",
@@ -50,6 +52,7 @@ __all__ = [
     "rotate",
     "rotation_matrix",
     "slerp",
+    "turn_to",
     "unit_quaternion",
     "yaw_pitch_roll",
 ]

@@ -20,8 +20,6 @@ _UNSEEN_RAY = (None,) * 6
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
 
 
-
-
 def gaze_columns(eye: str = "") -> tuple[str, ...]:
     """Return the six columns of a line of sight: of ``left_`` or ``right_``, or of both eyes."""
     origin = tuple(f"{eye}origin_{axis}_m" for axis in "xyz")
