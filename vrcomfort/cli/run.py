@@ -40,7 +40,7 @@ from vrcomfort.cli.run_relay import open_relays
 from vrcomfort.cli.run_sound import open_speaker
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
-from vrcomfort.errors import RuntimeLostError
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -153,6 +153,7 @@ def run(
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
         _require_gaze(headset, study, playback)
+        _require_dial(headset, study, kind)
         numbers = [session or next_session(out, participant)]
         enrolment = owned.enter_context(
             study_setup.open_enrolment(
@@ -216,6 +217,14 @@ def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSe
     else:
         openxr = headset is HeadsetKind.OPENXR
         require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+
+def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
+    """Refuse a protocol whose participants turn a dial, where they have none."""
+    if protocol.adjustments and headset is HeadsetKind.PLAYBACK and kind != "simulated":
+        name = protocol.adjustments[0].name
+        message = f"participants turn the dial `{name}`, and the playback headset has none"
+        raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
 
 
 def _connect(

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
+from vrcomfort.protocol.adjustment_check import adjustment_problems
 from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.practice_check import practice_problems
 from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
@@ -35,9 +37,11 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
     yield from instruction_problems(protocol.instructions, folder_of(protocol))
+    yield from practice_problems(protocol)
     if protocol.exposure_ends == "task" and not protocol.tasks:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
+    yield from adjustment_problems(protocol)
     yield from _visibility(protocol)
 
 
@@ -83,6 +87,9 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     for name in effects.task_effects:
         path = ("simulation", "task_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
+    adjusted = [each.name for each in protocol.adjustments]
+    for name in effects.adjusts_to:
+        yield from _named_key(("simulation", "adjusts_to", name), "adjustment", adjusted)
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 

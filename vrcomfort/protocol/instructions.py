@@ -10,7 +10,7 @@ from pydantic import Field
 
 from vrcomfort.settings import KeyPath, Problem, Settings, Word, did_you_mean, repeated
 
-When = Literal["session_start", "before_trial", "after_trial", "session_end"]
+When = Literal["session_start", "before_practice", "before_trial", "after_trial", "session_end"]
 Number = Annotated[int, Field(ge=1, le=1000)]
 Telling = Annotated[str, Field(max_length=2000)]
 MEDIA = ("picture", "sound")
@@ -35,7 +35,7 @@ class Instruction(Settings):
     """As `events.csv` has it."""
     when: When
     """`session_start` and `session_end`: before and after all questions; `before_trial` and
-    `after_trial`: before their questions."""
+    `after_trial`: before their questions; `before_practice`: before each block of practice."""
     text: Telling = ""
     """Words on the panel, in the usual language."""
     picture: str = ""
@@ -93,7 +93,7 @@ def instruction_problems(
             yield Problem((*path, "name"), message)
         if each.max_s is not None and each.max_s < each.min_s:
             yield Problem((*path, "max_s"), "`max_s` is less than `min_s`; make it longer")
-        if each.trials and each.when not in {"before_trial", "after_trial"}:
+        if each.trials and each.when.startswith("session"):
             message = f'`trials` does nothing with when = "{each.when}"; remove it or change that'
             yield Problem((*path, "trials"), message)
         if each.show_text == "without_sound" and not (each.text and each.sound):

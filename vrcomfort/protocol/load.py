@@ -8,6 +8,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
+from vrcomfort.protocol.adjustment_check import adjusted_conditions
 from vrcomfort.protocol.check import folder_of, problems
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
@@ -113,6 +114,11 @@ def _by_name(
             worded = translated(worded, language, protocol.text)
         named._instruments[each.name] = worded
     named._tasks = dict(tasks)
+    named._adjustments = {
+        condition.name: each
+        for each in protocol.adjustments
+        for condition in adjusted_conditions(protocol, each)
+    }
     return named
 
 

@@ -12,12 +12,14 @@ from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -181,6 +183,13 @@ class Simulation(Settings):
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
+    """Adjustment → the value that they adjust to in the median; without it, the middle of its
+    range."""
+    adjust_sd: Annotated[float, Field(ge=0, le=1)] = 0.1
+    """How much people differ in it: standard deviation in parts of the range, on its scale."""
+    adjust_noise: Annotated[float, Field(ge=0, le=1)] = 0.03
+    """How much the adjustments of one person do."""
 
 
 class Protocol(Settings):
@@ -201,6 +210,8 @@ class Protocol(Settings):
     """How long a trial is, up to four hours; views may have lengths of their own."""
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
+    practice: tuple[Practice, ...] = ()
+    """What is tried before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
@@ -250,8 +261,11 @@ class Protocol(Settings):
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
     """What ends a session, or somebody's study."""
-    exposure_ends: Literal["time", "task"] = "time"
-    """`task`: an exposure is over when its task is done, at the latest after its time."""
+    adjustments: tuple[Adjustment, ...] = ()
+    """Settings that participants adjust themselves while they look (docs/adjustment.md)."""
+    exposure_ends: Literal["time", "task", "adjustment"] = "time"
+    """`task`: an exposure is over when its task is done, `adjustment`: when what is adjusted in it
+    is confirmed; at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
@@ -276,6 +290,7 @@ class Protocol(Settings):
     _language: str | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
+    _adjustments: dict[str, Adjustment] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
         """Return an instrument that this asks, by its name; loading made sure that it is there."""
@@ -291,6 +306,10 @@ class Protocol(Settings):
         """Return what is done in a trial: what it names itself, its condition, or the protocol."""
         name = trial.task or self.condition(trial.condition).task or self.task
         return None if name in (None, NO_TASK) else self._tasks[name]
+
+    def adjustment_in(self, condition: str) -> Adjustment | None:
+        """Return what is adjusted in exposures to a condition."""
+        return self._adjustments.get(condition)
 
     @property
     def language(self) -> str | None:

@@ -14,8 +14,10 @@ from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
     ClockRow,
+    DialRow,
     EventRow,
     GazeValidationRow,
+    PracticeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -30,7 +32,7 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, ClockRow, TaskRow, GazeValidationRow,
+    GazeRow, ImageRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -39,7 +41,9 @@ SYNC_EVERY_S = 0.5
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
-_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, EventRow)
+_SYNCED_AT_ONCE = (
+    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, PracticeRow, EventRow,
+)  # fmt: skip
 
 
 class RowFiles:

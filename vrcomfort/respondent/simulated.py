@@ -17,11 +17,13 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
+from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
 from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
+from vrcomfort.respondent.turning import SimulatedAdjuster, Turn
 from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
@@ -61,6 +63,8 @@ _HANDS = 4
 """Which of a trial's random streams is the hands'."""
 _EYES = 5
 """The same of the eyes."""
+_DIAL = 6
+"""The same of what turns a dial."""
 
 
 class SimulatedRespondent:
@@ -124,6 +128,19 @@ class SimulatedRespondent:
         """Return world-from-ray of a press in this frame, if there is one."""
         return self._hands.act(demand, head, time_s)
 
+    def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
+        """Begin to adjust, with random streams of their own: that changes no answer."""
+        name = int.from_bytes(hashlib.sha256(adjustment.name.encode()).digest()[:4])
+        keys = (self._person, name, _DIAL), (self._person, self._session, trial, _DIAL)
+        person, exposure = (
+            np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
+        )
+        self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
+
+    def turn(self, place: float, time_s: float) -> Turn:
+        """Return what they do to the dial, which is at a place (0 to 1) of its range."""
+        return self._adjuster.turn(place, time_s)
+
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return where they look, as an eye tracker says it; None where they have no such eyes."""
         self._eyes = self._eyes or self._opened(0)
@@ -181,6 +198,7 @@ class SimulatedRespondent:
     def end_exposure(self, elapsed_s: float) -> None:
         """Keep the sickness reached."""
         self.sickness = float(self._after(np.array(elapsed_s)))
+        self._withdraws_at_s = self._answer_at_s = math.inf
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Think about the rating for a part of the time there is, or miss it."""

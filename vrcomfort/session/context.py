@@ -81,6 +81,11 @@ class SessionContext:
         """Return the protocol's seconds for each shown second of the longest exposure."""
         return self.protocol.longest_s / self.exposure_s
 
+    @property
+    def panel_stands(self) -> bool:
+        """Return whether what is pressed answers a question in the headset."""
+        return self.screen is not None and self.screen.quad is not None
+
     def shown_s(self, scene: str) -> float:
         """Return how long a trial is shown: as its scene or view says, or shortened."""
         return min(self.protocol.length_s(scene), self.exposure_s)

@@ -21,6 +21,7 @@ from vrcomfort.session.interview import Interview
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
+from vrcomfort.session.practice import PracticeRunner
 from vrcomfort.session.steering import Skipped
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
 from vrcomfort.session.trial import TrialRunner
@@ -70,6 +71,9 @@ class SessionFlow:
             log=self._log,
             trials=len(self._places),
             interrupted=interrupted,
+        )
+        self._practice = PracticeRunner(
+            context, events, self._log, self._trials, self._instructor, interrupted
         )
         validation = context.protocol.gaze_validation
         self._validation = (
@@ -137,6 +141,7 @@ class SessionFlow:
             if index and self._context.protocol.break_s:
                 self._rest(self._context.protocol.break_s)
             self._validate_gaze(place, first=index == 0)
+            self._practice.run(place)
             self._instructor.tell("before_trial", place)
             self._ask("before_trial", place)
             self._trial(place)

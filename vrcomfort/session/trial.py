@@ -14,6 +14,7 @@ from vrcomfort.protocol import Protocol
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
 from vrcomfort.session.context import SessionContext
+from vrcomfort.session.dial_run import AdjustmentRun
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
@@ -77,6 +78,7 @@ class TrialRunner:
         self._redone: Counter[int] = Counter()
         self._open: tuple[TrialPlace, Ending, FrameLoop | None] | None = None
         self._task: TaskRun | None = None
+        self._adjustment: AdjustmentRun | None = None
 
     def run(self, place: TrialPlace) -> Ending:
         """Expose, again where an operator wants it so; return how the last attempt ended."""
@@ -150,7 +152,8 @@ class TrialRunner:
             self._respondent.end_exposure(loop.felt_s)
         if result in {"completed", "task_done"}:
             ending.status = "completed"
-            ending.abort_code = "task" if result == "task_done" else None
+            done = self._context.protocol.exposure_ends
+            ending.abort_code = done if result == "task_done" else None
         else:
             ending.abort_code = result
         return None
@@ -160,7 +163,11 @@ class TrialRunner:
         headset, standing = self.stand(place)
         condition = protocol.condition(place.condition or "")
         self._task = self._task_in(place, standing.scene)
-        context.renderer.begin(self._task.drawn if self._task else standing.scene, condition)
+        self._adjustment = adjusting = self._adjustment_in(place)
+        scene = self._task.drawn if self._task else standing.scene
+        context.renderer.begin(scene, adjusting.built_for if adjusting else condition)
+        if adjusting:
+            adjusting.show_start()
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
         loop = EventLoop if context.jumps else FrameLoop
         return loop(context, headset, self._events, self._log, standing.path)
@@ -192,6 +199,22 @@ class TrialRunner:
             place,
             settings,
             scene,
+            attempt=known["attempt"],
+            resumed=bool(known["resumed"]),
+            duration_s=self._context.shown_s(place.scene),
+        )
+
+    def _adjustment_in(self, place: TrialPlace) -> AdjustmentRun | None:
+        """Return what is adjusted in a trial, ready to begin."""
+        adjustment = self._context.protocol.adjustment_in(place.condition or "")
+        if adjustment is None:
+            return None
+        known = self._identity(place, 0.0)
+        return AdjustmentRun(
+            self._context,
+            self._events,
+            place,
+            adjustment,
             attempt=known["attempt"],
             resumed=bool(known["resumed"]),
         )
@@ -237,7 +260,7 @@ class TrialRunner:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
-                task=self._task,
+                task=self._task or self._adjustment,
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:

@@ -206,6 +206,10 @@ def _write_events(stem: Path, run: Run) -> None:
         if each["kind"] in {"target", "shot"}
     ]
     rows += [
+        (float(each["onset_s"]), "0", f"dial {each['dial']} {each['kind']}", each["value"])
+        for each in run.dials
+    ]
+    rows += [
         (float(each["onset_s"]), each["duration_s"], each["name"], each["detail"])
         for each in map(of_event, run.events)
     ]
