@@ -221,8 +221,9 @@ def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSe
 
 def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
     """Refuse a protocol whose participants turn a dial, where they have none."""
-    if protocol.adjustments and headset is HeadsetKind.PLAYBACK and kind != "simulated":
-        name = protocol.adjustments[0].name
+    dials = (*protocol.adjustments, *protocol.sliders)
+    if dials and headset is HeadsetKind.PLAYBACK and kind != "simulated":
+        name = dials[0].name
         message = f"participants turn the dial `{name}`, and the playback headset has none"
         raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
 

@@ -47,7 +47,7 @@ Frames, gaze and events are not in it: the study has them, and `vrcomfort export
 _OPTIONAL: Mapping[type[Row], str] = {
     TaskRow: "- `{tasks}`: a row for each target, shot and sample of a task, and for each trial\n"
     "  that had one.\n",
-    DialRow: "- `{dials}`: a row for each turn of a dial during an exposure.\n",
+    DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
 """What not every study has, and what is said of it."""
 
@@ -89,7 +89,7 @@ _MEANINGS: Mapping[str, str] = {
     "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
     "task": "What was done during the exposure, as the protocol names it",
     "kind": "Of a row of a task: target, shot, sample or (the whole) trial; of a dial: start, "
-    "change, confirmed or end",
+    "change, sample, confirmed or end",
     "dial": "The dial that was turned, as the protocol names it",
     "setting": "What an adjustment changes in the condition",
     "value": "Where the dial stood from then on, in the unit of what it changes",

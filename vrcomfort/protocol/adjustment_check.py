@@ -16,10 +16,11 @@ from vrcomfort.settings.hints import fields_at
 
 
 def adjustment_problems(protocol: Protocol) -> Iterator[Problem]:
-    """Yield what is wrong with [[adjustments]]."""
+    """Yield what is wrong with [[adjustments]] and [[sliders]]."""
     yield from repeated(("adjustments",), [each.name for each in protocol.adjustments])
     known = {each.name: each for each in protocol.conditions}
     taken: dict[str, str] = {}
+    yield from _of_sliders(protocol, known, taken)
     for index, each in enumerate(protocol.adjustments):
         path: KeyPath = ("adjustments", index)
         found = [*_of_setting(each, path), *_of_conditions(each, path, known)]
@@ -28,6 +29,33 @@ def adjustment_problems(protocol: Protocol) -> Iterator[Problem]:
     if protocol.exposure_ends == "adjustment" and not protocol.adjustments:
         message = "nothing is adjusted in any exposure; add [[adjustments]], or remove this"
         yield Problem(("exposure_ends",), message)
+
+
+def _of_sliders(
+    protocol: Protocol, known: dict[str, Condition], taken: dict[str, str]
+) -> Iterator[Problem]:
+    adjustments = [each.name for each in protocol.adjustments]
+    yield from repeated(("sliders",), [each.name for each in protocol.sliders])
+    for index, each in enumerate(protocol.sliders):
+        path: KeyPath = ("sliders", index)
+        if each.name in adjustments:
+            yield Problem(
+                (*path, "name"), f"an adjustment is called `{each.name}`, too; rename one"
+            )
+        for number, name in enumerate(each.conditions):
+            if name not in known:
+                message = f"there is no condition `{name}`; {did_you_mean(name, known)}"
+                yield Problem((*path, "conditions", number), message)
+        for name in each.conditions or known:
+            if name in taken:
+                yield Problem(path, _both(name, taken[name]))
+                return
+            taken[name] = each.name
+
+
+def _both(condition: str, taken: str) -> str:
+    message = f"`{condition}` has `{taken}` on the dial already; name the `conditions` of each"
+    return f"{message}, one dial for an exposure"
 
 
 def _of_setting(each: Adjustment, path: KeyPath) -> Iterator[Problem]:
@@ -126,8 +154,7 @@ def _twice(
     """Yield a problem where the same button would mean two things in an exposure."""
     for condition in adjusted_conditions(protocol, each):
         if condition.name in taken:
-            message = f"`{condition.name}` has `{taken[condition.name]}` on the dial already; name "
-            yield Problem(path, f"{message}the `conditions` of each, one dial for an exposure")
+            yield Problem(path, _both(condition.name, taken[condition.name]))
             return
         taken[condition.name] = each.name
         if task := _task_beside(protocol, condition):

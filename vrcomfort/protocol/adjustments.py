@@ -8,7 +8,7 @@ from typing import Annotated, Literal, TypeVar
 from pydantic import BaseModel, Field
 
 from vrcomfort.protocol.conditions import Condition
-from vrcomfort.settings import Settings, Word
+from vrcomfort.protocol.sliders import Dial
 
 Number = Annotated[float, Field(ge=-1e9, le=1e9)]
 Table = TypeVar("Table", bound=BaseModel)
@@ -44,15 +44,6 @@ LIVE = (
 shaders there are, and cannot change while somebody looks."""
 
 
-class Dial(Settings):
-    """What participants turn: up and down on the right thumb-stick, or with the arrow keys."""
-
-    name: Word
-    """Of the dial, in ``dials.csv`` and in reports."""
-    sweep_s: Annotated[float, Field(ge=0.1, le=3600)] = 5.0
-    """Time from one end of the range to the other with the thumb-stick at its end."""
-
-
 class Adjustment(Dial):
     """A setting of the condition that participants adjust during exposure, and confirm."""
 
@@ -69,8 +60,6 @@ class Adjustment(Dial):
     """`random`: anywhere in the range, by the seed; `ascending`: at its lowest value; `descending`:
     at its highest; `alternating`: one and the other by turns in the exposures of a session that
     have it, the first drawn for each participant; `setting`: at the condition's own."""
-    conditions: tuple[str, ...] = ()
-    """Conditions in which it is adjusted; without it, all in which the setting does something."""
 
     def value_at(self, place: float) -> float:
         """Return the value at a place of the dial, 0 (lowest) to 1, in whole steps."""

@@ -84,7 +84,7 @@ def _with_crossed_factors(protocol: Protocol, source: Source) -> Protocol:
 def _asked(protocol: Protocol, instruments: Mapping[str, Instrument]) -> dict[str, Instrument]:
     """Return name → instrument of those that are asked in the participant's language."""
     called = [ask.instrument for ask in protocol.questionnaires if ask.language is None]
-    called += [ratings.instrument for ratings in protocol.ratings]
+    called += [rated.instrument for rated in protocol.all_rated]
     return {instruments[c].name: instruments[c] for c in called if c in instruments}
 
 
@@ -102,10 +102,11 @@ def _by_name(
         for each in protocol.stop.score_rise
     )
     changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
-    changes["ratings"] = tuple(
-        each.model_copy(update={"instrument": instruments[each.instrument].name})
-        for each in protocol.ratings
-    )
+    for key in ("ratings", "sliders"):
+        changes[key] = tuple(
+            each.model_copy(update={"instrument": instruments[each.instrument].name})
+            for each in getattr(protocol, key)
+        )
     named = protocol.model_copy(update=changes)
     named._instruments = {}
     for each in instruments.values():

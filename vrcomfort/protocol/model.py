@@ -20,6 +20,7 @@ from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -261,6 +262,8 @@ class Protocol(Settings):
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
     """What ends a session, or somebody's study."""
+    sliders: tuple[Slider, ...] = ()
+    """Ratings that are given all the time (docs/ratings.md)."""
     adjustments: tuple[Adjustment, ...] = ()
     """Settings that participants adjust themselves while they look (docs/adjustment.md)."""
     exposure_ends: Literal["time", "task", "adjustment"] = "time"
@@ -311,6 +314,16 @@ class Protocol(Settings):
         """Return what is adjusted in exposures to a condition."""
         return self._adjustments.get(condition)
 
+    def slider_in(self, condition: str) -> Slider | None:
+        """Return what is rated all the time in exposures to a condition."""
+        there = (each for each in self.sliders if condition in (each.conditions or (condition,)))
+        return next(there, None)
+
+    @property
+    def all_rated(self) -> tuple[Ratings | Slider, ...]:
+        """Return all that is rated during exposure: now and then, and all the time."""
+        return (*self.ratings, *self.sliders)
+
     @property
     def language(self) -> str | None:
         """Return the language that was chosen for a participant; None: each instrument's own."""
@@ -326,7 +339,7 @@ class Protocol(Settings):
         """Return which instrument is asked in which language, and whose wording it is."""
         found: list[dict[str, str]] = []
         forms = [self.form(ask) for ask in self.questionnaires]
-        for form in [*forms, *(self.rated(each) for each in self.ratings)]:
+        for form in [*forms, *(self.rated(each) for each in self.all_rated)]:
             entry = {"instrument": form.name, "language": form.language}
             entry["source"] = self.instrument(form.name).wording_source(form.language)
             found += [] if entry in found else [entry]
@@ -351,7 +364,7 @@ class Protocol(Settings):
         spoken._language = chosen
         return spoken
 
-    def rated(self, ratings: Ratings) -> Instrument:
+    def rated(self, ratings: Ratings | Slider) -> Instrument:
         """Return the instrument of a rating in the participant's language."""
         whole = self.instrument(ratings.instrument)
         return whole.in_language(self._language or whole.language) or whole

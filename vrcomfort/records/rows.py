@@ -293,11 +293,14 @@ class DialRow(FlatRow):
         Its name in the protocol.
     setting
         Of an adjustment: what it changes in the condition.
+    instrument
+        Of a slider: what is rated.
     kind
-        start (where it stood when the exposure began), change, confirmed, or end (where it stood
-        when the exposure ended and nothing was confirmed).
+        start (where it stood when the exposure began), change (of an adjustment), sample (of a
+        slider), confirmed, or end (where it stood when the exposure ended and nothing was
+        confirmed).
     value
-        In the setting's unit, from that frame on.
+        In the setting's unit, drawn from that frame on; or on the instrument's scale.
     """
 
     FILE: ClassVar[str] = "dials.csv"
@@ -308,6 +311,7 @@ class DialRow(FlatRow):
     attempt: int
     dial: str
     setting: str
+    instrument: str
     kind: str
     onset_s: float
     value: float
@@ -325,7 +329,7 @@ class GazeValidationRow(FlatRow):
     before_trial
         The exposure that it was before.
     eye
-        combined: the gaze that the runtime gives for both.
+        combined: the gaze that the runtime gives for both; left, right: where it tells them apart.
     right_deg, up_deg, distance_m
         Where the point was, seen from the head when it appeared.
     samples, valid_percent

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -135,6 +135,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    dials = _of_last_attempts(_table(source, "dials.csv", warnings))
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
@@ -143,12 +144,12 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
-        ratings=_table(source, "ratings.csv", warnings),
+        ratings=(*_table(source, "ratings.csv", warnings), *_slid(dials)),
         manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
         tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
-        dials=_of_last_attempts(_table(source, "dials.csv", warnings)),
+        dials=dials,
         source=Path(source),
     )
 
@@ -295,6 +296,16 @@ def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str],
         if (int(row["attempt"]) if row["attempt"].isdecimal() else 0)
         == last[tuple(row.get(name, "") for name in ("participant", "session", "trial"))]
     )
+
+
+def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
+    """Yield the samples of sliders, as ratings that came at once."""
+    for row in dials:
+        if row["kind"] == "sample" and row.get("instrument"):
+            again = {name: row.get(name, "") for name in ("participant", "session", "trial")}
+            when = {"condition": row.get("condition", ""), "onset_s": row.get("onset_s", "")}
+            said = {"instrument": row["instrument"], "response": row["value"]}
+            yield {**again, **when, **said, "latency_s": "0", "missed": "0"}
 
 
 def _json(file: Path) -> dict[str, Any]:

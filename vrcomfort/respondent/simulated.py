@@ -20,9 +20,10 @@ from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
-from vrcomfort.respondent.turning import SimulatedAdjuster, Turn
+from vrcomfort.respondent.turning import SimulatedAdjuster, SimulatedSlider, Turn
 from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
@@ -64,6 +65,8 @@ _EYES = 5
 """The same of the eyes."""
 _DIAL = 6
 """The same of what turns a dial."""
+_SLIDER = 8
+"""The same of a slider."""
 
 
 class SimulatedRespondent:
@@ -140,6 +143,17 @@ class SimulatedRespondent:
         """Return what they do to the dial, which is at a place (0 to 1) of its range."""
         return self._adjuster.turn(place, time_s)
 
+    def start_slider(self, trial: int) -> None:
+        """Begin to rate all the time, with a random stream of its own."""
+        key = (self._person, self._session, trial, _SLIDER)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        self._slider = SimulatedSlider(self._settings.noise_sd / _SICKNESS_OF_RANGE, random)
+
+    def slide(self, place: float) -> float:
+        """Return where they put a slider, which is at a place (0 to 1) of its range."""
+        felt = float(self._after(np.array(self._lived_s))) / _SICKNESS_OF_RANGE
+        return self._slider.put(place, felt)
+
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return where they look, as an eye tracker says it; None where they have no such eyes."""
         self._eyes = self._eyes or self._opened(0)
@@ -154,7 +168,10 @@ class SimulatedRespondent:
         random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
         of_person = (self._person, self._session, _EYES)
         tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
-        return Eyes(settings, random, settings.error_deg * tracker.standard_normal(2))
+        offset_deg = settings.error_deg * tracker.standard_normal(2)
+        own_deg = settings.eye_error_deg * tracker.standard_normal((2, 2))
+        noise = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 1)))
+        return Eyes(settings, random, offset_deg, EyePair(settings, noise, offset_deg + own_deg))
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
@@ -166,6 +183,7 @@ class SimulatedRespondent:
         self._limit = dose * settings.recovery_min
         self._eyes = self._opened(exposure.trial)
         self._withdraws_at_s = self._withdrawal(exposure.duration_s)
+        self._lived_s = 0.0
         self._answer_at_s = math.inf
 
     def _withdrawal(self, duration_s: float) -> float:
@@ -188,6 +206,7 @@ class SimulatedRespondent:
 
     def endure(self, elapsed_s: float) -> None:
         """Withdraw when it has become too much."""
+        self._lived_s = elapsed_s
         if elapsed_s >= self._withdraws_at_s:
             raise Withdrew("felt too sick to go on")
 

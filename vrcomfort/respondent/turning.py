@@ -12,6 +12,8 @@ from vrcomfort.protocol.adjustments import Adjustment
 
 SETTLING_S = 0.3
 """Time constant with which simulated participants come to the value that they want."""
+WORTHWHILE = 0.03
+"""Change of what they feel, in parts of the range, for which they move a slider."""
 _CLOSE = 0.005
 """So near to it, in parts of the range, they stop turning."""
 
@@ -70,3 +72,24 @@ class SimulatedAdjuster:
             return Turn(stick=float(np.clip(error * self._sweep_s / SETTLING_S, -1.0, 1.0)))
         self._settled_s = min(self._settled_s, time_s)
         return Turn(confirm=time_s >= self._settled_s + self._looks_s)
+
+
+class SimulatedSlider:
+    """Puts a slider where somebody feels, now and then: not before that is worth the effort.
+
+    Parameters
+    ----------
+    noise
+        Standard deviation of where they put it, in parts of the range.
+    """
+
+    def __init__(self, noise: float, random: np.random.Generator) -> None:
+        self._noise, self._random = noise, random
+        self._felt: float | None = None
+
+    def put(self, place: float, felt: float) -> float:
+        """Return where the slider is now, both in parts of the range."""
+        if self._felt is not None and abs(felt - self._felt) < WORTHWHILE:
+            return place
+        self._felt = felt
+        return float(np.clip(felt + self._noise * self._random.standard_normal(), 0.0, 1.0))
