@@ -329,7 +329,7 @@ class GazeValidationRow(FlatRow):
     before_trial
         The exposure that it was before.
     eye
-        combined: the gaze that the runtime gives for both.
+        combined: the gaze that the runtime gives for both; left, right: where it tells them apart.
     right_deg, up_deg, distance_m
         Where the point was, seen from the head when it appeared.
     samples, valid_percent

@@ -20,6 +20,7 @@ from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
 from vrcomfort.respondent.turning import SimulatedAdjuster, SimulatedSlider, Turn
@@ -171,7 +172,10 @@ class SimulatedRespondent:
         random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
         of_person = (self._person, self._session, _EYES)
         tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
-        return Eyes(settings, random, settings.error_deg * tracker.standard_normal(2))
+        offset_deg = settings.error_deg * tracker.standard_normal(2)
+        own_deg = settings.eye_error_deg * tracker.standard_normal((2, 2))
+        noise = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 1)))
+        return Eyes(settings, random, offset_deg, EyePair(settings, noise, offset_deg + own_deg))
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
