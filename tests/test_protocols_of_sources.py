@@ -62,6 +62,11 @@ def test_blur_by_session_has_one_condition_a_session_and_each_first_equally_ofte
     assert set(first.values()) == {5}
 
 
+def test_mantiuk_practises_two_trials_of_the_participants_own():
+    (practice,) = load_protocol("mantiuk_2011").practice
+    assert (practice.before_trial, practice.draw, practice.has_criterion) == (1, 2, False)
+
+
 def test_mantiuk_shows_each_of_four_views_in_four_ways_and_none_twice_in_a_row():
     protocol = load_protocol("mantiuk_2011")
     length_s = {view.name: view.exposure_s or protocol.exposure_s for view in protocol.views}

@@ -16,7 +16,7 @@ from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition, Protocol, load_protocol
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.resources import data_folder
-from vrcomfort.respondent import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent import Exposure, Form, Heard, Telling, Withdrew
 
 PROTOCOL = """\
 name = "tiny"
@@ -201,6 +201,7 @@ class Scripted:
     name: str = "scripted"
     exposures: list[Exposure] = field(default_factory=list)
     felt_s: list[float] = field(default_factory=list)
+    told: list[Telling] = field(default_factory=list)
 
     def start_session(self, session: int) -> None:
         self.session = session
@@ -226,6 +227,13 @@ class Scripted:
 
     def rest(self, duration_s: float) -> None:
         self.rested_s = duration_s
+
+    def read(self, telling: Telling, _elapsed_s: float, *, may_go_on: bool) -> float | None:
+        self.told.append(telling)
+        return None if may_go_on else 0.5
+
+    def leave(self) -> None:
+        pass
 
     def ask(self, form: Form, heard: Heard) -> None:
         if form.after_withdrawal and self.refuses:

@@ -95,9 +95,9 @@ def _check(
     found = _Checked(notes=list(_notes(protocol)))
     try:
         found.faults += _of_design(protocol)
-        if misplaced := _of_places(protocol):
-            found.faults += misplaced
-            return found  # neither rehearsed nor drawn: nobody can stand there
+        if not_to_be_had := [*_of_places(protocol), *_of_instructions(protocol)]:
+            found.faults += not_to_be_had
+            return found  # neither rehearsed nor drawn: nobody can stand there, or be told
         advance(0, f"rehearsing {name} without pictures")
         found.lengths = _rehearsed(protocol)
         if draw:
@@ -114,6 +114,12 @@ def _of_places(protocol: Protocol) -> list[InputError]:
     from vrcomfort.session.standing import place_faults
 
     return list(place_faults(protocol, load_scene))
+
+
+def _of_instructions(protocol: Protocol) -> list[InputError]:
+    from vrcomfort.session.instructor import instruction_faults
+
+    return list(instruction_faults(protocol))
 
 
 def _of_design(protocol: Protocol) -> Iterator[InputError]:

@@ -37,9 +37,10 @@ from vrcomfort.cli.run_openxr import openxr_setup, tracks_eyes
 from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
 from vrcomfort.cli.run_relay import open_relays
+from vrcomfort.cli.run_sound import open_speaker
 from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
 from vrcomfort.cli.terminal import complain, console, warn
-from vrcomfort.errors import RuntimeLostError
+from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
 from vrcomfort.protocol import Protocol, load_protocol
 
@@ -152,6 +153,7 @@ def run(
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))
         _require_gaze(headset, study, playback)
+        _require_dial(headset, study, kind)
         numbers = [session or next_session(out, participant)]
         enrolment = owned.enter_context(
             study_setup.open_enrolment(
@@ -167,6 +169,7 @@ def run(
         simulated = kind is RespondentKind.SIMULATED
         relays = open_relays(study.name, participant, lsl=lsl, ttl=ttl, simulated=simulated)
         relay = owned.enter_context(relays)
+        speaker = None if simulated else owned.enter_context(open_speaker(study))
         console = owned.enter_context(open_console()) if with_console else None
         progress = console.progress if console else owned.enter_context(SessionBars(quiet)).tell
         try:
@@ -178,6 +181,7 @@ def run(
                 ipd_measured_m=None if ipd_mm is None else ipd_mm / 1000,
                 console=console,
                 relay=relay,
+                speaker=speaker,
             )
         except RuntimeLostError as error:
             complain(str(error))
@@ -213,6 +217,15 @@ def _require_gaze(headset: HeadsetKind, protocol: Protocol, playback: PlaybackSe
     else:
         openxr = headset is HeadsetKind.OPENXR
         require_eye_tracker(protocol.conditions, lambda: openxr and tracks_eyes())
+
+
+def _require_dial(headset: HeadsetKind, protocol: Protocol, kind: RespondentKind) -> None:
+    """Refuse a protocol whose participants turn a dial, where they have none."""
+    dials = (*protocol.adjustments, *protocol.sliders)
+    if dials and headset is HeadsetKind.PLAYBACK and kind != "simulated":
+        name = dials[0].name
+        message = f"participants turn the dial `{name}`, and the playback headset has none"
+        raise InputError(f"{message}; give --headset openxr or desktop, or --respondent simulated")
 
 
 def _connect(

@@ -18,6 +18,7 @@ from vrcomfort.protocol import Protocol
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
     from vrcomfort.cli.run_console import OperatorsConsole
+    from vrcomfort.headset.sound import Speaker
     from vrcomfort.records import Durability, Machine
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
@@ -72,6 +73,7 @@ class StudySetup:
         protocol.shown_s(exposure_s)  # refuses a longer one before anything is made
         self._exposure_s = exposure_s
         _require_places(protocol)
+        _require_instructions(protocol)
         self._group_readable = group_readable
         self._durability = durability
         self._frames = frames
@@ -113,9 +115,11 @@ class StudySetup:
         ipd_measured_m: float | None = None,
         console: OperatorsConsole | None = None,
         relay: Relay | None = None,
+        speaker: Speaker | None = None,
     ) -> Outcome:
         """Run a participant's sessions in a headset, or without one on the playback."""
         from vrcomfort import session
+        from vrcomfort.headset.sound import NobodyHears
 
         respondent = self._respondent(kind, enrolment, headset, console)
         renderer, machine = (headset.renderer, headset.machine) if headset else self._windowless()
@@ -135,6 +139,7 @@ class StudySetup:
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
             relay=relay,
+            speaker=NobodyHears() if simulated else speaker,
             jumps=not self._frames,
             progress=progress,
         )
@@ -189,6 +194,15 @@ def _require_places(protocol: Protocol) -> None:
 
     for fault in place_faults(protocol):
         raise fault
+
+
+def _require_instructions(protocol: Protocol) -> None:
+    """Raise `InputError` where a file of an instruction cannot be used, or does not fit."""
+    if protocol.instructions:
+        from vrcomfort.session.instructor import instruction_faults
+
+        for fault in instruction_faults(protocol):
+            raise fault
 
 
 def _load_scene(source: str) -> Scene:

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
-from vrcomfort.respondent.base import Heard
+from vrcomfort.respondent.base import Heard, Telling
 
 LISTEN = "Please listen to the experimenter."
 
@@ -120,6 +120,15 @@ class VerbalRespondent:
         return True
 
     def rest(self, duration_s: float) -> None:  # noqa: ARG002
+        """Clear the view."""
+        self._show(None)
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
+        """Leave it to the operators to go on, by *Skip*."""
+        self._entries.idle()
+        return 0.0
+
+    def leave(self) -> None:
         """Clear the view."""
         self._show(None)
 

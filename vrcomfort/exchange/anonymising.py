@@ -32,9 +32,11 @@ from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
 from vrcomfort.records.rows import (
     BallRow,
+    DialRow,
     EventRow,
     GazeValidationRow,
     ParticipantRow,
+    PracticeRow,
     TaskRow,
     cell_text,
     csv_line,
@@ -192,7 +194,7 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        more = (TaskRow, GazeValidationRow)
+        more = (TaskRow, DialRow, GazeValidationRow, PracticeRow)
         there = [each for each in more if (source / each.FILE).exists()]
         for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE

@@ -20,6 +20,7 @@ from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import (
+    DialRow,
     ParticipantRow,
     QuestionnaireRow,
     RatingRow,
@@ -39,13 +40,16 @@ A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as 
 - `{questionnaires}`: a row for each answer; participant, session, trial, timepoint, instrument and
   item are its key.
 - `{ratings}`: a row for each rating during an exposure.
-{of_tasks}
+{more}
 Frames, gaze and events are not in it: the study has them, and `vrcomfort export --format bids`.
 """
 
-_OF_TASKS = """- `{tasks}`: a row for each target, shot and sample of a task, and for each trial
-  that had one.
-"""
+_OPTIONAL: Mapping[type[Row], str] = {
+    TaskRow: "- `{tasks}`: a row for each target, shot and sample of a task, and for each trial\n"
+    "  that had one.\n",
+    DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
+}
+"""What not every study has, and what is said of it."""
 
 _MEANINGS: Mapping[str, str] = {
     "participant": "Identifier of a participant",
@@ -84,7 +88,11 @@ _MEANINGS: Mapping[str, str] = {
     "latency_s": "Seconds until the rating came; blank where it was missed",
     "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
     "task": "What was done during the exposure, as the protocol names it",
-    "kind": "Of a row of a task: target, shot, sample or (the whole) trial",
+    "kind": "Of a row of a task: target, shot, sample or (the whole) trial; of a dial: start, "
+    "change, sample, confirmed or end",
+    "dial": "The dial that was turned, as the protocol names it",
+    "setting": "What an adjustment changes in the condition",
+    "value": "Where the dial stood from then on, in the unit of what it changes",
     "number": "Counts the rows of one kind in an attempt, from 1",
     "what": "Name of the target",
     "reaction_s": "Seconds from the beginning of a target until it was met",
@@ -124,8 +132,8 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
     tables = [_participants(study, label)]
     tables += [_of_sessions(study, label, kind) for kind in (TrialRow, QuestionnaireRow, RatingRow)]
-    tasks = _of_sessions(study, label, TaskRow)
-    tables += [tasks] if tasks.rows else []
+    some = {kind: _of_sessions(study, label, kind) for kind in _OPTIONAL}
+    tables += [table for table in some.values() if table.rows]
     there = [table for table in tables if table.rows]
     with new_folder(study, out) as draft:
         (draft / "data").mkdir(parents=True)
@@ -133,8 +141,8 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
             with (draft / "data" / table.file).open("w", encoding="utf-8", newline="") as stream:
                 csv.writer(stream, lineterminator="\n").writerows([table.columns, *table.rows])
         names = {kind: f"data/{_file(label, kind)}" for kind in _KINDS}
-        of_tasks = _OF_TASKS.format(**names) if tasks.rows else ""
-        readme = _README.format(name=name, protocol=protocol, of_tasks=of_tasks, **names)
+        more = "".join(_OPTIONAL[k].format(**names) for k, table in some.items() if table.rows)
+        readme = _README.format(name=name, protocol=protocol, more=more, **names)
         (draft / "README.md").write_text(readme, encoding="utf-8")
         content = _description(name, protocol, str(description.get("citation") or ""), there)
         text = json.dumps(content, indent=2, ensure_ascii=False) + "\n"
@@ -143,7 +151,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     return [f"{file}: the study has no rows of it" for file in empty]
 
 
-_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks")
+_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks", "dials")
 
 
 def _file(label: str, kind: str) -> str:

@@ -108,6 +108,8 @@ class DesktopHeadset:
         self._inputs = Inputs()
         self._next_index = 0
         self._cut = True
+        self.arrows_turn = False
+        """Whether the arrow keys turn a dial; else they walk, or move the choice on a panel."""
         self._paused = self._in_scene = False
         self._on_foot = True
         self._focused = window.focused
@@ -220,7 +222,7 @@ class DesktopHeadset:
         now_ns, passed_s = self._pace.wait()
         window, asked = self._window, bool(self._panels)
         window.capture(self._in_scene and not asked)
-        keys = window.poll(arrows_walk=not asked)
+        keys = window.poll(arrows_walk=not (asked or self.arrows_turn))
         self._notice_focus()
         self._look(keys, passed_s)
         self._inputs = Inputs(

@@ -68,11 +68,13 @@ class Mirror:
         self._next_s = 0.0
         self._panels: dict[ShownPanel, WindowPanel] = {}
         self._asked = False
+        self.arrows_turn = False
+        """Whether the arrow keys turn a dial; else they walk, or move the choice on a panel."""
         self.shown = 0
 
     def keys(self) -> KeyInput:
         """Return what the window's keyboard and mouse have done since the last call."""
-        return self._window.poll(arrows_walk=not self._asked)
+        return self._window.poll(arrows_walk=not (self._asked or self.arrows_turn))
 
     def show(self, frame: Frame, eyes: Eyes | None, panels: Sequence[ShownPanel]) -> None:
         """Show a frame, unless the last one was shown a moment ago."""

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from pathlib import Path as FilePath
 
+from vrcomfort.protocol.adjustment_check import adjustment_problems
+from vrcomfort.protocol.breaks import break_problems
+from vrcomfort.protocol.instructions import instruction_problems
+from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.practice_check import practice_problems
 from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
 from vrcomfort.resources import data_folder
@@ -32,10 +38,20 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
+    yield from instruction_problems(protocol.instructions, folder_of(protocol))
+    yield from practice_problems(protocol)
+    yield from break_problems(protocol.breaks, protocol.break_s)
+    yield from _trials_that_are_not(protocol)
     if protocol.exposure_ends == "task" and not protocol.tasks:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
+    yield from adjustment_problems(protocol)
     yield from _visibility(protocol)
+
+
+def folder_of(protocol: Protocol) -> FilePath | None:
+    """Return where the files of a protocol are looked for; None where it is none itself."""
+    return protocol.file.parent if protocol.file else None
 
 
 def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
@@ -75,6 +91,9 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
     for name in effects.task_effects:
         path = ("simulation", "task_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
+    adjusted = [each.name for each in protocol.adjustments]
+    for name in effects.adjusts_to:
+        yield from _named_key(("simulation", "adjusts_to", name), "adjustment", adjusted)
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 
@@ -114,6 +133,28 @@ def _locomotion(protocol: Protocol) -> Iterator[Problem]:
         if walks.mode not in _NEEDS_MODE[key]:
             message = f'`{key}` does nothing with mode = "{walks.mode}"; remove it or change that'
             yield Problem(("locomotion", key), message)
+
+
+def _trials_that_are_not(protocol: Protocol) -> Iterator[Problem]:
+    """Yield numbers of trials, and of sessions, that no participant comes to."""
+    sessions, trials = trial_counts(protocol)
+    named: list[tuple[Path, str, int, int]] = [
+        (("practice", index, "before_trial"), "trial", each.before_trial, trials)
+        for index, each in enumerate(protocol.practice)
+    ]
+    for table in ("practice", "instructions"):
+        for index, each in enumerate(getattr(protocol, table)):
+            path: Path = (table, index, "sessions")
+            named += [((*path, k), "session", n, sessions) for k, n in enumerate(each.sessions)]
+    for index, told in enumerate(protocol.instructions):
+        path = ("instructions", index, "trials")
+        named += [((*path, k), "trial", n, trials) for k, n in enumerate(told.trials)]
+    for k, number in enumerate(protocol.breaks.after_trials if protocol.breaks else ()):
+        named.append((("breaks", "after_trials", k), "trial", number, trials - 1))
+    for path, what, number, most in named:
+        if number > most >= 0:
+            last = "before another" if path[0] == "breaks" else "at all"
+            yield Problem(path, f"there is no {what} {number} {last}: at most {most} come")
 
 
 def _visibility(protocol: Protocol) -> Iterator[Problem]:

@@ -42,13 +42,16 @@ def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str]]:
         yield ("questionnaires", index, "instrument"), ask.instrument
     for index, ratings in enumerate(protocol.ratings):
         yield ("ratings", index, "instrument"), ratings.instrument
+    for index, slider in enumerate(protocol.sliders):
+        yield ("sliders", index, "instrument"), slider.instrument
 
 
 def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:
     """Yield what keeps the instruments that were found from being asked."""
-    if not (protocol.questionnaires or protocol.ratings or protocol.tasks):
+    turned = protocol.sliders or protocol.adjustments
+    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or turned):
         message = (
             "nothing is asked, rated or done; add [[questionnaires]], [[ratings]] or [[tasks]]"
         )
@@ -65,6 +68,7 @@ def instrument_problems(
         if found and ask.compares:
             yield from _compared(("questionnaires", index), ask, found)
     yield from _of_ratings(protocol, instruments)
+    yield from _of_sliders(protocol, instruments)
     whens: dict[str, set[str]] = {}
     for ask in protocol.questionnaires:
         if ask.instrument in instruments:
@@ -103,6 +107,23 @@ def _unaskable(path: KeyPath, instrument: Instrument) -> Iterator[Problem]:
         elif any(not isinstance(answer, int) or answer < 0 for answer in item.answers.asked):
             message = f"item {item.name} of the {instrument.short} has answers that cannot be typed"
             yield Problem(path, f"{message}; let `low` and `asked_step` be whole, and 0 or more")
+
+
+def _of_sliders(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:
+    called = [
+        found.name for each in protocol.all_rated if (found := instruments.get(each.instrument))
+    ]
+    for index, slider in enumerate(protocol.sliders):
+        path: KeyPath = ("sliders", index, "instrument")
+        found = instruments.get(slider.instrument)
+        if found is None:
+            continue
+        if len(found.asked) != 1:
+            message = f"the {found.short} has {len(found.asked)} items; a slider is one question"
+            yield Problem(path, f"{message}: ask it in [[questionnaires]]")
+        elif called.count(found.name) > 1:
+            message = f"the {found.short} is rated twice during exposure, and nobody could tell"
+            yield Problem(path, f"{message} the two apart; keep one")
 
 
 def _of_ratings(protocol: Protocol, instruments: Mapping[str, Instrument]) -> Iterator[Problem]:

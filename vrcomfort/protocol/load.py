@@ -8,7 +8,8 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.check import problems
+from vrcomfort.protocol.adjustment_check import adjusted_conditions
+from vrcomfort.protocol.check import folder_of, problems
 from vrcomfort.protocol.factors import crossed, factor_problems
 from vrcomfort.protocol.instruments import find_instruments, instrument_problems
 from vrcomfort.protocol.model import Protocol
@@ -51,7 +52,13 @@ def parse_protocol(text: str, *, file: Path | None = None) -> Protocol:
     found += faults
     found += problems(protocol)
     found += instrument_problems(protocol, instruments)
-    found += text_problems(protocol.languages, protocol.text, _asked(protocol, instruments))
+    found += text_problems(
+        protocol.languages,
+        protocol.text,
+        _asked(protocol, instruments),
+        protocol.instructions,
+        folder_of(protocol),
+    )
     if found:
         raise source.first_problem(found)
     return _by_name(protocol, instruments, tasks)
@@ -77,7 +84,7 @@ def _with_crossed_factors(protocol: Protocol, source: Source) -> Protocol:
 def _asked(protocol: Protocol, instruments: Mapping[str, Instrument]) -> dict[str, Instrument]:
     """Return name → instrument of those that are asked in the participant's language."""
     called = [ask.instrument for ask in protocol.questionnaires if ask.language is None]
-    called += [ratings.instrument for ratings in protocol.ratings]
+    called += [rated.instrument for rated in protocol.all_rated]
     return {instruments[c].name: instruments[c] for c in called if c in instruments}
 
 
@@ -95,10 +102,11 @@ def _by_name(
         for each in protocol.stop.score_rise
     )
     changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
-    changes["ratings"] = tuple(
-        each.model_copy(update={"instrument": instruments[each.instrument].name})
-        for each in protocol.ratings
-    )
+    for key in ("ratings", "sliders"):
+        changes[key] = tuple(
+            each.model_copy(update={"instrument": instruments[each.instrument].name})
+            for each in getattr(protocol, key)
+        )
     named = protocol.model_copy(update=changes)
     named._instruments = {}
     for each in instruments.values():
@@ -107,6 +115,11 @@ def _by_name(
             worded = translated(worded, language, protocol.text)
         named._instruments[each.name] = worded
     named._tasks = dict(tasks)
+    named._adjustments = {
+        condition.name: each
+        for each in protocol.adjustments
+        for condition in adjusted_conditions(protocol, each)
+    }
     return named
 
 

@@ -12,11 +12,16 @@ from pydantic import Field, PrivateAttr, field_validator
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.protocol.adjustments import Adjustment
+from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
+from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
 from vrcomfort.protocol.views import View
@@ -172,6 +177,8 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
+    """For how long, on average, they stay in a break that they may end."""
     eyes: SimulatedEyes | None = None
     """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
     liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
@@ -180,6 +187,13 @@ class Simulation(Settings):
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
+    """Adjustment → the value that they adjust to in the median; without it, the middle of its
+    range."""
+    adjust_sd: Annotated[float, Field(ge=0, le=1)] = 0.1
+    """How much people differ in it: standard deviation in parts of the range, on its scale."""
+    adjust_noise: Annotated[float, Field(ge=0, le=1)] = 0.03
+    """How much the adjustments of one person do."""
 
 
 class Protocol(Settings):
@@ -200,8 +214,12 @@ class Protocol(Settings):
     """How long a trial is, up to four hours; views may have lengths of their own."""
     training_s: Annotated[float, Field(ge=0, le=14_400)] = 0.0
     """Time to learn the controls, before the first exposure of each session, in its scene."""
+    practice: tuple[Practice, ...] = ()
+    """What is tried before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
+    breaks: Breaks | None = None
+    """Rests between exposures that participants end themselves, instead of `break_s`."""
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
     """From the end of a participant's session to the beginning of the next, at least; `run` refuses
     to begin it sooner. Simulated participants have waited."""
@@ -234,6 +252,8 @@ class Protocol(Settings):
     Without it, each instrument is asked in its own."""
     text: dict[str, LanguageTable] = Field(default_factory=dict)
     """Words of other languages, or other words: `[text.fr]`."""
+    instructions: tuple[Instruction, ...] = ()
+    """What participants are told, and when."""
     questionnaires: tuple[Ask, ...] = ()
     """What is asked, and when. A study without any has ratings or tasks."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
@@ -247,8 +267,13 @@ class Protocol(Settings):
     """Name of the task of every exposure whose trial and condition name none."""
     stop: Stopping = Stopping()
     """What ends a session, or somebody's study."""
-    exposure_ends: Literal["time", "task"] = "time"
-    """`task`: an exposure is over when its task is done, at the latest after its time."""
+    sliders: tuple[Slider, ...] = ()
+    """Ratings that are given all the time (docs/ratings.md)."""
+    adjustments: tuple[Adjustment, ...] = ()
+    """Settings that participants adjust themselves while they look (docs/adjustment.md)."""
+    exposure_ends: Literal["time", "task", "adjustment"] = "time"
+    """`task`: an exposure is over when its task is done, `adjustment`: when what is adjusted in it
+    is confirmed; at the latest after its time."""
     headset: Headset = Headset()
     """What the study is meant to be seen in."""
     answering: Answering = Answering()
@@ -273,6 +298,7 @@ class Protocol(Settings):
     _language: str | None = PrivateAttr(default=None)
     _instruments: dict[str, Instrument] = PrivateAttr(default_factory=dict)
     _tasks: dict[str, TaskSettings] = PrivateAttr(default_factory=dict)
+    _adjustments: dict[str, Adjustment] = PrivateAttr(default_factory=dict)
 
     def instrument(self, name: str) -> Instrument:
         """Return an instrument that this asks, by its name; loading made sure that it is there."""
@@ -289,6 +315,20 @@ class Protocol(Settings):
         name = trial.task or self.condition(trial.condition).task or self.task
         return None if name in (None, NO_TASK) else self._tasks[name]
 
+    def adjustment_in(self, condition: str) -> Adjustment | None:
+        """Return what is adjusted in exposures to a condition."""
+        return self._adjustments.get(condition)
+
+    def slider_in(self, condition: str) -> Slider | None:
+        """Return what is rated all the time in exposures to a condition."""
+        there = (each for each in self.sliders if condition in (each.conditions or (condition,)))
+        return next(there, None)
+
+    @property
+    def all_rated(self) -> tuple[Ratings | Slider, ...]:
+        """Return all that is rated during exposure: now and then, and all the time."""
+        return (*self.ratings, *self.sliders)
+
     @property
     def language(self) -> str | None:
         """Return the language that was chosen for a participant; None: each instrument's own."""
@@ -304,7 +344,7 @@ class Protocol(Settings):
         """Return which instrument is asked in which language, and whose wording it is."""
         found: list[dict[str, str]] = []
         forms = [self.form(ask) for ask in self.questionnaires]
-        for form in [*forms, *(self.rated(each) for each in self.ratings)]:
+        for form in [*forms, *(self.rated(each) for each in self.all_rated)]:
             entry = {"instrument": form.name, "language": form.language}
             entry["source"] = self.instrument(form.name).wording_source(form.language)
             found += [] if entry in found else [entry]
@@ -329,7 +369,7 @@ class Protocol(Settings):
         spoken._language = chosen
         return spoken
 
-    def rated(self, ratings: Ratings) -> Instrument:
+    def rated(self, ratings: Ratings | Slider) -> Instrument:
         """Return the instrument of a rating in the participant's language."""
         whole = self.instrument(ratings.instrument)
         return whole.in_language(self._language or whole.language) or whole
@@ -408,6 +448,40 @@ class Protocol(Settings):
     def asks(self, when: str) -> Iterator[Ask]:
         """Yield the questionnaires asked at a moment, in the file's order."""
         return (ask for ask in self.questionnaires if ask.when == when)
+
+    def tells(self, when: str, session: int, trial: int | None) -> Iterator[Instruction]:
+        """Yield what is told at a moment, in the participant's language."""
+        return (each for each in self.told if each.is_due(when, session, trial))
+
+    @property
+    def told(self) -> list[Instruction]:
+        """Return all instructions in the participant's language."""
+        table = self.text.get(self._language or "")
+        wordings = table.instructions if table else {}
+        return [each.worded(wordings.get(each.name)) for each in self.instructions]
+
+    @property
+    def media(self) -> dict[str, str]:
+        """Return file → SHA-256 of the pictures and sounds of instructions, as they are now.
+
+        Raises
+        ------
+        InputError
+            If one cannot be read.
+        """
+        hashes = {}
+        for name in sorted({name for each in self.told for _, name in each.files()}):
+            file = self.media_file(name)
+            try:
+                hashes[name] = hashlib.sha256(file.read_bytes()).hexdigest()
+            except OSError as error:
+                message = f"this cannot be read: {error.strerror or error}"
+                raise InputError(message, file=file) from error
+        return hashes
+
+    def media_file(self, name: str) -> Path:
+        """Return the file of a picture or a sound, which is beside the protocol file."""
+        return self._file.parent / name if self._file else Path(name)
 
     def scene_source(self, scene: str) -> str:
         """Return what a scene loader needs: a shipped name, or a path beside the protocol file."""

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated
 
 from pydantic import Field
 
+from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
 from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean
@@ -44,10 +46,16 @@ class Words(Settings):
     """During a rest."""
     rest_soon: Sentence = "You may take the headset off. It goes on in less than a minute."
     """In the last minute of one."""
+    rest_ready: Sentence = "You may take the headset off. Choose Continue when you are ready."
+    """Of a rest that the participant may end."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
     """Where looks choose."""
+    proceed: Button = "Continue"
+    """Button: below an instruction."""
+    listen_sound: Sentence = "Please listen."
+    """While an instruction is heard that has nothing to see."""
 
 
 ENGLISH = Words()
@@ -65,8 +73,11 @@ GERMAN = Words(
     rest="Pause",
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
+    rest_ready="Sie dürfen das Headset abnehmen. Wählen Sie Weiter, sobald Sie bereit sind.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
+    proceed="Weiter",
+    listen_sound="Bitte hören Sie zu.",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 """Languages that are shipped."""
@@ -81,6 +92,8 @@ class LanguageTable(Settings):
     """Of the panel, by the keys of its words."""
     instruments: dict[str, TranslationTable] = Field(default_factory=dict)
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
+    instructions: dict[str, InstructionWording] = Field(default_factory=dict)
+    """Name of an instruction → what is told in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:
@@ -106,6 +119,8 @@ def text_problems(
     languages: tuple[str, ...],
     tables: Mapping[str, LanguageTable],
     asked: Mapping[str, Instrument],
+    instructions: tuple[Instruction, ...] = (),
+    folder: Path | None = None,
 ) -> list[Problem]:
     """Return what languages lack, and what is said of nothing.
 
@@ -113,6 +128,8 @@ def text_problems(
     ----------
     asked
         The instruments whose language is the participant's, by their names.
+    folder
+        Where the files of instructions are looked for.
     """
     found: list[Problem] = []
     for index, language in enumerate(languages):
@@ -126,8 +143,13 @@ def text_problems(
             lacks = translated(instrument, language, tables).lacks(language)
             if lacks:
                 message = f"the {instrument.short} lacks in `{language}`: {', '.join(lacks)}"
-                where = f"[text.{language}.instruments.{instrument.name}]"
-                found.append(Problem(path, f"{message}; write it into {where}"))
+                table_name = f"[text.{language}.instruments.{instrument.name}]"
+                found.append(Problem(path, f"{message}; write it into {table_name}"))
+        wordings = tables[language].instructions if language in tables else {}
+        for where, message in wording_problems(
+            language, index == 0, wordings, instructions, folder
+        ):
+            found.append(Problem((*path, *where), message))
     for language, table in tables.items():
         found += _of_nothing(language, table, languages, asked)
     return found

@@ -11,22 +11,22 @@ from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.settings import KeyPath, Problem, Settings
 
-_Needs = Mapping[str, Collection[Any]]
+Needs = Mapping[str, Collection[Any]]
 """Other settings of the same table, and the values of theirs of which one is needed."""
 
-_ZONE: _Needs = {"method": ("autofocus_zone",)}
-_ZONE_MEAN: _Needs = {**_ZONE, "zone_statistic": ("mean",)}
-_GAZE: _Needs = {"method": ("gaze",)}
-_RAYS_AHEAD: _Needs = {"method": ("nine_ray",)}
-_THIN_LENS: _Needs = {"law": ("thin_lens",)}
-_FOLLOWING: _Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
+_ZONE: Needs = {"method": ("autofocus_zone",)}
+_ZONE_MEAN: Needs = {**_ZONE, "zone_statistic": ("mean",)}
+_GAZE: Needs = {"method": ("gaze",)}
+_RAYS_AHEAD: Needs = {"method": ("nine_ray",)}
+_THIN_LENS: Needs = {"law": ("thin_lens",)}
+_FOLLOWING: Needs = {"method": ("nine_ray", "autofocus_zone", "gaze")}
 _LAWS_THAT_TAKE = {
     key: tuple(name for name, law in LAWS.items() if key in law.settings)
     for key in sorted(set().union(*(law.settings for law in LAWS.values())))
     if key != "infinity_m"  # which is also where the sky is
 }
 
-NEEDS: dict[str, dict[str, _Needs]] = {
+NEEDS: dict[str, dict[str, Needs]] = {
     "focus": {
         "fixed_m": {"method": ("fixed",)},
         "script": {"method": ("scripted",)},
@@ -79,7 +79,7 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
             yield Problem((*path, "quality"), message)
         for effect, needs in NEEDS.items():
             for key in needs.keys() & table.get(effect, {}).keys():
-                reasons = [_idle(getattr(each, effect), needs[key]) for each in conditions]
+                reasons = [idle(getattr(each, effect), needs[key]) for each in conditions]
                 if reasons and all(reasons):
                     message = f"`{key}` does nothing with {reasons[0]}; remove it or change that"
                     yield Problem((*path, effect, key), message)
@@ -102,7 +102,7 @@ def _has_dials(condition: Condition) -> bool:
     return bool(condition.depth_of_field or condition.motion_blur)
 
 
-def _idle(settings: Settings, needs: _Needs) -> str | None:
+def idle(settings: Settings, needs: Needs) -> str | None:
     """Return the choice beside which a setting with these needs does nothing."""
     for choice, values in needs.items():
         value = getattr(settings, choice)

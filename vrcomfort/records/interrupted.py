@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
@@ -21,7 +21,9 @@ from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
 from vrcomfort.records.rows import (
     OVER,
+    DialRow,
     EventRow,
+    PracticeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -33,6 +35,17 @@ from vrcomfort.records.rows import (
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted", "skipped")
+
+
+class Practised(NamedTuple):
+    """How far a block of practice came in a session."""
+
+    begun: int
+    """Number of the last repetition on record."""
+    whole: int
+    """How many of them were shown to their ends."""
+    over: bool
+    """Whether it is not to be shown again."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +75,8 @@ class Interrupted:
         Whether that was the session alone.
     exposure_ended_s_ago
         How long ago that trial ended, by the wall clock; None where nothing tells.
+    practised
+        Name of a block of practice → how far it came.
     """
 
     done: int
@@ -75,6 +90,7 @@ class Interrupted:
     ended_by: str | None = None
     ended_session: bool = False
     exposure_ended_s_ago: float | None = None
+    practised: Mapping[str, Practised] = field(default_factory=dict)
 
 
 def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> Interrupted:
@@ -126,6 +142,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
         ended_by=ended_by,
         ended_session=(code or "").endswith("_session"),
         exposure_ended_s_ago=_seconds_since(manifest, last_trial, trials_written_s),
+        practised=_practised(folder, whose),
     )
 
 
@@ -160,6 +177,18 @@ def _answered(
         key = (row["trial"], row["timepoint"], row["instrument"])
         found.setdefault(key, set()).add(row["item"])
     return {key: frozenset(items) for key, items in found.items()}
+
+
+def _practised(folder: Path, whose: Mapping[str, Any]) -> dict[str, Practised]:
+    """Return how far each block of practice came."""
+    found: dict[str, Practised] = {}
+    if (folder / PracticeRow.FILE).exists():
+        for row in _of(whose, read_rows(folder, PracticeRow)):
+            before = found.get(row["practice"], Practised(0, 0, over=False))
+            begun = max(before.begun, row["repetition"])
+            whole = before.whole + int(row["met"] is not None)
+            found[row["practice"]] = Practised(begun, whole, before.over or row["over"] == 1)
+    return found
 
 
 def _modified_s(file: Path) -> float | None:
@@ -257,8 +286,13 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         RatingRow: ("onset_s", "latency_s"),
         EventRow: ("onset_s", "duration_s"),
     }
-    if (folder / TaskRow.FILE).exists():
-        columns = {**columns, TaskRow: ("onset_s", "reaction_s")}
+    optional: Mapping[type[Row], tuple[str, ...]] = {
+        TaskRow: ("onset_s", "reaction_s"),
+        DialRow: ("onset_s",),
+        PracticeRow: ("end_s",),
+    }
+    there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}
+    columns = {**columns, **there}
     for row_type, parts in columns.items():
         for row in _of(whose, read_rows(folder, row_type)):
             yield sum(row[part] or 0.0 for part in parts)

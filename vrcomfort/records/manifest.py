@@ -76,8 +76,8 @@ class Manifest:
     memory
         What the respondent was like at the last boundary between exposures; None when done.
     ended
-        What ended the session before its time (``by``: participant, rating, score), whether the
-        session or the study (``ends``), and the ``reason``; else None.
+        What ended the session before its time (``by``: participant, rating, score, gaze,
+        practice), whether the session or the study (``ends``), and the ``reason``; else None.
     """
 
     participant: str
@@ -165,6 +165,7 @@ class Manifest:
                     {"file": Path(file).name, "sha256": sha256}
                     for file, sha256 in protocol.parts.items()
                 ],
+                "media": protocol.media,
             },
             "settings": protocol.model_dump(mode="json"),
         }

@@ -40,7 +40,9 @@ _OF_GAZE: Mapping[str, Kind] = {
     **dict.fromkeys(("xr_time_ns", "valid", "resumed"), Kind(int)),
 }
 
-_MAY_BE_NEGATIVE = {"xr_time_ns", "response", "x_m", "y_m", "z_m", "score", "right_deg", "up_deg"}
+_MAY_BE_NEGATIVE = {
+    "xr_time_ns", "response", "x_m", "y_m", "z_m", "score", "right_deg", "up_deg", "value",
+}  # fmt: skip
 _LARGEST = 2**62
 """What int64 holds with room for a sum."""
 
@@ -159,7 +161,7 @@ def cell_value(cell: str, column: str, kind: Kind) -> Any:
         value = kind.of(plain_digits(cell))
     except ValueError:
         raise ValueError(column, f"{shown} is not a number") from None
-    largest = LONGEST_S if kind.of is float else _LARGEST
+    largest = LONGEST_S if kind.of is float and column != "value" else _LARGEST
     if abs(value) > largest or math.isnan(value):
         raise ValueError(column, f"{shown} is larger than anything recorded")
     if value < 0 and column not in _MAY_BE_NEGATIVE:

@@ -15,8 +15,10 @@ from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
     BallRow,
     ClockRow,
+    DialRow,
     EventRow,
     GazeValidationRow,
+    PracticeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -31,7 +33,7 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, GazeValidationRow,
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -40,7 +42,9 @@ SYNC_EVERY_S = 0.5
 
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
-_SYNCED_AT_ONCE = (TrialRow, QuestionnaireRow, RatingRow, TaskRow, EventRow)
+_SYNCED_AT_ONCE = (
+    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, PracticeRow, EventRow,
+)  # fmt: skip
 
 
 class RowFiles:

@@ -271,6 +271,87 @@ class BallRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class PracticeRow(FlatRow):
+    """One exposure of a block of practice, which is no trial of the study.
+
+    Parameters
+    ----------
+    practice
+        Name of the block.
+    before_trial
+        The trial that it comes before.
+    repetition, number
+        Of the block in the session, and of the exposure in the block, from 1.
+    status
+        completed, skipped, redone, withdrawn or aborted.
+    targets, hits, shots, score
+        Of its task, as in ``tasks.csv``.
+    met
+        Of a block's last exposure: 1 where the criterion is met, 0 where not; blank without one.
+    over
+        1 where the block is not shown again, else 0.
+    """
+
+    FILE: ClassVar[str] = "practice.csv"
+    participant: str
+    session: int
+    practice: str
+    before_trial: int
+    repetition: int
+    number: int
+    condition: str
+    scene: str
+    task: str
+    start_s: float
+    end_s: float
+    status: str
+    targets: int | None = None
+    hits: int | None = None
+    shots: int | None = None
+    score: float | None = None
+    met: int | None = None
+    over: int = 0
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
+class DialRow(FlatRow):
+    """Where a dial was turned to during an exposure.
+
+    Parameters
+    ----------
+    attempt
+        As in ``trials.csv``.
+    dial
+        Its name in the protocol.
+    setting
+        Of an adjustment: what it changes in the condition.
+    instrument
+        Of a slider: what is rated.
+    kind
+        start (where it stood when the exposure began), change (of an adjustment), sample (of a
+        slider), confirmed, or end (where it stood when the exposure ended and nothing was
+        confirmed).
+    value
+        In the setting's unit, drawn from that frame on; or on the instrument's scale.
+    """
+
+    FILE: ClassVar[str] = "dials.csv"
+    participant: str
+    session: int
+    trial: int
+    condition: str
+    attempt: int
+    dial: str
+    setting: str
+    instrument: str
+    kind: str
+    onset_s: float
+    value: float
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class GazeValidationRow(FlatRow):
     """How good the gaze on one point was, or (point blank) the mean over all points.
 
@@ -281,7 +362,7 @@ class GazeValidationRow(FlatRow):
     before_trial
         The exposure that it was before.
     eye
-        combined: the gaze that the runtime gives for both.
+        combined: the gaze that the runtime gives for both; left, right: where it tells them apart.
     right_deg, up_deg, distance_m
         Where the point was, seen from the head when it appeared.
     samples, valid_percent

@@ -13,7 +13,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.render.camera import Lens, PreviousCamera
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
-from vrcomfort.render.effects.effect import Effect, EffectInputs, EffectKind, EyeFrame
+from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
 from vrcomfort.render.effects.kinds import in_order
 from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rule import FocusPass, Sight
@@ -164,6 +164,15 @@ class ConditionPasses:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         for effect in self._effects:
             effect.forget()
+
+    def adjust(self, condition: Condition) -> None:
+        """Draw by other settings from now on: those that can change while passes are there."""
+        for name, part in self._named.items():
+            if isinstance(part, Adjustable):
+                part.adjust(getattr(condition, name))
+        focus: object = self.focus
+        if isinstance(focus, Adjustable):
+            focus.adjust(condition.focus)
 
     def find_focus(
         self, frame: Frame, world_from_head: Pose, scene_time_s: float

@@ -124,6 +124,17 @@ class StereoRenderer:
         self.ctx.finish()
         self._timer = make_gpu_timer(self.ctx)
 
+    def adjust(self, condition: Condition) -> None:
+        """Change settings of the present condition between two frames; nothing is built anew.
+
+        Parameters
+        ----------
+        condition
+            Differs from that of `begin` only in settings of `vrcomfort.protocol.adjustments.LIVE`.
+        """
+        self._condition = condition
+        self._built().adjust(condition)
+
     def build(self, scene: Scene, condition: Condition) -> None:
         """Build the passes as `begin` does, and draw nothing yet."""
         self.release()

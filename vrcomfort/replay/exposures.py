@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, EventRow, RatingRow, TrialRow
+from vrcomfort.records import BallRow, EventRow, PracticeRow, RatingRow, TrialRow
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.replay.session_rows import rows_of
@@ -83,7 +83,7 @@ def read_exposures(
             frames,
             [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
             [_ball(row) for row in rows_of(folder, BallRow, manifest)],
-            _validated_until_s(rows_of(folder, EventRow, manifest)),
+            _others_until_s(folder, manifest),
         )
     )
 
@@ -101,9 +101,16 @@ def _attempts(
         yield {**begun, "end_s": np.inf, "status": ""}
 
 
-def _validated_until_s(events: Iterable[RecordedRow]) -> list[float]:
-    """Return when each validation of the eye tracker ended: its frames are of no exposure."""
-    return [row["onset_s"] + row["duration_s"] for row in events if row["name"] == VALIDATION]
+def _others_until_s(folder: Path, manifest: Mapping[str, Any]) -> list[float]:
+    """Return when each practice and each validation of the eye tracker ended.
+
+    Their frames are of no exposure, and have its number of training.
+    """
+    validations = (e for e in rows_of(folder, EventRow, manifest) if e["name"] == VALIDATION)
+    return [
+        *(row["end_s"] for row in rows_of(folder, PracticeRow, manifest)),
+        *(row["onset_s"] + row["duration_s"] for row in validations),
+    ]
 
 
 def _exposures(
@@ -112,7 +119,7 @@ def _exposures(
     frames: FrameFacts,
     ratings: Sequence[Rating],
     balls: Sequence[tuple[int, Shown]],
-    validated_until_s: Sequence[float],
+    others_until_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
     before_s = -np.inf
@@ -122,7 +129,7 @@ def _exposures(
         rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
         if len(rows):
             shown, end = int(rows[0]), int(rows[-1]) + 1
-            ends_s = [each - _EPSILON_S for each in validated_until_s if each <= row["start_s"]]
+            ends_s = [each - _EPSILON_S for each in others_until_s if each <= row["start_s"]]
             before_s = max([before_s, *ends_s])
             trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
             others = np.flatnonzero(~trained)

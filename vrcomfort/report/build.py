@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import os
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,7 +28,7 @@ from vrcomfort.report.vocabulary import Vocabulary
 from vrcomfort.report.writing import file_name, write_report
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Iterator
 
     from vrcomfort.recordings import Memory
     from vrcomfort.report.canvas import Drawing
@@ -113,11 +115,13 @@ def build_report(
         If the study or the plan cannot be read, or `out` cannot be written, or that would
         overwrite what is read.
     """
-    study = _of_one_kind(read_study(Path(source), instrument), simulated)
+    with _uncollected():
+        study = _of_one_kind(read_study(Path(source), instrument), simulated)
     study = with_frames(study, Path(source), memory=memory, cluster=cluster)
     chosen = choose_plan(study, plan)
-    results, scored = analyse(study, chosen)
-    results |= plain(records(study, scored, chosen, results, Path(source)))
+    with _uncollected():
+        results, scored = analyse(study, chosen)
+        results |= plain(records(study, scored, chosen, results, Path(source)))
     courses = analyse_courses(study, chosen, results, Path(source))
     results |= plain(courses.results)
     results["labels"] |= {
@@ -150,6 +154,18 @@ def build_report(
     spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
     write_report(Path(out), {"results.json": to_json(results), **files})
     return _summary(Path(out), results, words)
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Keep Python from looking for garbage: nearly all that reading makes is kept to the end."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
 
 
 def _today() -> str:

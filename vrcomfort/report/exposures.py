@@ -274,7 +274,7 @@ class _Work:
         rows, moments = list(self._after.values()), list(self._moments.values())
         steps = {name: _steps([*rows, *moments], name) for name in names}
         columns = [*COLUMNS, *names, *self._items]
-        table = pd.DataFrame(_whole(rows, steps), columns=columns)
+        table = _table(_whole(rows, steps), columns)
         posts = table["timepoint"] == self._plan.exposure_timepoint
         return Exposures(
             outcomes=tuple(each for each in self._outcomes if each.name in names),
@@ -284,11 +284,22 @@ class _Work:
             items=dict(self._items),
             table=table[posts].reset_index(drop=True),
             recovery=table[~posts].reset_index(drop=True),
-            moments=pd.DataFrame(_whole(moments, steps), columns=[*COLUMNS, *names]),
+            moments=_table(_whole(moments, steps), [*COLUMNS, *names]),
             excluded=tuple(self._excluded),
             planned_of={name: self._planned[name] for name in names},
             people=self._facts.people,
         )
+
+
+def _table(rows: list[Row], columns: list[str]) -> pd.DataFrame:
+    """Return rows as a table whose words are Python's strings.
+
+    Pandas' own strings take several times as long to walk through, and most of what is done with
+    words here is to walk through them.
+    """
+    table = pd.DataFrame(rows, columns=columns)
+    words = [name for name in columns if isinstance(table[name].dtype, pd.StringDtype)]
+    return table.astype(dict.fromkeys(words, object))
 
 
 def _put(rows: dict[tuple[Any, ...], Row], row: Row, values: Values) -> None:

@@ -80,7 +80,7 @@ def _anova(scored: Exposures, plan: Plan, outcome: str) -> Result:
         )  # fmt: skip
     without = set(long["participant"]) - set(whole["participant"])
     return {
-        "factors": {n: sorted(cells[n].astype(str).unique()) for n in names},
+        "factors": {n: sorted(map(str, cells[n].unique())) for n in names},
         "between": between,
         "sums_of_squares": plan.sums_of_squares,
         "n": result.n,

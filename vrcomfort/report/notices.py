@@ -78,6 +78,9 @@ _BY = {
     "score": "a score",
     "participant": "the participant",
     "task": "a task that was done",
+    "gaze": "the validation of the gaze",
+    "practice": "practice that did not go well enough",
+    "adjustment": "an adjustment that was confirmed",
 }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter, defaultdict
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -36,8 +36,9 @@ _NEEDED_ELSEWHERE = {
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
     "tasks.csv": ("participant",),
+    "dials.csv": ("participant", "dial", "kind", "value"),
 }
-_INSTEAD = ("tasks.csv", "ratings.csv", "participants.csv")
+_INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
 """What a study may have instead of questionnaires."""
 _NUMBERS = (
     "start_s", "end_s", "frames", "dropped", "missed", "missed_refreshes",
@@ -66,6 +67,8 @@ class StudyData:
     """What the frames of each attempt at an exposure say; see `with_frames`."""
     tasks: tuple[dict[str, str], ...] = ()
     """Rows of tasks.csv: participant, trial or condition, and numbers."""
+    dials: tuple[dict[str, str], ...] = ()
+    """Rows of dials.csv."""
     source: Path = Path()
     """What was read."""
 
@@ -128,9 +131,11 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     sheets = [sheet for file in files for sheet in _sheets(file, source, known, only, warnings)]
     if not sheets and only is not None:
         raise InputError(f"no {only.short} is answered in this table", file=source)
-    if files and not sheets and not _table(source, "tasks.csv", []):
+    instead = (_table(source, name, []) for name in ("tasks.csv", "dials.csv"))
+    if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    dials = _of_last_attempts(_table(source, "dials.csv", warnings))
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
         protocol=description.get("protocol"),
@@ -139,18 +144,19 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
         participants=_table(source, "participants.csv", warnings),
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
-        ratings=_table(source, "ratings.csv", warnings),
+        ratings=(*_table(source, "ratings.csv", warnings), *_slid(dials)),
         manifests=_manifests(source, warnings),
         files=len(files),
         warnings=tuple(warnings),
         tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
+        dials=dials,
         source=Path(source),
     )
 
 
 def people_of(study: StudyData) -> set[str]:
     """Return every participant that any file names."""
-    rows = (*study.participants, *study.trials, *study.ratings, *study.tasks)
+    rows = (*study.participants, *study.trials, *study.ratings, *study.tasks, *study.dials)
     named = {row.get("participant", "") for row in rows}
     return {sheet.participant for sheet in study.sheets} | (named - {""})
 
@@ -184,7 +190,7 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
             for row in getattr(study, name)
             if kinds.get(str(row.get("participant", "")), False) == simulated
         )
-        for name in ("participants", "trials", "ratings", "manifests", "tasks")
+        for name in ("participants", "trials", "ratings", "manifests", "tasks", "dials")
     }
     return replace(
         study,
@@ -275,21 +281,31 @@ def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], 
     return tuple(last.values())
 
 
-def _of_last_attempts(tasks: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
+def _of_last_attempts(rows: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
     """Leave out rows of attempts at a trial that was begun again later."""
-    if not all("attempt" in row for row in tasks):
-        return tasks
+    if not all("attempt" in row for row in rows):
+        return rows
     last: dict[tuple[str, ...], int] = {}
-    for row in tasks:
+    for row in rows:
         key = tuple(row.get(name, "") for name in ("participant", "session", "trial"))
         attempt = int(row["attempt"]) if row["attempt"].isdecimal() else 0
         last[key] = max(attempt, last.get(key, 0))
     return tuple(
         row
-        for row in tasks
+        for row in rows
         if (int(row["attempt"]) if row["attempt"].isdecimal() else 0)
         == last[tuple(row.get(name, "") for name in ("participant", "session", "trial"))]
     )
+
+
+def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
+    """Yield the samples of sliders, as ratings that came at once."""
+    for row in dials:
+        if row["kind"] == "sample" and row.get("instrument"):
+            again = {name: row.get(name, "") for name in ("participant", "session", "trial")}
+            when = {"condition": row.get("condition", ""), "onset_s": row.get("onset_s", "")}
+            said = {"instrument": row["instrument"], "response": row["value"]}
+            yield {**again, **when, **said, "latency_s": "0", "missed": "0"}
 
 
 def _json(file: Path) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """Who answers: simulated participants, or an experimenter who types what a person says."""
 
-from vrcomfort.respondent.base import Exposure, Form, Heard, Respondent, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Respondent, Telling, Withdrew
 from vrcomfort.respondent.simulated import SimulatedRespondent
 from vrcomfort.respondent.terminal import TerminalRespondent
 
@@ -10,6 +10,7 @@ __all__ = [
     "Heard",
     "Respondent",
     "SimulatedRespondent",
+    "Telling",
     "TerminalRespondent",
     "Withdrew",
 ]

@@ -6,6 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vrcomfort.questionnaire import Instrument
 
 
@@ -47,6 +50,29 @@ class Form:
     timepoint: str
     after_withdrawal: bool = False
     compared: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Telling:
+    """What a participant is told at a moment.
+
+    Parameters
+    ----------
+    text
+        Words to read; blank where there are none.
+    picture
+        (height, width, 4) pixels to look at, or None.
+    sound_s
+        Length of the sound that plays meanwhile; None where none does.
+    away
+        The headset may be taken off.
+    """
+
+    name: str
+    text: str = ""
+    picture: NDArray[np.uint8] | None = None
+    sound_s: float | None = None
+    away: bool = False
 
 
 Heard: TypeAlias = Callable[[str, int | None, float], None]
@@ -102,6 +128,24 @@ class Respondent(Protocol):
         Withdrew
             If the participant stops here.
         """
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+        """Live through a moment of what one is told.
+
+        Returns
+        -------
+        float or None
+            For how many seconds nothing comes of it (0: a frame has passed, which took its time);
+            None where the participant goes on.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops here.
+        """
+
+    def leave(self) -> None:
+        """Take note that what one was told is over."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer every item in the order of the instrument.

@@ -10,7 +10,7 @@ from dataclasses import replace
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
-from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
 from vrcomfort.respondent.dwell import DWELL_S, Dwell, Progress
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
@@ -23,9 +23,11 @@ from vrcomfort.respondent.panel_layout import (
     rest_cells,
     review_cells,
 )
-from vrcomfort.respondent.panel_picture import Page, Painter, stop_page
+from vrcomfort.respondent.panel_picture import Page, Painter, stop_page, telling_page
 from vrcomfort.respondent.pointing import Pointing, Screen
 
+_AWAY_S = 60.0
+"""So long, from each frame on, nobody need look into the headset."""
 UNABLE_S = 2.0
 """So long nothing to point with may be out of sight before the panel says so."""
 
@@ -77,6 +79,7 @@ class PanelRespondent:
         self._scale_until_s = 0.0
         self._stopping: Page | None = None
         self._rating: int | None = None
+        self._told: tuple[Telling, bool, Page] | None = None
 
     def start_session(self, session: int) -> None:
         """Do nothing: the session begins with its questions."""
@@ -160,6 +163,36 @@ class PanelRespondent:
 
     def rest(self, duration_s: float) -> None:  # noqa: ARG002
         """Clear the view."""
+        self._hide()
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
+        """Show what is told while a frame passes; there is a button once one may go on.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        if telling.away:
+            self._screen.allow_absence(_AWAY_S)
+        if self._told is None or self._told[:2] != (telling, may_go_on):
+            self._told = telling, may_go_on, telling_page(telling, self._words, ready=may_go_on)
+            self._keys.forget()
+            self._dwell.forget()
+            if may_go_on:
+                self._watch(self._told[2])
+        self._screen.next_frame()
+        cell = self._step(self._told[2], self._screen.pointing())
+        if cell is not None and cell.act is Act.CONFIRM:
+            return None
+        if cell is not None:
+            self._stop_if_sure("withdrew between exposures")
+            self._told = None  # the page is another one for whoever looks on
+        return 0.0
+
+    def leave(self) -> None:
+        """Clear the view."""
+        self._told = None
         self._hide()
 
     def ask(self, form: Form, heard: Heard) -> None:

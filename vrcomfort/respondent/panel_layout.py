@@ -113,6 +113,12 @@ def rest_cells(words: Words = ENGLISH) -> list[Cell]:
     return _row([(words.stop, Act.STOP)], FOOT_TOP_PX, FOOT_BOTTOM_PX)
 
 
+def telling_cells(words: Words = ENGLISH, *, ready: bool) -> list[Cell]:
+    """Return the cells below what is told: going on is one of them once one may."""
+    foot = [(words.stop, Act.STOP)] + ([(words.proceed, Act.CONFIRM)] if ready else [])
+    return _row(foot, FOOT_TOP_PX, FOOT_BOTTOM_PX)
+
+
 def stop_cells(words: Words = ENGLISH) -> list[Cell]:
     """Return the cells of the page that asks whether to stop; what asked is no answer to it."""
     choices = [(words.go_on, Act.BACK), (words.stop_now, Act.WITHDRAW)]

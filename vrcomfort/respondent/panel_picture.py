@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,15 +13,18 @@ from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from vrcomfort.protocol.texts import ENGLISH, Words
+from vrcomfort.respondent.base import Telling
 from vrcomfort.respondent.dwell import STEPS, Progress
 from vrcomfort.respondent.panel_layout import (
     ANSWER_TOP_PX,
+    FOOT_TOP_PX,
     HINT_PX,
     MARGIN_PX,
     SIZE_PX,
     Act,
     Cell,
     stop_cells,
+    telling_cells,
 )
 
 BACKGROUND = 28, 32, 38, 255
@@ -36,6 +39,10 @@ FRAME_PX, BAR_PX = 6, 14
 LARGE_PX, MIDDLE_PX, SMALL_PX = 60, 38, 32
 QUESTION_TOP_PX, QUESTION_PX = 190, (LARGE_PX, 52, 44, MIDDLE_PX, SMALL_PX)
 """Where a question begins, and the sizes that it may have: a long one is smaller."""
+
+TELLING_TOP_PX, TELLING_BOTTOM_PX, LEADING_PX = MARGIN_PX, FOOT_TOP_PX - 60, 12
+"""Between which what is told stands: above the line of hints."""
+TELLING_PX = (46, MIDDLE_PX, SMALL_PX)
 
 Picture = NDArray[np.uint8]
 
@@ -60,6 +67,8 @@ class Page:
         The answer given before, if this question is open again.
     hint
         How to answer, in small letters.
+    telling
+        What is told, in place of a question.
     """
 
     title: str
@@ -69,6 +78,14 @@ class Page:
     done: float | None = None
     chosen: int | None = None
     hint: str = ""
+    telling: Telling | None = None
+
+
+def telling_page(telling: Telling, words: Words = ENGLISH, *, ready: bool) -> Page:
+    """Return the page of what a participant is told; with a button to go on, if `ready`."""
+    nothing = not telling.text and telling.picture is None
+    shown = replace(telling, text=words.listen_sound) if nothing else telling
+    return Page("", "", telling_cells(words, ready=ready), telling=shown)
 
 
 def stop_page(words: Words = ENGLISH) -> Page:
@@ -150,6 +167,8 @@ def _draw_page(page: Page) -> Image.Image:
         _draw_cell(canvas, cell, _colour(cell, page))
     if page.ends is not None:
         _draw_ends(canvas, page)
+    if page.telling is not None:
+        _draw_telling(image, canvas, page.telling)
     middle = SIZE_PX[0] / 2, HINT_PX
     canvas.text(middle, page.hint, fill=QUIET, font=canvas.face(SMALL_PX), anchor="mm")
     return image
@@ -176,6 +195,57 @@ def _draw_question(canvas: _Canvas, question: str, width: float) -> None:
         if bottom <= ANSWER_TOP_PX - 8 or size == QUESTION_PX[-1]:
             canvas.multiline_text(top, text, fill=TEXT, font=canvas.face(size), spacing=12)
             return
+
+
+def _draw_telling(image: Image.Image, canvas: _Canvas, telling: Telling) -> None:
+    """Draw words from the top, and a picture in the middle of the room below them."""
+    top = TELLING_TOP_PX
+    if telling.text:
+        size, height = _telling_size(canvas, telling)
+        text = _paragraphs(canvas, telling.text, size)
+        at = MARGIN_PX, top
+        canvas.multiline_text(at, text, fill=TEXT, font=canvas.face(size), spacing=LEADING_PX)
+        top += height + MARGIN_PX
+    if telling.picture is not None:
+        drawn = Image.fromarray(telling.picture)
+        left = (SIZE_PX[0] - drawn.width) // 2
+        above = top + max(TELLING_BOTTOM_PX - top - drawn.height, 0) // 2
+        image.alpha_composite(drawn, (left, above))
+
+
+def _telling_size(canvas: _Canvas, telling: Telling) -> tuple[int, int]:
+    """Return the largest size in which words leave room for their picture, and their height."""
+    room = TELLING_BOTTOM_PX - TELLING_TOP_PX
+    if telling.picture is not None:
+        room -= telling.picture.shape[0] + MARGIN_PX
+    for size in TELLING_PX:
+        text = _paragraphs(canvas, telling.text, size)
+        box = canvas.multiline_textbbox((0, 0), text, font=canvas.face(size), spacing=LEADING_PX)
+        if box[3] <= room:
+            break
+    return size, round(box[3])
+
+
+def _paragraphs(canvas: _Canvas, text: str, size_px: int) -> str:
+    width = SIZE_PX[0] - 2 * MARGIN_PX
+    return "\n".join(_wrapped(canvas, line, size_px, width) for line in text.strip().split("\n"))
+
+
+def room_for_picture(text: str) -> tuple[int, int]:
+    """Return the (width, height) that a picture may have on the panel below a text, in pixels.
+
+    The height is negative where not even the text has room.
+    """
+    height = TELLING_BOTTOM_PX - TELLING_TOP_PX
+    if text:
+        page = telling_page(Telling("", text), ready=True)
+        canvas = _Canvas(Image.new("RGBA", (1, 1)), whole=_needs_whole(page))
+        lines = _paragraphs(canvas, text, SMALL_PX)
+        font = canvas.face(SMALL_PX)
+        box = canvas.multiline_textbbox((0, 0), lines, font=font, spacing=LEADING_PX)
+        height -= round(box[3])
+        height -= MARGIN_PX if height >= 0 else 0
+    return SIZE_PX[0] - 2 * MARGIN_PX, height
 
 
 def _draw_cell(
@@ -235,6 +305,7 @@ _HAS = frozenset(map(chr, range(32, 127))) | {"…", "’", "\n"}
 def _needs_whole(page: Page) -> bool:
     """Return whether a page has letters that the usual font has not."""
     texts = [page.title, page.question, page.hint, *(page.ends or ())]
+    texts += [page.telling.text] if page.telling else []
     return not _HAS.issuperset("".join([*texts, *(cell.text for cell in page.cells)]))
 
 

@@ -17,10 +17,13 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
+from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
+from vrcomfort.respondent.turning import SimulatedAdjuster, SimulatedSlider, Turn
 from vrcomfort.tasks import Demand
 
 LOADINGS: Mapping[str, float] = {
@@ -52,12 +55,20 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
+_SHORTEST_S = 1e-6
+"""Less is no time: clocks count nanoseconds."""
+_SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
+"""Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
 """Which of a trial's random streams is the hands'."""
-_EYES = 5
-"""The same of the eyes."""
+_EYES, _BREAKS = 5, 6
+"""The same of the eyes, and of how long breaks are."""
+_DIAL = 6
+"""The same of what turns a dial."""
+_SLIDER = 8
+"""The same of a slider."""
 
 
 class SimulatedRespondent:
@@ -83,6 +94,8 @@ class SimulatedRespondent:
         self._rng = self._stream(session)
         self._session = session
         self._eyes: Eyes | None = None
+        self._break: Telling | None = None
+        self._breaks = 0
         self.sickness = 0.0
         self._limit = 0.0
         self._withdraws_at_s = math.inf
@@ -121,6 +134,30 @@ class SimulatedRespondent:
         """Return world-from-ray of a press in this frame, if there is one."""
         return self._hands.act(demand, head, time_s)
 
+    def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
+        """Begin to adjust, with random streams of their own: that changes no answer."""
+        name = int.from_bytes(hashlib.sha256(adjustment.name.encode()).digest()[:4])
+        keys = (self._person, name, _DIAL), (self._person, self._session, trial, _DIAL)
+        person, exposure = (
+            np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
+        )
+        self._adjuster = SimulatedAdjuster(self._settings, adjustment, person, exposure)
+
+    def turn(self, place: float, time_s: float) -> Turn:
+        """Return what they do to the dial, which is at a place (0 to 1) of its range."""
+        return self._adjuster.turn(place, time_s)
+
+    def start_slider(self, trial: int) -> None:
+        """Begin to rate all the time, with a random stream of its own."""
+        key = (self._person, self._session, trial, _SLIDER)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        self._slider = SimulatedSlider(self._settings.noise_sd / _SICKNESS_OF_RANGE, random)
+
+    def slide(self, place: float) -> float:
+        """Return where they put a slider, which is at a place (0 to 1) of its range."""
+        felt = float(self._after(np.array(self._lived_s))) / _SICKNESS_OF_RANGE
+        return self._slider.put(place, felt)
+
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze | None:
         """Return where they look, as an eye tracker says it; None where they have no such eyes."""
         self._eyes = self._eyes or self._opened(0)
@@ -135,7 +172,10 @@ class SimulatedRespondent:
         random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
         of_person = (self._person, self._session, _EYES)
         tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
-        return Eyes(settings, random, settings.error_deg * tracker.standard_normal(2))
+        offset_deg = settings.error_deg * tracker.standard_normal(2)
+        own_deg = settings.eye_error_deg * tracker.standard_normal((2, 2))
+        noise = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 1)))
+        return Eyes(settings, random, offset_deg, EyePair(settings, noise, offset_deg + own_deg))
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
@@ -147,6 +187,7 @@ class SimulatedRespondent:
         self._limit = dose * settings.recovery_min
         self._eyes = self._opened(exposure.trial)
         self._withdraws_at_s = self._withdrawal(exposure.duration_s)
+        self._lived_s = 0.0
         self._answer_at_s = math.inf
 
     def _withdrawal(self, duration_s: float) -> float:
@@ -169,12 +210,14 @@ class SimulatedRespondent:
 
     def endure(self, elapsed_s: float) -> None:
         """Withdraw when it has become too much."""
+        self._lived_s = elapsed_s
         if elapsed_s >= self._withdraws_at_s:
             raise Withdrew("felt too sick to go on")
 
     def end_exposure(self, elapsed_s: float) -> None:
         """Keep the sickness reached."""
         self.sickness = float(self._after(np.array(elapsed_s)))
+        self._withdraws_at_s = self._answer_at_s = math.inf
 
     def prompt(self, instrument: Instrument, elapsed_s: float, timeout_s: float) -> None:
         """Think about the rating for a part of the time there is, or miss it."""
@@ -196,6 +239,27 @@ class SimulatedRespondent:
         """Recover."""
         self._limit = 0.0
         self.sickness = float(self._after(np.array(duration_s)))
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:
+        """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
+        takes_s = _SECONDS_PER_WORD * len(telling.text.split())
+        takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
+        takes_s += self._lingers_s(telling) if telling.away else 0.0
+        left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
+        if left_s > _SHORTEST_S:
+            return left_s
+        return None if may_go_on else math.inf
+
+    def _lingers_s(self, telling: Telling) -> float:
+        """Return for how long they stay in a break that they may end."""
+        if self._break is not telling:
+            self._break, self._breaks = telling, self._breaks + 1
+        key = (self._person, self._session, self._breaks, _BREAKS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        return self._settings.break_extra_s * float(random.standard_exponential())
+
+    def leave(self) -> None:
+        """Do nothing."""
 
     def ask(self, form: Form, heard: Heard) -> None:
         """Answer, refuse after a withdrawal, or (rarely) withdraw at a question."""

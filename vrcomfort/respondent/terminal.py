@@ -11,12 +11,14 @@ from rich.table import Table
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
-from vrcomfort.respondent.base import Exposure, Form, Heard, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
 from vrcomfort.respondent.lines import waiting_line
 from vrcomfort.respondent.typed_rating import TypedRating
 
 _KEYS = f"number = answer, {keys.HELP}"
 _STOP = f"{keys.STOP} + Enter = withdraw"
+_LOOKS_EVERY_S = 0.05
+"""So often what is typed is looked at while something is told."""
 
 
 class TerminalRespondent:
@@ -49,6 +51,7 @@ class TerminalRespondent:
         self._rating = TypedRating()
         self._asked_whether_to_stop = False
         self._exposed = False
+        self._told: Telling | None = None
 
     def start_session(self, session: int) -> None:
         """Say which session begins, and how to end it."""
@@ -103,6 +106,40 @@ class TerminalRespondent:
         """
         self._finish_asking_whether_to_stop()
         self._console.print(f"{duration_s / 60:.1f} minutes of rest are over.")
+
+    def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
+        """Print what is told, to be read aloud; Enter goes on.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and that was typed twice.
+        """
+        if self._told is not telling:
+            self._told = telling
+            self._console.rule(telling.name)
+            self._console.print(telling.text or "(nothing to read)")
+            self._console.print(f"Enter = go on. {_STOP}.", style="dim")
+        typed = self._waiting_line()
+        if typed is None:
+            return _LOOKS_EVERY_S
+        line = typed.strip().lower()
+        if line and self._stops(line, "withdrew between exposures"):
+            return _LOOKS_EVERY_S
+        if not may_go_on:
+            self._tell("It cannot go on yet.")
+        return None if may_go_on and not line else _LOOKS_EVERY_S
+
+    def leave(self) -> None:
+        """Wait for the answer to whether somebody wants to stop.
+
+        Raises
+        ------
+        Withdrew
+            If that is confirmed.
+        """
+        self._told = None
+        self._finish_asking_whether_to_stop()
 
     def _clear_typed(self) -> None:
         """Take lines typed before the question was there: a late rating is no answer to it."""

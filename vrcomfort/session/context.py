@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
+from vrcomfort.headset.sound import Speaker
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Durability, Machine
 from vrcomfort.respondent import Respondent
@@ -49,6 +50,8 @@ class SessionContext:
         What operators want.
     relay
         Other devices that are told what happens.
+    speaker
+        Plays the sounds of instructions; None where nothing can be heard.
     """
 
     protocol: Protocol
@@ -71,11 +74,17 @@ class SessionContext:
     watchdog: Watchdog
     steering: Steering
     relay: Relay
+    speaker: Speaker | None
 
     @property
     def stretch(self) -> float:
         """Return the protocol's seconds for each shown second of the longest exposure."""
         return self.protocol.longest_s / self.exposure_s
+
+    @property
+    def panel_stands(self) -> bool:
+        """Return whether what is pressed answers a question in the headset."""
+        return self.screen is not None and self.screen.quad is not None
 
     def shown_s(self, scene: str) -> float:
         """Return how long a trial is shown: as its scene or view says, or shortened."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
+from vrcomfort.headset.sound import NobodyHears
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import EventRow, session_folder
 from vrcomfort.respondent import SimulatedRespondent
@@ -80,6 +81,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
         "noise_sd": 0.0,
         "hazard_per_min": 0.0,
         "question_hazard": 0.0,
+        "break_extra_s": 0.0,
         "eyes": None,  # or a validation of them could end a session
     }
     settings = protocol.simulation.model_copy(update=stays)
@@ -93,6 +95,7 @@ def _run(protocol: Protocol, study: Path, name: str, covariates: dict[str, str])
             headset_for=lambda _name, _scene: StillHeadset(_steps_hz(protocol)),
             load_scene=scenes_for(protocol),
             renderer=NoPictures(),
+            speaker=NobodyHears(),
             jumps=True,
             clock=VirtualClock(),
             durability="session_end",
@@ -115,6 +118,7 @@ def _length(study: Path, name: str, group: str, sequence: str, session: int) -> 
         return sum(float(e["duration_s"] or 0) for e in events if e["name"] == what)
 
     known = {f"{what}_s": lasted(what) for what in ("exposure", "training", "rest")}
+    known["training_s"] += lasted("practice")
     end_s = max(float(event["onset_s"]) for event in events if event["name"] == "session_end")
     return SessionLength(
         group, sequence, session, questions_s=max(end_s - sum(known.values()), 0.0), **known

@@ -18,7 +18,7 @@ from vrcomfort.session.clocks import ClockBridge
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Doing, Finishing, Looks
+from vrcomfort.session.interfaces import Doing, Looks
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.timing import seen_between_ns
@@ -185,7 +185,7 @@ class FrameLoop:
                 self._miss(stimulus, schedule)
             self._listen(stimulus, schedule)
             progress(self.elapsed_s)
-            if self._is_done(self._task):
+            if self._task is not None and self._task.done:
                 self.context.clock.advance(frame.period_ns / 1e9)
                 return "task_done"
             # The next frame would lie more than half outside.
@@ -195,10 +195,6 @@ class FrameLoop:
                 self.felt_s = self.elapsed_s * stimulus.stretch
                 return "completed"
         return "headset_ended"
-
-    def _is_done(self, task: Finishing | None) -> bool:
-        """Return whether the exposure ends because nothing is left to do in it."""
-        return task is not None and task.done and self.context.protocol.exposure_ends == "task"
 
     def _counts(self, frame: Frame, stimulus: Stimulus) -> bool:
         """Return whether a frame's time is exposure; show it, or take note of it, if it is not."""

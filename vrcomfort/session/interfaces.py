@@ -54,6 +54,9 @@ class Renderer(Protocol):
     def begin(self, scene: Any, condition: Condition) -> None:
         """Prepare a scene and a condition; forget everything before."""
 
+    def adjust(self, condition: Condition) -> None:
+        """Change settings of the present condition between two frames."""
+
     def render(self, frame: Frame, scene_time_s: float) -> RenderedFrame:
         """Draw both eyes."""
 
@@ -80,20 +83,12 @@ Called once per exposure: a playback headset is made anew, a real one is led to 
 """
 
 
-class Finishing(Protocol):
-    """What is done during an exposure and may end it."""
-
-    @property
-    def done(self) -> bool:
-        """Return whether nothing is left to do."""
-
-
 class Doing(Protocol):
-    """What is done during frames that count: a task, or the validation of the gaze."""
+    """What is done during frames that count: a task, an adjustment, or a validation of the gaze."""
 
     @property
     def done(self) -> bool:
-        """Return whether all of it is done, before its time."""
+        """Return whether the exposure ends with it, before its time."""
 
     def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be looked at, and perhaps pointed at, now."""
@@ -190,7 +185,9 @@ class NoRelay:
         return 0
 
 
-Step = Literal["session", "training", "exposure", "questionnaire", "rest", "notice", "end"]
+Step = Literal[
+    "session", "training", "exposure", "questionnaire", "rest", "instruction", "notice", "end"
+]
 
 
 @dataclass(frozen=True)

@@ -130,6 +130,9 @@ class NoPictures:
     def begin(self, scene: Any, condition: Condition) -> None:
         """Prepare nothing."""
 
+    def adjust(self, condition: Condition) -> None:
+        """Change nothing."""
+
     def render(self, frame: Frame, scene_time_s: float) -> _Unseen:  # noqa: ARG002
         """Draw nothing."""
         return _Unseen()

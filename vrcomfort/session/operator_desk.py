@@ -8,7 +8,9 @@ from typing import Literal, Protocol
 from vrcomfort.frame import Frame
 from vrcomfort.session.interfaces import RenderedFrame
 
-StepKind = Literal["session", "ready", "training", "exposure", "questionnaire", "rest"]
+StepKind = Literal[
+    "session", "ready", "training", "exposure", "questionnaire", "rest", "instruction"
+]
 
 
 @dataclass(frozen=True)

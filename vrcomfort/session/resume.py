@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -85,6 +85,14 @@ def require_rest(protocol: Protocol, study: Path, participant: str, chosen: Chos
         raise InputError(f"{message} between sessions; come back after {until}")
 
 
+def _changed_media(manifest: Mapping[str, Any], protocol: Protocol) -> str | None:
+    """Return a picture or sound that is not what it was, if its language is the same."""
+    then = manifest["protocol"].get("media") or {}
+    if manifest.get("language") != protocol.language:
+        return None
+    return next((name for name, sha256 in protocol.media.items() if then.get(name) != sha256), None)
+
+
 def _checked(wanted: Iterable[int], total: int, left: list[int]) -> list[int]:
     numbers = sorted(set(wanted))
     if not numbers:
@@ -109,6 +117,8 @@ class InterruptedSessions:
         for number, manifest in self._manifests.items():
             if manifest["protocol"]["sha256"] != protocol.sha256:
                 what = "with another text of this protocol; resume it with the same"
+            elif (changed := _changed_media(manifest, protocol)) is not None:
+                what = f"with another {changed}; resume it with the same"
             elif manifest["seed"] != seed:
                 what = f"with seed {manifest['seed']}; resume it with --seed {manifest['seed']}"
             elif manifest["sequence"] != sequence:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from vrcomfort.headset.sound import Speaker
 from vrcomfort.records import Durability, Machine, enrol
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
@@ -39,6 +40,7 @@ def run(
     watchdog: Watchdog | None = None,
     steering: Steering | None = None,
     relay: Relay | None = None,
+    speaker: Speaker | None = None,
     jumps: bool = False,
     progress: ProgressCallback = no_progress,
 ) -> Outcome:
@@ -62,6 +64,8 @@ def run(
         Hears the operators; without it, nobody steers but by Ctrl-C.
     relay
         Passes on what happens to other devices.
+    speaker
+        Plays the sounds of instructions; without it, their texts stand in for them.
     jumps
         Let time jump from one event to the next: for simulated participants without frames.
 
@@ -98,6 +102,7 @@ def run(
         watchdog=watchdog or NoWatchdog(),
         steering=steering or Steering(NoDesk()),
         relay=relay or NoRelay(),
+        speaker=speaker,
         jumps=jumps,
     )
     enrolment.interrupted.check_memory(respondent)  # before anything is written

@@ -43,6 +43,7 @@ ALLOWED: Mapping[StepKind, frozenset[str]] = {
     "exposure": frozenset(_TIMED | {"redo", "rate"}),
     "questionnaire": frozenset(_ALWAYS | {"skip", "redo", "recentre", "answer", "confirm"}),
     "rest": frozenset(_TIMED),
+    "instruction": frozenset(_ALWAYS | {"skip", "redo", "recentre"}),
 }
 """What can be asked for in which step."""
 

@@ -24,7 +24,7 @@ class StopRule(Exception):  # noqa: N818 - the protocol's decision, not an error
     ends
         The exposure, the session, or the participant's study.
     by
-        ``rating``, or ``score``.
+        ``rating``, ``score``, ``gaze`` (its validation) or ``practice``.
     """
 
     def __init__(self, reason: str, ends: Ends = "study", by: str = "rating") -> None:

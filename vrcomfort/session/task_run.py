@@ -56,6 +56,12 @@ class TaskRun:
         None in a session without pictures that needs none.
     attempt
         At this trial.
+    duration_s
+        How long it lasts at most.
+    stream
+        Number of its random numbers; without it, that of the trial.
+    keep
+        Takes what comes of it; without it, that is written into ``tasks.csv``.
     """
 
     context: SessionContext
@@ -65,6 +71,9 @@ class TaskRun:
     scene: Scene | None
     attempt: int
     resumed: bool
+    duration_s: float
+    stream: int | None = None
+    keep: Callable[[Sequence[Result]], None] | None = None
     elapsed_s: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -83,8 +92,8 @@ class TaskRun:
 
     @property
     def done(self) -> bool:
-        """Whether the task is done, so that the exposure may end; see `interfaces.Finishing`."""
-        return self._task.done
+        """Whether the task is done, so that the exposure may end; see `interfaces.Doing`."""
+        return self._task.done and self.context.protocol.exposure_ends == "task"
 
     def demand(self, frame: Frame) -> Demand | None:
         """Return what is to be done now."""
@@ -105,9 +114,7 @@ class TaskRun:
         if self._began_s is None:
             self._began_s = self.context.clock.now_s() - elapsed_s
             if isinstance(self.context.respondent, Performs):
-                self.context.respondent.start_task(
-                    self.place.trial or 0, self.place.condition or ""
-                )
+                self.context.respondent.start_task(self._stream, self.place.condition or "")
         self.elapsed_s = elapsed_s
         self._write(self._task.step(self._moment(frame, headset, elapsed_s)))
         if self._markers is not None:
@@ -147,18 +154,21 @@ class TaskRun:
         if isinstance(respondent, Performs):
             ray = respondent.act(self._task.demand(), head, time_s)
             pressed = [] if ray is None else [ray]
-        elif isinstance(headset, HasInputs) and not self._panel_stands():
+        elif isinstance(headset, HasInputs) and not self.context.panel_stands:
             inputs = headset.inputs()
             aims = [hand.aim for hand in inputs.hands if hand.select]
             aims += [None] if inputs.keys.enter else []
             pressed = [None if aim is None else frame.avatar_pose @ aim for aim in aims]
         return Moment(time_s, head, seen, tuple(pressed))
 
-    def _panel_stands(self) -> bool:
-        """Return whether presses are answers to a question."""
-        return self.context.screen is not None and self.context.screen.quad is not None
+    @property
+    def _stream(self) -> int:
+        return (self.place.trial or 0) if self.stream is None else self.stream
 
     def _write(self, results: Sequence[Result]) -> None:
+        if self.keep is not None:
+            self.keep(results)
+            return
         for each in results:
             self.events.recorder.write_soon(self._row(each))
 
@@ -200,9 +210,9 @@ class TaskRun:
         )
         return Surroundings(
             random=task_random(
-                context.seed, context.participant, self.events.session, self.place.trial or 0
+                context.seed, context.participant, self.events.session, self._stream
             ),
-            duration_s=context.shown_s(self.place.scene),
+            duration_s=self.duration_s,
             spawn=scene.spawn if scene else Pose(),
             thing=lambda name: _Thing.of(scene, name, self.place.scene),
             free_m=free_m,
@@ -238,8 +248,10 @@ class _Thing:
         return Ball((low + high) / 2, float(np.linalg.norm(high - low)) / 2)
 
 
-def task_random(seed: int, participant: str, session: int, trial: int) -> np.random.Generator:
+def task_random(
+    seed: int, participant: str, session: int, trial: int, stream: int = _STREAM
+) -> np.random.Generator:
     """Return what a task draws from: the same at each attempt at a trial."""
     person = int.from_bytes(hashlib.sha256(participant.encode()).digest()[:4])
-    key = (person, session, trial, _STREAM)
+    key = (person, session, trial, stream)
     return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=key))

@@ -13,14 +13,17 @@ from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
+from vrcomfort.session.adjustment_run import AdjustmentRun
 from vrcomfort.session.context import SessionContext
+from vrcomfort.session.dial_run import Several
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Step
+from vrcomfort.session.interfaces import Doing, Step
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
+from vrcomfort.session.slider_run import SliderRun
 from vrcomfort.session.standing import Standing, stand
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule, trial_ending
@@ -77,6 +80,7 @@ class TrialRunner:
         self._redone: Counter[int] = Counter()
         self._open: tuple[TrialPlace, Ending, FrameLoop | None] | None = None
         self._task: TaskRun | None = None
+        self._adjustment: AdjustmentRun | None = None
 
     def run(self, place: TrialPlace) -> Ending:
         """Expose, again where an operator wants it so; return how the last attempt ended."""
@@ -150,7 +154,8 @@ class TrialRunner:
             self._respondent.end_exposure(loop.felt_s)
         if result in {"completed", "task_done"}:
             ending.status = "completed"
-            ending.abort_code = "task" if result == "task_done" else None
+            done = self._context.protocol.exposure_ends
+            ending.abort_code = done if result == "task_done" else None
         else:
             ending.abort_code = result
         return None
@@ -160,7 +165,11 @@ class TrialRunner:
         headset, standing = self.stand(place)
         condition = protocol.condition(place.condition or "")
         self._task = self._task_in(place, standing.scene)
-        context.renderer.begin(self._task.drawn if self._task else standing.scene, condition)
+        self._adjustment = adjusting = self._adjustment_in(place)
+        scene = self._task.drawn if self._task else standing.scene
+        context.renderer.begin(scene, adjusting.built_for if adjusting else condition)
+        if adjusting:
+            adjusting.show_start()
         self._log.focus_follows_gaze = condition.focus.method == "gaze"
         loop = EventLoop if context.jumps else FrameLoop
         return loop(context, headset, self._events, self._log, standing.path)
@@ -194,7 +203,31 @@ class TrialRunner:
             scene,
             attempt=known["attempt"],
             resumed=bool(known["resumed"]),
+            duration_s=self._context.shown_s(place.scene),
         )
+
+    def _adjustment_in(self, place: TrialPlace) -> AdjustmentRun | None:
+        """Return what is adjusted in a trial, ready to begin."""
+        adjustment = self._context.protocol.adjustment_in(place.condition or "")
+        known = self._of_dial(place)
+        return None if adjustment is None else AdjustmentRun(**known, dial=adjustment)
+
+    def _of_dial(self, place: TrialPlace) -> dict[str, Any]:
+        known = self._identity(place, 0.0)
+        return {
+            "context": self._context,
+            "events": self._events,
+            "place": place,
+            "attempt": known["attempt"],
+            "resumed": bool(known["resumed"]),
+        }
+
+    def _doing(self, place: TrialPlace) -> Doing | None:
+        """Return all that is done in a trial, and rated all through it."""
+        slider = self._context.protocol.slider_in(place.condition or "")
+        sliding = None if slider is None else SliderRun(**self._of_dial(place), dial=slider)
+        parts = [each for each in (self._task, self._adjustment, sliding) if each is not None]
+        return Several(parts) if parts else None
 
     def _train(self, loop: FrameLoop, place: TrialPlace, ending: Ending) -> None:
         """Show the first scene; who withdraws here has an exposure of 0 s."""
@@ -237,7 +270,7 @@ class TrialRunner:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
                 schedule=schedule,
-                task=self._task,
+                task=self._doing(place),
                 progress=self._watch("exposure", place, shown_s),
             )
         finally:

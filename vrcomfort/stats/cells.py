@@ -63,7 +63,7 @@ def cells(
 def _wide(
     table: pd.DataFrame, value: str, participant: str, levels: dict[str, tuple[str, ...]]
 ) -> pd.DataFrame:
-    names = [table[name].astype(str) for name in levels]
+    names = [table[name].map(str) for name in levels]
     keys = ["\x1f".join(cell) for cell in zip(*names, strict=True)] if names else ""
     there = table.assign(_cell=keys).dropna(subset=[participant, value])
     flat = there.pivot(index=participant, columns="_cell", values=value)  # noqa: PD010 - 3 × faster

@@ -156,6 +156,6 @@ def treatment_columns(rows: pd.DataFrame, factor: str, reference: str | None) ->
 
 def _levels(rows: pd.DataFrame, factor: str, reference: str | None) -> tuple[str, ...]:
     """Return the levels of a factor, the reference first."""
-    found = sorted(set(rows[factor].astype(str)))
+    found = sorted(map(str, rows[factor].unique()))
     base = reference if reference is not None else next(iter(found), "")
     return (base, *(level for level in found if level != base))

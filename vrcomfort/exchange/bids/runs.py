@@ -9,7 +9,7 @@ from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.rows import EventRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.rows import DialRow, EventRow, RatingRow, TaskRow, TrialRow
 
 _EPSILON_S = 1e-6
 Cells = dict[str, str]
@@ -33,6 +33,7 @@ class Run:
     gaze: list[Cells] = field(default_factory=list)
     ratings: list[Cells] = field(default_factory=list)
     tasks: list[Cells] = field(default_factory=list)
+    dials: list[Cells] = field(default_factory=list)
     events: list[Cells] = field(default_factory=list)
 
     @property
@@ -71,10 +72,11 @@ def read_runs(folder: Path) -> list[Run]:
         run = _of(runs, row["trial"], float(row["onset_s"]))
         if run is not None:
             run.ratings.append(row)
-    for row in _rows(folder / TaskRow.FILE) if (folder / TaskRow.FILE).exists() else ():
-        run = _of(runs, row["trial"], float(row["onset_s"]))
-        if run is not None:
-            run.tasks.append(row)
+    for kind in (TaskRow, DialRow):
+        for row in _rows(folder / kind.FILE) if (folder / kind.FILE).exists() else ():
+            run = _of(runs, row["trial"], float(row["onset_s"]))
+            if run is not None:
+                (run.tasks if kind is TaskRow else run.dials).append(row)
     for row in _rows(folder / EventRow.FILE):
         run = next((each for each in runs if each.holds(float(row["onset_s"]))), None)
         if run is not None and row["name"] not in {"exposure", "answer"}:

@@ -22,6 +22,7 @@ from vrcomfort.records.rows import (
     OVER,
     BallRow,
     ClockRow,
+    DialRow,
     EventRow,
     QuestionnaireRow,
     RatingRow,
@@ -44,12 +45,13 @@ class Recorded:
     answers: Sequence[RecordedRow]
     ratings: Sequence[RecordedRow]
     events: Sequence[RecordedRow]
-    tasks: Sequence[RecordedRow] = ()
+    doings: Sequence[RecordedRow] = ()
+    """Rows of tasks and of dials."""
     attempts: Mapping[int, Sequence[RecordedRow]] = field(default_factory=dict)
 
     def all(self) -> Iterable[Sequence[RecordedRow]]:
         """Return the rows of each file."""
-        return self.trials, self.timing, self.answers, self.ratings, self.events, self.tasks
+        return self.trials, self.timing, self.answers, self.ratings, self.events, self.doings
 
 
 def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
@@ -67,7 +69,7 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
     _check_whose(manifest, recorded, found)
     _check_trials(recorded, manifest, found)
     _check_ratings(recorded, manifest, found)
-    _check_tasks(recorded, manifest, found)
+    _check_doings(recorded, manifest, found)
     whole = manifest["status"] in {"completed", "ended", "withdrawn"} and not manifest.get(
         "earlier_runs"
     )
@@ -104,7 +106,7 @@ def _read(folder: Path, version: int, found: Verified) -> Recorded:
         rows(QuestionnaireRow),
         rows(RatingRow),
         rows(EventRow),
-        rows(TaskRow) if (folder / TaskRow.FILE).exists() else (),
+        [row for each in (TaskRow, DialRow) if (folder / each.FILE).exists() for row in rows(each)],
         attempts,
     )
 
@@ -229,11 +231,11 @@ def _check_ratings(recorded: Recorded, manifest: Mapping[str, Any], found: Verif
             found.fault(row.file, f"{message}; {_RESTORE}", row.line)
 
 
-def _check_tasks(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
-    """Check that each row of a task is of an attempt that was shown, and lies in it."""
+def _check_doings(recorded: Recorded, manifest: Mapping[str, Any], found: Verified) -> None:
+    """Check that each row of a task or dial is of an attempt that was shown, and lies in it."""
     begun = manifest.get("under_way") or {}
     attempts = {(row["trial"], row["attempt"]): row for row in recorded.trials}
-    for row in recorded.tasks:
+    for row in recorded.doings:
         trial = attempts.get((row["trial"], row["attempt"]))
         if trial is None:
             if (row["trial"], row["attempt"]) != (begun.get("trial"), begun.get("attempt")):

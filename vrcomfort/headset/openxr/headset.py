@@ -199,6 +199,16 @@ class OpenXrHeadset:
                 self._inputs = replace(self._inputs, keys=self._window.keys())
         return self._inputs
 
+    @property
+    def arrows_turn(self) -> bool:
+        """Return whether the arrow keys of the window turn a dial; else they walk."""
+        return self._window is not None and self._window.arrows_turn
+
+    @arrows_turn.setter
+    def arrows_turn(self, turn: bool) -> None:
+        if self._window is not None:
+            self._window.arrows_turn = turn
+
     def tick(self, hand: int) -> None:
         """Let controller `hand` (0 left, 1 right) tick, to confirm an answer."""
         with faults.running():

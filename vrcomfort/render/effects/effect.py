@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, Literal, NamedTuple, Protocol, runtime_checkable
 
 import moderngl
 
@@ -86,6 +86,17 @@ class Effect(Protocol):
 
     def forget(self) -> None:
         """Be as if no frame had been drawn."""
+
+
+@runtime_checkable
+class Adjustable(Protocol):
+    """An effect, or a focus, that takes other settings while it is there.
+
+    It need take only those of `vrcomfort.protocol.adjustments.LIVE`.
+    """
+
+    def adjust(self, settings: Any) -> None:
+        """Draw by these settings from now on: its own table of the condition."""
 
 
 def reading_colour(make: Callable[..., Effect]) -> Callable[[EffectInputs], Effect]:

@@ -57,6 +57,10 @@ class RelocationBlurPass:
             return
         self._blur.render(level)
 
+    def adjust(self, settings: RelocationBlur) -> None:
+        """Draw by other settings from now on."""
+        self._settings = settings
+
     def warm_up(self) -> None:
         """Draw everything once, which frames long after a relocation leave out."""
         self._blur.render(self._settings.level)

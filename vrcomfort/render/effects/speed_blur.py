@@ -67,6 +67,10 @@ class SpeedBlurPass:
             return
         self._draw(x_px, y_px)
 
+    def adjust(self, settings: SpeedBlur) -> None:
+        """Draw by other settings from now on."""
+        self._settings = settings
+
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest leave out."""
         self._draw(1.0, 1.0)

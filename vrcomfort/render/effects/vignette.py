@@ -97,6 +97,10 @@ class VignettePass:
             self._average()
         self._draw(eye.camera.fov, eye.head_from_eye)
 
+    def adjust(self, settings: Vignette) -> None:
+        """Draw by other settings from now on."""
+        self._settings = settings
+
     def warm_up(self) -> None:
         """Draw everything once, which frames at rest may leave out."""
         self._average()

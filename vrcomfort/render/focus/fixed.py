@@ -7,7 +7,7 @@ import numpy as np
 from vrcomfort.frame import FocusSample
 from vrcomfort.optics.focus import RAYS
 from vrcomfort.protocol.conditions import Focus
-from vrcomfort.render.focus.readback import focus_texture
+from vrcomfort.render.focus.readback import focus_texture, write_focus
 from vrcomfort.render.focus.rule import FocusInputs, FocusRule, Sight
 from vrcomfort.render.planned_pass import PlannedPass
 
@@ -29,6 +29,11 @@ class FixedFocus:
         """Return the sample of this frame."""
         no_rays, unused = np.full(RAYS, np.nan), np.zeros(RAYS, dtype=bool)
         return (FocusSample(sight.frame_index, self._focus_m, self._focus_m, no_rays, unused),)
+
+    def adjust(self, settings: Focus) -> None:
+        """Be at another distance from now on."""
+        self._focus_m = settings.fixed_m
+        write_focus(self.texture, self._focus_m)
 
     def drain(self) -> tuple[FocusSample, ...]:
         """Return nothing: nothing is late."""

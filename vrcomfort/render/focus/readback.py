@@ -65,5 +65,10 @@ class Readback:
 def focus_texture(ctx: moderngl.Context, focus_m: float) -> moderngl.Texture:
     """Return a 1×1 RGBA32F texture: x = focus, y = its target (m), z = bits of the rays used."""
     texture = gl.color_texture(ctx, (1, 1), dtype="f4")
-    texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))
+    write_focus(texture, focus_m)
     return texture
+
+
+def write_focus(texture: moderngl.Texture, focus_m: float) -> None:
+    """Put a distance (m) into a texture of :func:`focus_texture`, as focus and as target."""
+    texture.write(np.array([focus_m, focus_m, 0.0, 1.0], dtype=np.float32))

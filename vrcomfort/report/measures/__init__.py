@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from vrcomfort.report.measures.dials import Dials
 from vrcomfort.report.measures.frames import Frames
 from vrcomfort.report.measures.model import Measure, Quantity, Source, Value, in_steps
 from vrcomfort.report.measures.ratings import Course, Ratings, courses_of
@@ -36,12 +37,13 @@ SOURCES: dict[str, Source] = {
     "ratings": Ratings(),
     "trials": Trials(),
     "tasks": Tasks(),
+    "dials": Dials(),
     "participants": Participants(),
     "frames": Frames(),
 }
 """Name → where measures are read from. A further kind of measure is one more entry."""
-_OPEN = ("trials", "tasks", "participants")
-"""Sources of which any column with numbers may be named."""
+_OPEN = ("trials", "tasks", "dials", "participants")
+"""Sources of which any column with numbers, or any dial, may be named."""
 
 
 def fault_of(measure: str) -> str | None:
@@ -81,6 +83,8 @@ def measure_of(name: str, said: Measured | None = None) -> Measure:
 def definition_of(measure: Measure) -> str:
     """Return what it is, as a clause of a methods section."""
     known: Quantity | None = SOURCES[measure.source].quantities.get(measure.quantity)
+    if known is None and measure.source == "dials":
+        return f"the value of the dial {measure.quantity} that was confirmed"
     return known.definition if known else f"column {measure.quantity} of {measure.source}.csv"
 
 

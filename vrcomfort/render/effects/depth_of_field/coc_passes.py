@@ -135,6 +135,10 @@ class DepthToCoc:
             **options,
         )
 
+    def adjust(self, settings: DepthOfField) -> None:
+        """Take other settings of the same law, largest radius and peripheral exponent."""
+        self._settings = settings
+
     def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
         """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
@@ -252,6 +256,11 @@ class CocPasses:
             self._beside.render(self.now)
         if self.tells_clamps or self._tiles_are_read:
             self._tile_min_max.render(self.now)
+
+    def adjust(self, settings: DepthOfField) -> None:
+        """Find radii by other settings from now on; see :meth:`DepthToCoc.adjust`."""
+        self._settings = settings
+        self.depth_to_coc.adjust(settings)
 
     def forget(self) -> None:
         """Count no frame so far among those that :meth:`clamps` tells of."""

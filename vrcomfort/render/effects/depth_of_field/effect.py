@@ -105,6 +105,10 @@ class DepthOfFieldPass:
         self._coc.render(fov=fov, near_m=near_m, head_from_eye=eye.head_from_eye)
         self._kernel.render(focal_y / focal_x)
 
+    def adjust(self, settings: DepthOfField) -> None:
+        """Blur by other settings from now on."""
+        self._coc.adjust(settings)
+
     def leave_out_records(self) -> None:
         """Draw nothing from now on that only :meth:`clamps` needs: for measurements."""
         self._coc.tells_clamps = False

@@ -114,6 +114,10 @@ class MotionBlurPass:
             return
         self._draw(scale)
 
+    def adjust(self, settings: MotionBlur) -> None:
+        """Draw by other settings from now on."""
+        self._settings = settings
+
     def warm_up(self) -> None:
         """Draw everything once, which frames in which nothing moves leave out."""
         self._draw(0.0)

@@ -1,0 +1,107 @@
+"""Method of adjustment: a dial that is bound to a setting of the condition."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, TypeVar
+
+from pydantic import BaseModel, Field
+
+from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.sliders import Dial
+
+Number = Annotated[float, Field(ge=-1e9, le=1e9)]
+Table = TypeVar("Table", bound=BaseModel)
+
+LIVE = (
+    "focus.fixed_m",
+    "depth_of_field.full_blur_m",
+    "depth_of_field.full_blur_dioptre",
+    "depth_of_field.aperture_m",
+    "depth_of_field.pupil_mm",
+    "depth_of_field.max_diameter_arcmin",
+    "depth_of_field.peripheral.unit_diameter_arcmin",
+    "motion_blur.shutter_fraction",
+    "motion_blur.fade_with_turning.from_deg_s",
+    "motion_blur.fade_with_turning.to_deg_s",
+    "speed_blur.max_sigma_arcmin",
+    "speed_blur.turning.from_deg_s",
+    "speed_blur.turning.to_deg_s",
+    "speed_blur.moving.from_m_s",
+    "speed_blur.moving.to_m_s",
+    "relocation_blur.duration_s",
+    "vignette.open_deg",
+    "vignette.restricted_deg",
+    "vignette.feather_deg",
+    "vignette.attack_s",
+    "vignette.release_s",
+    "vignette.turning.from_deg_s",
+    "vignette.turning.to_deg_s",
+    "vignette.moving.from_m_s",
+    "vignette.moving.to_m_s",
+)
+"""Settings that passes take up between two frames. The others decide which passes, textures and
+shaders there are, and cannot change while somebody looks."""
+
+
+class Adjustment(Dial):
+    """A setting of the condition that participants adjust during exposure, and confirm."""
+
+    setting: str
+    """As in a condition: `depth_of_field.full_blur_dioptre`."""
+    range: tuple[Number, Number]
+    """[lowest, highest] value; up on the dial is towards the second."""
+    scale: Literal["linear", "log"] = "linear"
+    """`log`: equal turns multiply equally."""
+    steps: Annotated[int, Field(ge=1, le=10_000)] | None = None
+    """Equal steps in the range, on its scale; without it the dial is continuous. An arrow key goes
+    a step, or a hundredth of a continuous range."""
+    start: Literal["random", "ascending", "descending", "alternating", "setting"] = "random"
+    """`random`: anywhere in the range, by the seed; `ascending`: at its lowest value; `descending`:
+    at its highest; `alternating`: one and the other by turns in the exposures of a session that
+    have it, the first drawn for each participant; `setting`: at the condition's own."""
+
+    def value_at(self, place: float) -> float:
+        """Return the value at a place of the dial, 0 (lowest) to 1, in whole steps."""
+        if self.steps is not None:
+            place = round(place * self.steps) / self.steps
+        low, high = self.range
+        if place in (0.0, 1.0):
+            return high if place else low
+        if self.scale == "log":
+            return float(f"{low * (high / low) ** place:.9g}")
+        return float(f"{low + (high - low) * place:.9g}")
+
+    def place_of(self, value: float) -> float:
+        """Return the place of the dial, 0 to 1, that has a value."""
+        low, high = self.range
+        if self.scale == "log":
+            return math.log(value / low) / math.log(high / low)
+        return (value - low) / (high - low)
+
+
+def value_of(condition: Condition, setting: str) -> float | None:
+    """Return the number that a condition has there; None where it lacks the table, or the number.
+
+    Raises
+    ------
+    AttributeError
+        If no condition has such a setting.
+    """
+    found: object = condition
+    for part in setting.split("."):
+        if found is None:
+            return None
+        found = getattr(found, part)
+    return float(found) if isinstance(found, int | float) else None
+
+
+def adjusted(condition: Condition, setting: str, value: float) -> Condition:
+    """Return a condition with another value of one setting, unchecked."""
+    return _with(condition, setting.split("."), value)
+
+
+def _with(table: Table, path: list[str], value: float) -> Table:
+    name, *rest = path
+    inner = _with(getattr(table, name), rest, value) if rest else value
+    return table.model_copy(update={name: inner})

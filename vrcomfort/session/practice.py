@@ -1,0 +1,247 @@
+"""Practice: blocks of exposures before trials, repeated until they go well enough."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+
+import numpy as np
+
+from vrcomfort.errors import headset_ended
+from vrcomfort.protocol import Trial
+from vrcomfort.protocol.practice import Practice
+from vrcomfort.records import Interrupted, PracticeRow
+from vrcomfort.records.interrupted import Practised
+from vrcomfort.respondent import Withdrew
+from vrcomfort.session.context import SessionContext
+from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.exposure import FrameLoop, Stimulus
+from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.instructor import Instructor
+from vrcomfort.session.no_frames import EventLoop
+from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.stop_rules import StopRule
+from vrcomfort.session.task_run import TaskRun, task_random
+from vrcomfort.session.trial import TrialRunner
+from vrcomfort.tasks import Result
+
+_STATUS: Mapping[type[Exception], str] = {
+    Skipped: "skipped",
+    Redone: "redone",
+    Withdrew: "withdrawn",
+}
+_STREAMS = 2_000_000
+"""From here on are the random numbers of practice, so that no trial has them."""
+
+
+@dataclass
+class _Block:
+    """One repetition of a block: what it shows, and what came of it."""
+
+    practice: Practice
+    place: TrialPlace
+    repetition: int
+    trials: Sequence[Trial]
+    rows: list[PracticeRow] = field(default_factory=list)
+
+    @property
+    def met(self) -> bool | None:
+        """Return whether it went well enough; None without a criterion."""
+        scores = [row.score for row in self.rows if row.score is not None]
+        return self.practice.met(scores, sum(row.hits or 0 for row in self.rows))
+
+
+class PracticeRunner:
+    """The practice of one session.
+
+    Parameters
+    ----------
+    interrupted
+        How far an interrupted session came: practice that was over is not shown again.
+    """
+
+    def __init__(
+        self,
+        context: SessionContext,
+        events: EventLog,
+        log: FrameLog,
+        trials: TrialRunner,
+        instructor: Instructor,
+        interrupted: Interrupted | None,
+    ) -> None:
+        self._context = context
+        self._events = events
+        self._log = log
+        self._trials = trials
+        self._instructor = instructor
+        self._resumed = interrupted is not None
+        self._before = interrupted.practised if interrupted else {}
+
+    def run(self, place: TrialPlace) -> None:
+        """Show the practice that comes before a trial.
+
+        Raises
+        ------
+        StopRule
+            If it never went well enough, and the protocol ends something with it.
+        Withdrew
+            If the participant stops.
+        """
+        for each in self._context.protocol.practice:
+            before = self._before.get(each.name, Practised(0, 0, over=False))
+            if each.is_due(self._events.session, place.trial or 0) and not before.over:
+                self._instructor.tell("before_practice", place)
+                self._repeat(each, place, before)
+
+    def _repeat(self, practice: Practice, place: TrialPlace, before: Practised) -> None:
+        """Show a block until it has gone well enough, or often enough."""
+        repetition, whole = before.begun, before.whole
+        while True:
+            repetition += 1
+            last = whole + 1 >= practice.at_most or not practice.has_criterion
+            block = _Block(practice, place, repetition, self._shown(practice, repetition))
+            try:
+                self._block(block, last=last)
+            except Skipped:
+                return
+            except Redone:
+                continue
+            whole += 1
+            if block.met is not False:
+                return
+            if last:
+                self._give_up(practice, whole)
+                return
+
+    def _give_up(self, practice: Practice, repetitions: int) -> None:
+        """Tell that a criterion was never met; end what the protocol says."""
+        reason = f"practice {practice.name} was not good enough in {repetitions} repetitions"
+        self._events.event("practice_not_met", detail=reason)
+        self._events.tell("notice", TrialPlace(), 0, 0, reason)
+        if practice.otherwise != "go_on":
+            raise StopRule(reason, practice.otherwise, "practice")
+
+    def _shown(self, practice: Practice, repetition: int) -> Sequence[Trial]:
+        """Return what a repetition shows; what is drawn, is drawn anew for each."""
+        if practice.draw is None:
+            return practice.trials
+        context, number = self._context, self._events.session
+        own = context.sequence.sessions[number - 1]
+        random = self._random(practice, repetition)
+        order = random.permutation(len(own))[: practice.draw]
+        return [own[index] for index in order]
+
+    def _random(self, practice: Practice, repetition: int) -> np.random.Generator:
+        context = self._context
+        stream = self._stream(practice, repetition, 0)
+        return task_random(context.seed, context.participant, self._events.session, stream)
+
+    def _stream(self, practice: Practice, repetition: int, number: int) -> int:
+        index = [each.name for each in self._context.protocol.practice].index(practice.name)
+        return _STREAMS + (index * 1000 + repetition) * 1000 + number
+
+    def _block(self, block: _Block, *, last: bool) -> None:
+        """Show the exposures of a block, and write a row for each."""
+        for number, trial in enumerate(block.trials, start=1):
+            start_s = self._context.clock.now_s()
+            status = "aborted"
+            results: list[Result] = []
+            try:
+                self._expose(block, number, trial, results)
+                status = "completed"
+            except (Skipped, Redone, Withdrew) as reason:
+                status = _STATUS[type(reason)]
+                raise
+            finally:
+                row = self._row(block, number, trial, status, start_s, results)
+                self._write(block, row, last=last)
+                detail = f"{block.practice.name}, repetition {block.repetition}: {_named(trial)}"
+                self._events.event("practice", start_s, detail=detail)
+
+    def _write(self, block: _Block, row: PracticeRow, *, last: bool) -> None:
+        """Write a row; the last of a whole block says whether that was good enough."""
+        block.rows.append(row)
+        if row.status == "skipped":
+            row = replace(row, over=1)
+        elif row.status == "completed" and row.number == len(block.trials):
+            met = block.met
+            over = int(last or met is not False)
+            row = replace(row, met=None if met is None else int(met), over=over)
+        self._events.recorder.write(row)
+
+    def _expose(self, block: _Block, number: int, trial: Trial, results: list[Result]) -> None:
+        """Show one exposure; `results` gets what comes of its task."""
+        context = self._context
+        protocol, practice = context.protocol, block.practice
+        place = TrialPlace(condition=trial.condition, scene=trial.scene)
+        headset, standing = self._trials.stand(place)
+        full_s = practice.exposure_s or protocol.length_s(trial.scene)
+        shown_s = full_s / context.stretch
+        condition = protocol.condition(trial.condition)
+        settings = protocol.task_of(trial)
+        task = (
+            None
+            if settings is None
+            else TaskRun(
+                context,
+                self._events,
+                place,
+                settings,
+                standing.scene,
+                attempt=block.repetition,
+                resumed=self._resumed,
+                duration_s=shown_s,
+                stream=self._stream(practice, block.repetition, number),
+                keep=results.extend,
+            )
+        )
+        context.renderer.begin(task.drawn if task else standing.scene, condition)
+        self._log.focus_follows_gaze = condition.focus.method == "gaze"
+        kind = EventLoop if context.jumps else FrameLoop
+        loop = kind(context, headset, self._events, self._log, standing.path)
+        words = f"practice {practice.name}, repetition {block.repetition}: {_named(trial)}"
+        context.steering.begin("training", words)
+        tell = partial(self._events.tell, "training", place, total=shown_s)
+        stimulus = Stimulus(0, trial.condition, shown_s, context.stretch)
+        try:
+            ended = loop.show(stimulus, task=task, progress=tell)
+        finally:
+            self._log.start_trial()  # its frames are no trial's
+        context.respondent.leave()
+        if ended == "headset_ended":
+            raise headset_ended("in practice")
+
+    def _row(
+        self,
+        block: _Block,
+        number: int,
+        trial: Trial,
+        status: str,
+        start_s: float,
+        results: Sequence[Result],
+    ) -> PracticeRow:
+        whole = next((each for each in reversed(results) if each.kind == "trial"), None)
+        settings = self._context.protocol.task_of(trial)
+        return PracticeRow(
+            participant=self._context.participant,
+            session=self._events.session,
+            practice=block.practice.name,
+            before_trial=block.place.trial or 0,
+            repetition=block.repetition,
+            number=number,
+            condition=trial.condition,
+            scene=trial.scene,
+            task=settings.name if settings else "",
+            start_s=start_s,
+            end_s=self._context.clock.now_s(),
+            status=status,
+            targets=whole.targets if whole else None,
+            hits=whole.hits if whole else None,
+            shots=whole.shots if whole else None,
+            score=whole.score if whole else None,
+        )
+
+
+def _named(trial: Trial) -> str:
+    return f"{trial.condition} in {trial.scene}"
