@@ -90,6 +90,21 @@ def test_gaze_has_the_angles_of_the_line_of_sight(study: Path, dataset: Path) ->
         assert math.sin(float(cells["y_coordinate"])) == pytest.approx(y)
 
 
+def test_each_eye_that_was_told_of_has_a_recording(study: Path, dataset: Path) -> None:
+    folder = dataset / "sub-P01" / "ses-1" / "motion"
+    assert not list(folder.glob("*recording-right*"))
+    stem = f"{FIRST}_run-1_recording-left_physio"
+    said = json.loads((folder / f"{stem}.json").read_text())
+    assert said["RecordedEye"] == "left"
+    rows = samples(folder / f"{stem}.tsv.gz")
+    gaze = {row["session_s"]: row for row in recorded(study, "gaze.csv")}
+    assert len(rows) == len(samples(folder / f"{stem.replace('left', 'cyclopean')}.tsv.gz"))
+    seen = [dict(zip(said["Columns"], row, strict=True)) for row in rows]
+    assert {each["pupil_size"] for each in seen} == {"3.5"}
+    assert {each["valid"] for each in seen} == {row["left_valid"] for row in gaze.values()}
+    assert "hit_distance" not in said["Columns"]
+
+
 def test_events_hold_the_exposure_and_its_ratings(study: Path, dataset: Path) -> None:
     rows = tsv(dataset / "sub-P01" / "ses-1" / "motion" / f"{FIRST}_run-1_events.tsv")
     ratings = [row for row in rows if row["trial_type"] == "rating fms"]
@@ -121,7 +136,7 @@ def test_participants_and_scans_name_what_is_there(dataset: Path) -> None:
     assert (row["participant_id"], row["sequence"], row["status"]) == ("sub-P01", "ab", "completed")
     for session in ("ses-1", "ses-2"):
         scans = tsv(dataset / "sub-P01" / session / f"sub-P01_{session}_scans.tsv")
-        assert len(scans) == 6  # head, hands and gaze of two exposures
+        assert len(scans) == 8  # head, hands, gaze, and that of the left eye, of two exposures
         assert all((dataset / "sub-P01" / session / each["filename"]).is_file() for each in scans)
 
 

@@ -23,7 +23,7 @@ from vrcomfort.cli import main
 from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.playback import open_trace
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Gaze, Pose, normalize, rotate, yaw_pitch_roll
+from vrcomfort.geometry import Gaze, Pose, normalize, rotate, turn_to, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import (
@@ -39,14 +39,20 @@ from vrcomfort.records.study import now
 from vrcomfort.resources import data_folder
 from vrcomfort.session import VirtualClock
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.traces.gaze_track import LONGEST_NS, GazeTrack, read_gaze, turn_to
+from vrcomfort.traces.gaze_track import LONGEST_NS, GazeTrack, read_gaze
 from vrcomfort.traces.pose_track import PoseTrack
 from vrcomfort.traces.trace import Trace, read_trace
 
-HEADER = (
+FIRST = (
     "session_s,xr_time_ns,valid,origin_x_m,origin_y_m,origin_z_m,"
-    "direction_x,direction_y,direction_z,hit_m,resumed"
+    "direction_x,direction_y,direction_z,hit_m"
 )
+HEADER = f"{FIRST},resumed"  # what a file had before schema version 4, and may have
+EYE = (
+    "{0}_valid,{0}_origin_x_m,{0}_origin_y_m,{0}_origin_z_m,"
+    "{0}_direction_x,{0}_direction_y,{0}_direction_z,{0}_pupil_mm"
+)
+RECORDED = f"{FIRST},hit_node,effect_centre,{EYE.format('left')},{EYE.format('right')},resumed"
 
 
 def looking(index: int) -> Gaze:
@@ -87,7 +93,7 @@ def test_a_headset_without_an_eye_tracker_leaves_no_file(tmp_path):
 def test_a_session_writes_one_row_per_frame(tmp_path):
     folder = record(tmp_path, TrackedHeadset())
     lines = (folder / "gaze.csv").read_text().splitlines()
-    assert lines[0] == HEADER
+    assert lines[0] == RECORDED
     frames, gazes = (read_rows(folder / name) for name in ("frames.csv", "gaze.csv"))
     assert [row["xr_time_ns"] for row in gazes] == [row["xr_time_ns"] for row in frames]
     assert [row["session_s"] for row in gazes] == [row["session_s"] for row in frames]

@@ -13,7 +13,7 @@ import pytest
 from tests.support.openxr import Participant, needs_monado, validation
 from tests.support.study import read_rows, strict_about_gaze
 from vrcomfort.cli import main
-from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.geometry import EyeGaze, Pose, yaw_pitch_roll
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
 from vrcomfort.records import FrameRow, Recorder, only_run
@@ -24,7 +24,7 @@ pytest.importorskip("xr", reason="pyopenxr is not installed")
 
 import xr
 
-from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings
+from vrcomfort.headset.openxr import OpenXrHeadset, OpenXrSettings, actions
 from vrcomfort.headset.openxr.instance import Runtime
 
 pytestmark = needs_monado
@@ -119,6 +119,47 @@ def test_eyes_that_are_not_seen_are_recorded_as_such(
     assert {(row["valid"], row["origin_x_m"], row["direction_z"]) for row in rows} == {
         ("0", "", "")
     }
+
+
+class LeftEye:
+    """The tracker of a runtime that tells of the left eye, where the head is."""
+
+    def __init__(self, instance: xr.Instance, session: xr.Session) -> None:
+        del instance, session
+
+    def read(self, space: xr.Space, time_ns: int) -> tuple[tuple[EyeGaze, EyeGaze], int]:
+        del space
+        return (EyeGaze(HEAD), EyeGaze(Pose(), valid=False)), time_ns
+
+    def release(self) -> None: ...
+
+
+def test_each_eye_is_recorded(
+    ctx: moderngl.Context,
+    participant: Participant,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    monkeypatch.setattr(Runtime, "has_each_eye", True)
+    monkeypatch.setattr(actions, "EachEye", LeftEye)
+    with (
+        OpenXrHeadset(ctx, SETTINGS, before_wait=participant) as headset,
+        Recorder(tmp_path, "P1", 1) as recorder,
+    ):
+        assert headset.details["eye_tracker"] == "yes"
+        assert headset.details["each_eye"] == xr.FB_EYE_TRACKING_SOCIAL_EXTENSION_NAME
+        log = FrameLog(recorder)
+        for frame in islice(headset.frames(), 5):
+            headset.submit(frame, None)
+            log.add(frame, None, trial=1, session_s=frame.index / 20)
+        log.finish()
+    rows = read_rows(recorder.folder / "gaze.csv")
+    assert len(rows) == 5
+    for row in rows:
+        assert (row["valid"], row["left_valid"], row["right_valid"]) == ("0", "1", "0")
+        assert float(row["left_origin_y_m"]) == pytest.approx(1.6)
+        assert float(row["left_direction_z"]) == pytest.approx(HEAD.forward[2])
+        assert {row["right_origin_x_m"], row["left_pupil_mm"], row["origin_x_m"]} == {""}
 
 
 @pytest.mark.usefixtures("says_it_has_eyes")

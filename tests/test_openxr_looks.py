@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from tests.support.openxr import fresh_monado, needs_monado
-from vrcomfort.geometry import Pose, normalize
+from vrcomfort.geometry import Pose, normalize, turn_to
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.questionnaire import shipped_instruments
@@ -20,7 +20,6 @@ from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act, Cell
 from vrcomfort.respondent.panel_picture import Page
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.traces.gaze_track import turn_to
 
 EYES = np.array([0.3, 1.6, -0.2])
 DWELL_S = 0.4

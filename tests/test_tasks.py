@@ -18,7 +18,7 @@ from tests.support.tasks import PROTOCOL, do, doing_protocol, room
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.geometry import Pose, normalize, yaw_pitch_roll
+from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.headset.inputs import HandInput, Inputs
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
@@ -31,7 +31,6 @@ from vrcomfort.tasks.exploration import Exploration
 from vrcomfort.tasks.fixation import Fixation
 from vrcomfort.tasks.follow_path import FollowPath
 from vrcomfort.tasks.search import Search
-from vrcomfort.traces.gaze_track import turn_to
 
 
 def around(seed=0, *, free_m=np.inf, duration_s=60.0):

@@ -27,6 +27,7 @@ from vrcomfort.rotations import (
     rotation_matrix,
     rotation_rows,
     slerp,
+    turn_to,
     unit_quaternion,
     yaw_pitch_roll,
 )
@@ -34,6 +35,7 @@ from vrcomfort.rotations import (
 __all__ = [
     "FARTHEST_M",
     "Array",
+    "EyeGaze",
     "Fov",
     "Gaze",
     "Pose",
@@ -50,6 +52,7 @@ __all__ = [
     "rotate",
     "rotation_matrix",
     "slerp",
+    "turn_to",
     "unit_quaternion",
     "yaw_pitch_roll",
 ]
@@ -214,6 +217,25 @@ class View:
 
 
 @dataclass(frozen=True)
+class EyeGaze:
+    """Where an eye tracker says that one eye looks.
+
+    Parameters
+    ----------
+    pose
+        stage-from-gaze: at the eye, −Z along its line of sight.
+    valid
+        False where the tracker does not see this eye: `pose` means nothing then.
+    pupil_mm
+        Diameter of the pupil; None where the tracker does not tell it.
+    """
+
+    pose: Pose
+    valid: bool = True
+    pupil_mm: float | None = None
+
+
+@dataclass(frozen=True)
 class Gaze:
     """Where an eye tracker says that both eyes look.
 
@@ -223,10 +245,13 @@ class Gaze:
         stage-from-gaze: between the eyes, −Z along the line of sight.
     valid
         False during a blink or where the tracker has lost the eyes: `pose` means nothing then.
+    eyes
+        The left and the right eye; None where the tracker does not tell them apart.
     """
 
     pose: Pose
     valid: bool = True
+    eyes: tuple[EyeGaze | None, EyeGaze | None] = (None, None)
 
 
 @dataclass(frozen=True)

@@ -153,3 +153,14 @@ def _slerp_numbers(a: list[float], b: list[float], t: float) -> list[float]:
     mixed = [weight_a * each + weight_b * other for each, other in zip(a, b, strict=True)]
     length = math.hypot(*mixed)
     return [each / length for each in mixed]
+
+
+def turn_to(direction: Array) -> Array:
+    """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""
+    x, y, z = direction
+    across = np.hypot(x, y)
+    if z > 0 and across < 1e-12:
+        return np.array([0.0, 1.0, 0.0, 0.0])  # straight back: any axis across will do
+    # 1 − z, without the digits that a subtraction loses where z is nearly 1
+    less_z = across**2 / (1.0 + z) if z > 0 else 1.0 - z
+    return normalize(np.array([y, -x, 0.0, less_z]))

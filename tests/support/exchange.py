@@ -11,7 +11,7 @@ import numpy as np
 from tests.support.resume import go
 from tests.support.study import AheadHeadset
 from vrcomfort.frame import Frame
-from vrcomfort.geometry import Gaze, Pose
+from vrcomfort.geometry import EyeGaze, Gaze, Pose
 
 Change = Callable[[str], str]
 
@@ -21,7 +21,9 @@ class SeesEyes(AheadHeadset):
 
     def frames(self) -> Iterator[Frame]:
         for each in super().frames():
-            gaze = Gaze(each.head_pose, valid=each.index % 7 != 3)
+            seen = each.index % 7 != 3
+            left_eye = EyeGaze(each.head_pose, seen, pupil_mm=3.5)
+            gaze = Gaze(each.head_pose, valid=seen, eyes=(left_eye, None))
             left = Pose(np.array([-0.2, 1.1, -0.3])) if each.index % 5 else None
             yield replace(each, gaze=gaze, hands=(left, Pose(np.array([0.2, 1.1, -0.3]))))
 

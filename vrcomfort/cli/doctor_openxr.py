@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 
 TIMING_TEST_S = 5.0
 WITHOUT_GAZE = 'gaze.csv stays out; focus.method = "gaze" needs one, or without_gaze = "nine_ray"'
+EACH_EYE = "XR_FB_eye_tracking_social"
+WITHOUT_EACH_EYE = (
+    f"columns of each eye in gaze.csv stay blank; a runtime with {EACH_EYE} fills them (no runtime "
+    "tells pupils)"
+)
 PLAYBACK = "playback, rendering and reports work without"
 
 
@@ -71,10 +76,18 @@ def _headset(facts: HeadsetFacts) -> Iterator[Finding]:
     yield Finding(
         "eye tracker",
         facts.gaze,
-        "gaze through XR_EXT_eye_gaze_interaction" if facts.gaze else "none",
+        "there" if facts.gaze else "none",
         "" if facts.gaze else WITHOUT_GAZE,
         needed=False,
     )
+    if facts.gaze:
+        yield Finding(
+            "each eye",
+            facts.each_eye,
+            f"{EACH_EYE}; no pupils" if facts.each_eye else "not told apart",
+            "" if facts.each_eye else WITHOUT_EACH_EYE,
+            needed=False,
+        )
 
 
 def _session(facts: SessionFacts) -> Iterator[Finding]:

@@ -53,7 +53,7 @@ class SimulatedEyes(Settings):
 
     Fixations of log-normal length at places spread about the head's forward direction, saccades on
     the main sequence (Bahill et al. 1975), blinks, and the error of a tracker: an offset for each
-    person, and noise.
+    person, another for each of their eyes, and noise.
     """
 
     fixation_s: Annotated[float, Field(ge=0.05, le=60)] = 0.3
@@ -68,5 +68,9 @@ class SimulatedEyes(Settings):
     """How long a blink lasts, in which the tracker sees nothing."""
     error_deg: Annotated[float, Field(ge=0, le=30)] = 0.5
     """Standard deviation, over people and along each axis, of the tracker's offset."""
+    eye_error_deg: Annotated[float, Field(ge=0, le=30)] = 0.3
+    """The same of what each eye's own line of sight is off besides."""
     noise_deg: Annotated[float, Field(ge=0, le=10)] = 0.1
     """Standard deviation of a sample around it, along each axis."""
+    pupil_mm: Annotated[float, Field(ge=1, le=10)] = 4.0
+    """Diameter of the pupils that the tracker tells."""

@@ -31,3 +31,14 @@ def level_of(protocol: Protocol, trial: Trial, factor: str) -> str:
     if factor == "trial":
         return f"{trial.condition} in {trial.scene}"
     return protocol.condition(trial.condition).levels[factor]
+
+
+def trial_counts(protocol: Protocol) -> tuple[int, int]:
+    """Return how many sessions there are, and how many trials the longest of them has."""
+    order = protocol.order
+    if order.rule == "explicit":
+        sessions = [each.sessions for each in order.sequences]
+        lengths = [len(session) for each in sessions for session in each]
+        return max(map(len, sessions), default=0), max(lengths, default=0)
+    most = max(len(trials_of(protocol, group)) for group in protocol.groups or (None,))
+    return order.sessions, most * order.blocks // order.sessions

@@ -13,6 +13,7 @@ from pydantic import Field, PrivateAttr, field_validator
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.adjustments import Adjustment
+from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.free_texts import FreeText
@@ -177,6 +178,8 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
+    """For how long, on average, they stay in a break that they may end."""
     eyes: SimulatedEyes | None = None
     """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
     liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
@@ -216,6 +219,8 @@ class Protocol(Settings):
     """What is tried before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
+    breaks: Breaks | None = None
+    """Rests between exposures that participants end themselves, instead of `break_s`."""
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
     """From the end of a participant's session to the beginning of the next, at least; `run` refuses
     to begin it sooner. Simulated participants have waited."""

@@ -47,6 +47,8 @@ class Words(Settings):
     """During a rest."""
     rest_soon: Sentence = "You may take the headset off. It goes on in less than a minute."
     """In the last minute of one."""
+    rest_ready: Sentence = "You may take the headset off. Choose Continue when you are ready."
+    """Of a rest that the participant may end."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
@@ -74,6 +76,7 @@ GERMAN = Words(
     rest="Pause",
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
+    rest_ready="Sie dürfen das Headset abnehmen. Wählen Sie Weiter, sobald Sie bereit sind.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",

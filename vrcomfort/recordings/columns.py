@@ -5,21 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Literal
 
-from vrcomfort.records.frame_rows import FrameRow, GazeRow
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, gaze_columns
 
 Kind = Literal["BIGINT", "DOUBLE", "VARCHAR"]
 
 _WHOLE = {
     "xr_time_ns", "period_ns", "trial", "should_render", "head_valid", "head_tracked", "dropped",
-    "missed_refreshes", "discontinuity", "resumed", "valid",
+    "missed_refreshes", "discontinuity", "resumed", "valid", "left_valid", "right_valid",
 }  # fmt: skip
-_TEXT = {"session_state", "rays_used"}
+_TEXT = {"session_state", "rays_used", "hit_node", "effect_centre"}
 NEEDED: Mapping[str, tuple[str, ...]] = {
     FrameRow.FILE: (
         "session_s", "xr_time_ns", "period_ns", "trial", "dropped", "discontinuity",
         "head_x_m", "head_y_m", "head_z_m", "head_qx", "head_qy", "head_qz", "head_qw",
     ),
-    GazeRow.FILE: GazeRow.columns()[:-2],
+    GazeRow.FILE: ("session_s", "xr_time_ns", "valid", *gaze_columns()),
 }  # fmt: skip
 """Columns without which a file is no recording."""
 

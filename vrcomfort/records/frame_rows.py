@@ -6,16 +6,32 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from vrcomfort.geometry import Gaze, Pose, View
+from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
-from vrcomfort.records.rows import Cell, FlatRow
+from vrcomfort.records.rows import BallRow, Cell, FlatRow
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
 
 _UNKNOWN = (None,) * 7
 
+_UNSEEN_RAY = (None,) * 6
+
 RAYS = tuple(f"ray_{number}_m" for number in range(1, 10))
+
+
+def gaze_columns(eye: str = "") -> tuple[str, ...]:
+    """Return the six columns of a line of sight: of ``left_`` or ``right_``, or of both eyes."""
+    origin = tuple(f"{eye}origin_{axis}_m" for axis in "xyz")
+    return (*origin, *(f"{eye}direction_{axis}" for axis in "xyz"))
+
+
+def eye_columns(eye: str) -> tuple[str, ...]:
+    """Return the eight columns of one eye, ``left_`` or ``right_``."""
+    return (f"{eye}valid", *gaze_columns(eye), f"{eye}pupil_mm")
+
+
+EYE_GAZES = (*eye_columns("left_"), *eye_columns("right_"))
 
 
 @dataclass(frozen=True)
@@ -26,8 +42,12 @@ class GazeRow:
     ----------
     gaze
         In the stage; blank where it is not valid.
-    hit_m
-        Where focus follows the gaze: how far away what it meets is: `FocusSample.focus_raw_m`.
+    hit_m, hit_node
+        How far away what the line of sight meets is, measured as the focus is, and the name of the
+        node that it belongs to; both blank where nothing is told, the name alone where that is sky.
+    effect_centre
+        What effects that are centred on the gaze were centred on: ``gaze``, ``held`` or ``head``;
+        blank where the condition has none.
     """
 
     FILE: ClassVar[str] = "gaze.csv"
@@ -35,22 +55,41 @@ class GazeRow:
     xr_time_ns: int
     gaze: Gaze
     hit_m: float | None = None
+    hit_node: str | None = None
+    effect_centre: str | None = None
     resumed: int = 0
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
-        origin = tuple(f"origin_{axis}_m" for axis in "xyz")
-        direction = tuple(f"direction_{axis}" for axis in "xyz")
-        return ("session_s", "xr_time_ns", "valid", *origin, *direction, "hit_m", "resumed")
+        hit = ("hit_m", "hit_node", "effect_centre")
+        when = ("session_s", "xr_time_ns", "valid")
+        return (*when, *gaze_columns(), *hit, *EYE_GAZES, "resumed")
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
-        ray: list[float | None] = [None] * 6
-        if self.gaze.valid:
-            ray = [*self.gaze.pose.numbers[:3], *self.gaze.pose.forward.tolist()]
-        hit_m = self.hit_m if self.gaze.valid else None
-        return [self.session_s, self.xr_time_ns, int(self.gaze.valid), *ray, hit_m, self.resumed]
+        valid = self.gaze.valid
+        hit = (self.hit_m, self.hit_node) if valid else (None, None)
+        return [
+            self.session_s,
+            self.xr_time_ns,
+            int(valid),
+            *(_ray(self.gaze.pose) if valid else _UNSEEN_RAY),
+            *hit,
+            self.effect_centre,
+            *(cell for eye in self.gaze.eyes for cell in _eye(eye)),
+            self.resumed,
+        ]
+
+
+def _ray(pose: Pose) -> tuple[Cell, ...]:
+    return (*pose.numbers[:3], *pose.forward.tolist())
+
+
+def _eye(eye: EyeGaze | None) -> tuple[Cell, ...]:
+    if eye is None:
+        return (None, *_UNSEEN_RAY, None)
+    return (int(eye.valid), *(_ray(eye.pose) if eye.valid else _UNSEEN_RAY), eye.pupil_mm)
 
 
 @dataclass(frozen=True)
@@ -109,6 +148,8 @@ class FrameRow:
         Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
     image
         Its row of ``images.csv``, likewise; None where the images were not hashed.
+    balls
+        Its rows of ``balls.csv``, likewise: balls of a task that are drawn otherwise from it on.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -139,6 +180,7 @@ class FrameRow:
     resumed: int = 0
     gaze: GazeRow | None = None
     image: ImageRow | None = None
+    balls: tuple[BallRow, ...] = ()
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.records.frame_rows import EYE_GAZES
 from vrcomfort.records.pose_columns import HANDS
 
-SCHEMA_VERSION = 3
+SCHEMA_VERSION = 4
 """Written into manifests and study descriptions. What has none is of version 1."""
 
 ADDED_COLUMNS: Mapping[int, Mapping[str, tuple[str, ...]]] = {
@@ -18,6 +19,7 @@ ADDED_COLUMNS: Mapping[int, Mapping[str, tuple[str, ...]]] = {
         "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
     },
     3: {"frames.csv": HANDS},
+    4: {"gaze.csv": ("hit_node", "effect_centre", *EYE_GAZES)},
 }
 """What each version has and the one before has not. A folder of an older version that is continued
 gets them, blank: what they say was not recorded."""

@@ -20,6 +20,7 @@ from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
+from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
 from vrcomfort.respondent.turning import SimulatedAdjuster, SimulatedSlider, Turn
@@ -54,14 +55,16 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
+_SHORTEST_S = 1e-6
+"""Less is no time: clocks count nanoseconds."""
 _SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
 """Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
 """Which of a trial's random streams is the hands'."""
-_EYES = 5
-"""The same of the eyes."""
+_EYES, _BREAKS = 5, 6
+"""The same of the eyes, and of how long breaks are."""
 _DIAL = 6
 """The same of what turns a dial."""
 _SLIDER = 8
@@ -101,6 +104,8 @@ class SimulatedRespondent:
         self._rng = self._stream(session)
         self._session = session
         self._eyes: Eyes | None = None
+        self._break: Telling | None = None
+        self._breaks = 0
         self.sickness = 0.0
         self._limit = 0.0
         self._withdraws_at_s = math.inf
@@ -179,7 +184,10 @@ class SimulatedRespondent:
         random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
         of_person = (self._person, self._session, _EYES)
         tracker = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=of_person))
-        return Eyes(settings, random, settings.error_deg * tracker.standard_normal(2))
+        offset_deg = settings.error_deg * tracker.standard_normal(2)
+        own_deg = settings.eye_error_deg * tracker.standard_normal((2, 2))
+        noise = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=(*key, 1)))
+        return Eyes(settings, random, offset_deg, EyePair(settings, noise, offset_deg + own_deg))
 
     def start_exposure(self, exposure: Exposure) -> None:
         """Decide how fast sickness grows and when it becomes too much."""
@@ -248,10 +256,19 @@ class SimulatedRespondent:
         """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
         takes_s = _SECONDS_PER_WORD * len(telling.text.split())
         takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
+        takes_s += self._lingers_s(telling) if telling.away else 0.0
         left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
-        if left_s > 0:
+        if left_s > _SHORTEST_S:
             return left_s
         return None if may_go_on else math.inf
+
+    def _lingers_s(self, telling: Telling) -> float:
+        """Return for how long they stay in a break that they may end."""
+        if self._break is not telling:
+            self._break, self._breaks = telling, self._breaks + 1
+        key = (self._person, self._session, self._breaks, _BREAKS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        return self._settings.break_extra_s * float(random.standard_exponential())
 
     def leave(self) -> None:
         """Do nothing."""

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from vrcomfort.geometry import Array, Gaze, Pose, normalize, yaw_pitch_roll
+from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.respondent.simulated_eye_pair import EyePair, beside
 from vrcomfort.traces.gaze_quality import angles_deg
-from vrcomfort.traces.gaze_track import turn_to
 
 _LATENCY_S = 0.2
 """From the appearance of something to look at to the saccade."""
@@ -20,6 +20,8 @@ _JUMP_DEG = 2.0
 """What moves further from one frame to the next is another thing to look at."""
 _WANDER_DEG = 0.15
 """How far, along each axis, a fixation misses what is looked at."""
+_FAR_M = 2.0
+"""Where both eyes' lines of sight meet while nothing is to be looked at."""
 
 
 class Eyes:
@@ -31,14 +33,21 @@ class Eyes:
         Of fixations and blinks.
     offset_deg
         (right, up): the tracker's, the same for all of a person's session.
+    pair
+        What it says of each eye; None: it does not tell them apart.
     """
 
     def __init__(
-        self, settings: SimulatedEyes, random: np.random.Generator, offset_deg: Array
+        self,
+        settings: SimulatedEyes,
+        random: np.random.Generator,
+        offset_deg: Array,
+        pair: EyePair | None = None,
     ) -> None:
         self._settings = settings
         self._random = random
         self._offset_deg = offset_deg
+        self._pair = pair
         self._until_s = -math.inf
         self._from = self._to = np.array([0.0, 0.0, -1.0])
         self._jump_s = self._jumped_s = 0.0
@@ -71,9 +80,21 @@ class Eyes:
         truth = self._direction(time_s)
         closed = self._blinks(time_s)
         measured = self._measured(head, truth)
+        eyes = self._each(head, truth, point, closed=closed)
         if closed:
-            return Gaze(Pose(), valid=False)
-        return Gaze(Pose(head.position, turn_to(measured)))
+            return Gaze(Pose(), valid=False, eyes=eyes)
+        return Gaze(Pose(head.position, turn_to(measured)), eyes=eyes)
+
+    def _each(
+        self, head: Pose, truth: Array, point: Array | None, *, closed: bool
+    ) -> tuple[EyeGaze | None, EyeGaze | None]:
+        """Return what the tracker says of each eye: both meet where the point is."""
+        if self._pair is None:
+            return None, None
+        if closed:
+            return self._pair.closed()
+        away_m = _FAR_M if point is None else float(np.linalg.norm(point - head.position))
+        return self._pair.look(head, head.position + truth * away_m)
 
     def _fixate(self, time_s: float, head: Pose) -> None:
         """Choose where to look next, and begin to turn there."""
@@ -117,7 +138,4 @@ class Eyes:
     def _measured(self, head: Pose, truth: Array) -> Array:
         """Return the direction with the tracker's offset, which goes with the head, and noise."""
         noise = self._settings.noise_deg * self._random.standard_normal(2)
-        right, up = np.radians(self._offset_deg + noise)
-        in_head = head.rotation.T @ truth
-        eye = Pose(orientation=turn_to(in_head)) @ Pose(orientation=yaw_pitch_roll(-right, up, 0.0))
-        return normalize(head.rotation @ eye.forward)
+        return beside(head, truth, self._offset_deg + noise)

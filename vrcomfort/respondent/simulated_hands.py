@@ -6,10 +6,9 @@ import math
 
 import numpy as np
 
-from vrcomfort.geometry import Pose, normalize, yaw_pitch_roll
+from vrcomfort.geometry import Pose, normalize, turn_to, yaw_pitch_roll
 from vrcomfort.protocol import Simulation
 from vrcomfort.tasks import Demand
-from vrcomfort.traces.gaze_track import turn_to
 
 _HAND_M = (0.15, -0.3, -0.25)
 """Where the right hand is held, in the head's frame."""

@@ -23,12 +23,9 @@ from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
-from vrcomfort.session.steering import Skipped
+from vrcomfort.session.rests import Rests
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
 from vrcomfort.session.trial import TrialRunner
-
-REST_SLICE_S = 0.2
-"""So often a rest looks up."""
 
 SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]
 """`ended`: early, and the participant may come back for the next session."""
@@ -59,10 +56,11 @@ class SessionFlow:
         self._interrupted = interrupted
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
-        self._open = (
-            OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
-        )
         self._instructor = Instructor(context, events)
+        self._rests = Rests(context, events, self._instructor, interrupted)
+        self._open = (
+            OpenQuestions(context, events, interrupted, self._rests.rest) if interrupted else None
+        )
         self._scores = ScoreWatch(context.protocol)
         self._texts = FreeTexts(context, events)
         self._steering = context.steering
@@ -140,9 +138,8 @@ class SessionFlow:
             self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
             self._manifest.boundary()
-            if index and self._context.protocol.break_s:
-                self._rest(self._context.protocol.break_s)
-            self._validate_gaze(place, first=index == 0)
+            rested = self._rests.between(place, first=index == 0)
+            self._validate_gaze(place, first=index == 0, rested=rested)
             self._practice.run(place)
             self._instructor.tell("before_trial", place)
             self._ask("before_trial", place)
@@ -154,11 +151,10 @@ class SessionFlow:
             self._texts.ask("session_end", TrialPlace())
         self._instructor.tell("session_end", TrialPlace())
 
-    def _validate_gaze(self, place: TrialPlace, *, first: bool) -> None:
+    def _validate_gaze(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
         """Validate the eye tracker at the session's start, and after breaks."""
-        protocol = self._context.protocol
-        settings = protocol.gaze_validation
-        again = settings is not None and settings.after_breaks and protocol.break_s > 0
+        settings = self._context.protocol.gaze_validation
+        again = settings is not None and settings.after_breaks and rested
         if self._validation is None or not (first or again):
             return
         headset, standing = self._trials.stand(place)
@@ -200,37 +196,12 @@ class SessionFlow:
             if not is_due(ask, place):
                 continue
             if ask.wait_s:
-                self._rest(ask.wait_s)
+                self._rests.rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
             if not after_withdrawal:
                 self._scores.hear(ask, interview.answers)
         self._texts.ask(when, place)
-
-    def _rest(self, duration_s: float) -> None:
-        """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
-        clock = self._context.clock
-        start_s = clock.now_s()
-        paused_s = 0.0
-        self._steering.begin("rest", f"rest of {duration_s:g} s")
-        try:
-            while (left_s := duration_s - (clock.now_s() - start_s - paused_s)) > 1e-6:
-                self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
-                paused_s += self._rest_a_moment(left_s)
-            self._respondent.rest(duration_s)
-        except Skipped:
-            self._respondent.rest(clock.now_s() - start_s)
-        finally:
-            self._events.event("rest", start_s)
-
-    def _rest_a_moment(self, left_s: float) -> float:
-        """Let a slice of a rest pass; return how much of it was paused."""
-        clock = self._context.clock
-        self._steering.look()
-        before_s, paused = clock.now_s(), self._steering.paused
-        if not self._respondent.resting(left_s):
-            clock.wait(left_s if self._context.jumps else min(left_s, REST_SLICE_S))
-        return clock.now_s() - before_s if paused else 0.0
 
     def _trial(self, place: TrialPlace) -> None:
         """Expose, and ask how it was."""

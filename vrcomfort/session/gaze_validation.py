@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from vrcomfort.frame import Frame
-from vrcomfort.geometry import Array, Pose, normalize, yaw_pitch_roll
+from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, yaw_pitch_roll
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.gaze_validation import GazeValidation, Point
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene
-from vrcomfort.scene.markers import Markers
+from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -26,25 +26,49 @@ from vrcomfort.tasks import Ball, Demand
 from vrcomfort.traces.gaze_quality import GazeQuality, quality_of
 
 NAME = "gaze_validation"
+EYES = ("combined", "left", "right")
+"""In the order of their rows; one eye alone has rows where the tracker tells of it."""
 _COLOUR = (0.9, 0.9, 0.9)
 _GREY = (0.15, 0.15, 0.15)
 
 
 @dataclass
+class _Seen:
+    """What an eye (or both) did on a point: unit vectors in the stage, from where that eye is."""
+
+    told: bool = False
+    directions: list[Array] = field(default_factory=list)
+    towards: list[Array] = field(default_factory=list)
+
+    def add(self, gaze: Gaze | EyeGaze, point_m: Array) -> None:
+        self.told = True
+        if gaze.valid:
+            self.directions.append(gaze.pose.forward)
+            self.towards.append(normalize(point_m - gaze.pose.position))
+
+    def quality(self) -> GazeQuality:
+        gaze = np.array(self.directions).reshape(-1, 3)
+        return quality_of(gaze, np.array(self.towards).reshape(-1, 3))
+
+
+@dataclass
 class _Shown:
-    """One point in the stage, and what the gaze did on it: unit vectors in the stage."""
+    """One point in the stage, and what the gaze did on it."""
 
     at: Point
     since_s: float
     onset_s: float
     ball: Ball
     frames: int = 0
-    directions: list[Array] = field(default_factory=list)
-    towards: list[Array] = field(default_factory=list)
+    seen: dict[str, _Seen] = field(default_factory=lambda: {eye: _Seen() for eye in EYES})
 
-    def quality(self) -> GazeQuality:
-        gaze = np.array(self.directions).reshape(-1, 3)
-        return quality_of(gaze, np.array(self.towards).reshape(-1, 3))
+    def add(self, gaze: Gaze | None) -> None:
+        """Take a frame after the eyes have settled."""
+        self.frames += 1
+        each = (None, None, None) if gaze is None else (gaze, *gaze.eyes)
+        for eye, one in zip(EYES, each, strict=True):
+            if one is not None:
+                self.seen[eye].add(one, self.ball.position_m)
 
 
 class PointsRun:
@@ -91,11 +115,11 @@ class PointsRun:
         self.saw_gaze |= frame.gaze is not None
         if elapsed_s < point.since_s + self._settings.settle_s:
             return
-        point.frames += 1
-        gaze = frame.gaze
-        if gaze is not None and gaze.valid:
-            point.directions.append(gaze.pose.forward)
-            point.towards.append(normalize(point.ball.position_m - gaze.pose.position))
+        point.add(frame.gaze)
+
+    def changed(self) -> tuple[Shown, ...]:
+        """Return nothing: its frames are of no exposure, and are not shown again."""
+        return ()
 
     def finish(self) -> None:
         """End with the exposure; nothing is open."""
@@ -208,28 +232,39 @@ class Validation:
     def _write(
         self, run: PointsRun, place: TrialPlace, attempt: int, *, resumed: bool
     ) -> float | None:
-        """Write a row for each point, and the mean; return its error."""
-        of_points = [each.quality() for each in run.shown]
-        mean = GazeQuality(*map(_mean, zip(*of_points, strict=True)))
-        error = mean.accuracy_deg
-        rows = []
-        for number, (each, quality) in enumerate(zip(run.shown, of_points, strict=True), start=1):
-            right_deg, up_deg, away_m = each.at
-            row = self._row(place, attempt, [each], quality)
-            rows.append(
-                replace(row, point=number, right_deg=right_deg, up_deg=up_deg, distance_m=away_m)
-            )
+        """Write a row for each point and eye, and the means; return the error of both eyes."""
+        told = [eye for eye in EYES if any(each.seen[eye].told for each in run.shown)]
+        rows, means = [], []
+        for eye in told or EYES[:1]:
+            of_points = [each.seen[eye].quality() for each in run.shown]
+            for number, (each, quality) in enumerate(zip(run.shown, of_points, strict=True), 1):
+                right_deg, up_deg, away_m = each.at
+                row = self._row(place, attempt, [each], eye, quality)
+                rows.append(
+                    replace(
+                        row, point=number, right_deg=right_deg, up_deg=up_deg, distance_m=away_m
+                    )
+                )
+            mean = GazeQuality(*map(_mean, zip(*of_points, strict=True)))
+            means.append(self._row(place, attempt, run.shown, eye, mean))
+        error = _mean(tuple(each.seen[EYES[0]].quality().accuracy_deg for each in run.shown))
         good = int(error is not None and error <= self._settings.limit_deg)
-        rows.append(replace(self._row(place, attempt, run.shown, mean), good=good))
-        self._events.recorder.write(*(replace(row, resumed=int(resumed)) for row in rows))
+        means[0] = replace(means[0], good=good)
+        recorder = self._events.recorder
+        recorder.write(*(replace(row, resumed=int(resumed)) for row in (*rows, *means)))
         return error
 
     def _row(
-        self, place: TrialPlace, attempt: int, shown: list[_Shown], quality: GazeQuality
+        self,
+        place: TrialPlace,
+        attempt: int,
+        shown: list[_Shown],
+        eye: str,
+        quality: GazeQuality,
     ) -> GazeValidationRow:
         """Return the row of one point, or of several, that says nothing of where they were."""
         frames = sum(each.frames for each in shown)
-        valid = sum(len(each.directions) for each in shown)
+        valid = sum(len(each.seen[eye].directions) for each in shown)
         accuracy, rms, sd = (None if each is None else round(each, 4) for each in quality)
         return GazeValidationRow(
             participant=self._context.participant,
@@ -239,7 +274,7 @@ class Validation:
             before_trial=place.trial or 0,
             onset_s=round(shown[0].onset_s, 9),
             point=None,
-            eye="combined",
+            eye=eye,
             right_deg=None,
             up_deg=None,
             distance_m=None,

@@ -12,12 +12,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from vrcomfort.errors import InputError
-from vrcomfort.geometry import Pose, Quad, normalize
+from vrcomfort.geometry import Pose, Quad, normalize, turn_to
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteHand, RemoteState
 from vrcomfort.respondent.panel_layout import Act, Cell, cell_at
 from vrcomfort.respondent.panel_picture import Page
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.traces.gaze_track import turn_to
 
 REACH_M = 0.5
 """How far before the panel the hand is held."""

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.geometry import Array, Gaze, Pose, normalize
+from vrcomfort.geometry import Array, Gaze, Pose, turn_to
+from vrcomfort.records.frame_rows import gaze_columns
+from vrcomfort.traces.eye_track import EyeTrack, eye_of, joined, rays_of
 from vrcomfort.traces.pose_track import Times
 from vrcomfort.traces.table import Table, read_parts
 
 TIME, VALID = "xr_time_ns", "valid"
-ORIGIN = ("origin_x_m", "origin_y_m", "origin_z_m")
-DIRECTION = ("direction_x", "direction_y", "direction_z")
+EYES = ("left_", "right_")
 
 LONGEST_NS = 50_000_000
 """A sample says nothing of a moment further away: the eyes may have jumped, or blinked."""
@@ -32,21 +33,28 @@ class GazeTrack:
         (n,) bool.
     origins, directions
         (n, 3) metres and unit vectors in the stage; NaN where not valid.
+    eyes
+        The left and the right eye alone; None where the tracker does not tell them apart.
     """
 
     time_ns: Times
     valid: NDArray[np.bool_]
     origins: Array
     directions: Array
+    eyes: tuple[EyeTrack | None, EyeTrack | None] = (None, None)
 
     def at(self, time_ns: int) -> Gaze:
         """Return the nearest sample's gaze: eyes jump, so nothing between two samples is known."""
         after = int(np.searchsorted(self.time_ns, time_ns))
         near = range(max(after - 1, 0), min(after + 1, len(self.time_ns)))
         away_ns, index = min((abs(int(self.time_ns[i]) - time_ns), i) for i in near)
-        if away_ns > LONGEST_NS or not self.valid[index]:
+        if away_ns > LONGEST_NS:
             return Gaze(Pose(), valid=False)
-        return Gaze(Pose(self.origins[index], turn_to(self.directions[index])))
+        left, right = (None if eye is None else eye.at(index) for eye in self.eyes)
+        if not self.valid[index]:
+            return Gaze(Pose(), valid=False, eyes=(left, right))
+        pose = Pose(self.origins[index], turn_to(self.directions[index]))
+        return Gaze(pose, eyes=(left, right))
 
     def covers(self, times_ns: Times) -> NDArray[np.bool_]:
         """Return (n,) whether a sample is near enough to each of (n,) times."""
@@ -55,17 +63,6 @@ class GazeTrack:
         around = self.time_ns[np.clip([after - 1, after], 0, last)]
         near: NDArray[np.bool_] = np.abs(around - times_ns).min(axis=0) <= LONGEST_NS
         return near
-
-
-def turn_to(direction: Array) -> Array:
-    """Return the shortest turn from −Z to a (3,) unit vector, as a quaternion."""
-    x, y, z = direction
-    across = np.hypot(x, y)
-    if z > 0 and across < 1e-12:
-        return np.array([0.0, 1.0, 0.0, 0.0])  # straight back: any axis across will do
-    # 1 − z, without the digits that a subtraction loses where z is nearly 1
-    less_z = across**2 / (1.0 + z) if z > 0 else 1.0 - z
-    return normalize(np.array([y, -x, 0.0, less_z]))
 
 
 def read_gaze(path: str | Path) -> GazeTrack:
@@ -82,31 +79,18 @@ def read_gaze(path: str | Path) -> GazeTrack:
         last = int(parts[-1].time_ns[-1]) if parts else None
         time_ns = table.rising(TIME, table.integers(TIME), after=last)
         valid = table.integers(VALID) != 0
-        rays = np.full((len(time_ns), 6), np.nan)
-        if valid.any():
-            rays[valid] = _rays(table, valid)
-        parts.append(GazeTrack(time_ns, valid, rays[:, :3], rays[:, 3:]))
+        rays = rays_of(table, valid)
+        left, right = (eye_of(table, eye) for eye in EYES)
+        parts.append(GazeTrack(time_ns, valid, rays[:, :3], rays[:, 3:], (left, right)))
+    left, right = (joined([part.eyes[eye] for part in parts]) for eye in (0, 1))
     return GazeTrack(
         np.concatenate([part.time_ns for part in parts]),
         np.concatenate([part.valid for part in parts]),
         np.concatenate([part.origins for part in parts]),
         np.concatenate([part.directions for part in parts]),
+        (left, right),
     )
 
 
-def _rays(table: Table, valid: NDArray[np.bool_]) -> Array:
-    """Return (valid rows, 6) origins and directions; rows that are not valid may be blank."""
-    kept = np.flatnonzero(valid).tolist()
-    rows, lines = tuple(table.rows[i] for i in kept), tuple(table.lines[i] for i in kept)
-    part = replace(table, rows=rows, lines=lines)
-    rays = np.hstack([part.positions(ORIGIN), part.floats(DIRECTION)])
-    lengths = np.linalg.norm(rays[:, 3:], axis=1)
-    bad = np.flatnonzero(np.abs(lengths - 1) > 1e-3)
-    if len(bad):
-        message = f"the direction has length {lengths[bad[0]]:.6g}; it needs length 1"
-        raise part.error(bad[0], DIRECTION[0], message)
-    return rays
-
-
 def _require(table: Table) -> None:
-    table.require([TIME, VALID, *ORIGIN, *DIRECTION])
+    table.require([TIME, VALID, *gaze_columns()])

@@ -14,7 +14,7 @@ from typing import Any
 
 from vrcomfort import __version__
 from vrcomfort.exchange.bids.files import write_json, write_tsv
-from vrcomfort.exchange.bids.gaze import write_gaze
+from vrcomfort.exchange.bids.gaze import write_gazes
 from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
 from vrcomfort.exchange.bids.phenotype import write_phenotype
 from vrcomfort.exchange.bids.runs import Run, read_runs
@@ -46,7 +46,8 @@ A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as 
 
 - `motion/`: each exposure is a run, numbered as it was shown. `tracksys-head`, and `tracksys-hands`
   where hands were recorded, in metres and quaternions (x, y, z, w) in the OpenXR stage.
-- `*_recording-cyclopean_physio.tsv.gz`: gaze, where it was recorded.
+- `*_recording-cyclopean_physio.tsv.gz`: gaze, where it was recorded; `recording-left` and
+  `recording-right` where the eye tracker tells them apart.
 - `*_events.tsv`: the exposure, the ratings in it, and what the headset noted.
 - `phenotype/`: a table for each questionnaire, a row for each participant, a column for an answer.
 
@@ -142,8 +143,8 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
         stem = place / f"{whose}_run-{run.number}"
         if run.gaze:
             device = str(manifest["headset"].get("headset") or manifest["headset"].get("name", ""))
-            file = write_gaze(stem, run, _nominal_hz(manifest), device)
-            scans.append((_name(file, folder), _when(run, manifest)))
+            files = write_gazes(stem, run, _nominal_hz(manifest), device)
+            scans += [(_name(file, folder), _when(run, manifest)) for file in files]
         _write_events(stem, run)
     if scans:
         write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)

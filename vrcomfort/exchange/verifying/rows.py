@@ -13,7 +13,7 @@ from vrcomfort.records.recorded_rows import Kind, RecordedRow, cell_value, kinds
 from vrcomfort.records.rows import Row
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
-_TEXT = {"session_state", "rays_used"}
+_TEXT = {"session_state", "rays_used", "hit_node", "effect_centre"}
 HALF = "this row is half-written; `vrcomfort run … --resume` moves it aside, or remove the line"
 
 

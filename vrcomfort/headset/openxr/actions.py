@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import xr
@@ -12,6 +13,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import HandInput, Inputs, SeenGaze
 from vrcomfort.headset.openxr.action_bindings import GAZE_PATH, GAZE_PROFILE, HANDS, PROFILES
 from vrcomfort.headset.openxr.convert import pose_from_xr
+from vrcomfort.headset.openxr.each_eye import EachEye, both
 from vrcomfort.headset.openxr.instance import Runtime
 from vrcomfort.headset.openxr.native import check, native, watched
 from vrcomfort.headset.openxr.spaces import VALID, Stage
@@ -48,6 +50,7 @@ class Actions:
         self._hands = [self._path(f"/user/hand/{hand}") for hand in HANDS]
         self._actions = {name: self._make(name, kind) for name, kind in _KINDS.items()}
         self._gaze = self._make_gaze() if runtime.has_gaze else None
+        self._each_eye = EachEye(runtime.instance, session) if runtime.has_each_eye else None
         self._suggest()
         watched(
             xr.attach_session_action_sets,
@@ -95,6 +98,8 @@ class Actions:
 
     def release(self) -> None:
         """Destroy the action set and what belongs to it."""
+        if self._each_eye is not None:
+            self._each_eye.release()
         watched(xr.destroy_action_set, self._set)
 
     def _hand(self, hand: int, stage: Stage, time_ns: int) -> HandInput:
@@ -122,6 +127,13 @@ class Actions:
         return down, down and bool(state.changed_since_last_sync)
 
     def _read_gaze(self, stage: Stage, time_ns: int) -> SeenGaze | None:
+        combined = self._read_combined(stage, time_ns)
+        if self._each_eye is None:
+            return combined
+        eyes, seen_ns = self._each_eye.read(stage.space, time_ns)
+        return both(eyes, seen_ns) if combined is None else replace(combined, eyes=eyes)
+
+    def _read_combined(self, stage: Stage, time_ns: int) -> SeenGaze | None:
         if self._gaze_space is None:
             return None
         seen = xr.EyeGazeSampleTimeEXT()
@@ -132,7 +144,7 @@ class Actions:
         if flags & VALID != VALID:
             return SeenGaze(Pose(), valid=False, time_ns=int(seen.time))
         pose = pose_from_xr(location.pose)
-        return SeenGaze(pose, flags & TRACKED == TRACKED, int(seen.time))
+        return SeenGaze(pose, flags & TRACKED == TRACKED, time_ns=int(seen.time))
 
     def _make(self, name: str, kind: xr.ActionType) -> xr.Action:
         return watched(

@@ -36,11 +36,15 @@ class RuntimeFacts:
 
 @dataclass(frozen=True)
 class HeadsetFacts:
-    """A headset: its name, the size of image that it wants per eye, and whether it tracks eyes."""
+    """A headset: its name, the size of image that it wants per eye, and whether it tracks eyes.
+
+    `each_eye`: whether it tells where each of them looks.
+    """
 
     name: str
     recommended_size_px: tuple[int, int]
     gaze: bool
+    each_eye: bool
 
 
 @dataclass(frozen=True)
@@ -90,7 +94,13 @@ def find_headset() -> HeadsetFacts:
     with starting():
         runtime = connect(OpenXrSettings(), (OPENGL,), lambda _: None)
         try:
-            return HeadsetFacts(runtime.headset_name, runtime.recommended_size_px, runtime.has_gaze)
+            each_eye = runtime.has_each_eye
+            return HeadsetFacts(
+                runtime.headset_name,
+                runtime.recommended_size_px,
+                gaze=runtime.has_gaze or each_eye,
+                each_eye=each_eye,
+            )
         finally:
             runtime.release()
 

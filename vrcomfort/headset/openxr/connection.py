@@ -11,6 +11,7 @@ import xr
 from vrcomfort.frame import HeadsetEvent
 from vrcomfort.headset.openxr import depth, display, display_clock
 from vrcomfort.headset.openxr.actions import Actions
+from vrcomfort.headset.openxr.each_eye import EXTENSION
 from vrcomfort.headset.openxr.faults import running, starting
 from vrcomfort.headset.openxr.graphics_binding import Binding, current_binding, make_current
 from vrcomfort.headset.openxr.instance import connect
@@ -110,7 +111,8 @@ class Connection:
             "space": self.stage.kind,
             "image_format": FORMATS[self._format],
             "depth_layer": self._no_depth or DEPTH_FORMAT_NAME,
-            "eye_tracker": "yes" if self.runtime.has_gaze else "no",
+            "eye_tracker": "yes" if self.runtime.has_gaze or self.runtime.has_each_eye else "no",
+            "each_eye": EXTENSION if self.runtime.has_each_eye else "not told",
             "display_clock": display_clock.extension(self.runtime) or "not told",
             "extensions": " ".join(sorted(self.runtime.extensions)),
             "left_controller": self.actions.profile(0),

@@ -24,6 +24,7 @@ WANTED_EXTENSIONS = (
     xr.EXT_LOCAL_FLOOR_EXTENSION_NAME,
     xr.EXT_USER_PRESENCE_EXTENSION_NAME,
     xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME,
+    xr.FB_EYE_TRACKING_SOCIAL_EXTENSION_NAME,
     xr.FB_DISPLAY_REFRESH_RATE_EXTENSION_NAME,
     xr.KHR_COMPOSITION_LAYER_DEPTH_EXTENSION_NAME,
     xr.KHR_VISIBILITY_MASK_EXTENSION_NAME,
@@ -72,12 +73,21 @@ class Runtime:
 
     @cached_property
     def has_gaze(self) -> bool:
-        """Return whether the headset tracks the eyes."""
+        """Return whether the headset tells where both eyes look together."""
         if xr.EXT_EYE_GAZE_INTERACTION_EXTENSION_NAME not in self.extensions:
             return False
         gaze = xr.SystemEyeGazeInteractionPropertiesEXT()
         self._system_properties(gaze)
         return bool(gaze.supports_eye_gaze_interaction)
+
+    @cached_property
+    def has_each_eye(self) -> bool:
+        """Return whether the headset tells where each eye looks."""
+        if xr.FB_EYE_TRACKING_SOCIAL_EXTENSION_NAME not in self.extensions:
+            return False
+        eyes = xr.SystemEyeTrackingPropertiesFB()
+        self._system_properties(eyes)
+        return bool(eyes.supports_eye_tracking)
 
     @cached_property
     def recommended_size_px(self) -> tuple[int, int]:

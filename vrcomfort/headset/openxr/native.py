@@ -25,7 +25,17 @@ def native(name: str, *, usual: xr.Result = xr.Result.SUCCESS) -> Call:
         A result besides success that is returned; the function raises what pyopenxr would raise
         for any other.
     """
-    function, expected = _raw(name), int(usual)
+    return _in_sight(name, _raw(name), int(usual))
+
+
+def native_extension(instance: xr.Instance, name: str) -> Call:
+    """Return such a function of an extension, which the loader finds when it is asked for."""
+    address = watched(xr.get_instance_proc_addr, instance, name)
+    return _in_sight(name, ctypes.cast(address, getattr(xr, f"PFN_{name}")), 0)
+
+
+def _in_sight(name: str, function: Call, expected: int) -> Call:
+    """Return a call in sight of the watchdog."""
     begin, end = RUNTIME_CALLS.begin, RUNTIME_CALLS.end
 
     def call(*arguments: Any) -> int:
