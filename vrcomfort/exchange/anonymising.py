@@ -31,6 +31,7 @@ from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
 from vrcomfort.records.rows import (
+    BallRow,
     DialRow,
     EventRow,
     GazeValidationRow,
@@ -199,7 +200,8 @@ class _Session:
             name = row_type.FILE
             change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)
             _rewrite(source / name, folder / name, change, self.access)
-        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: self.wishes.keep_motion}
+        motion = self.wishes.keep_motion
+        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: motion, BallRow.FILE: motion}
         for name, wished in kept.items():
             if wished and (source / name).exists():
                 _rewrite(source / name, folder / name, _in_time(source), self.access)
@@ -286,6 +288,7 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
         "texts": "notes, reasons and details of events that people may have typed are blank",
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
+        "balls_of_tasks": "kept" if wishes.keep_motion else "left out (balls.csv)",
         "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "
         "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
         "of vrcomfort's making",

@@ -9,6 +9,7 @@ from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     FACTS,
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
@@ -42,6 +43,7 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 __all__ = [
     "ENDED_THE_STUDY",
     "FACTS",
+    "BallRow",
     "ClockRow",
     "DialRow",
     "Durability",

@@ -13,6 +13,7 @@ from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
@@ -32,7 +33,7 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -225,7 +226,7 @@ def _with_others(row: Row) -> Iterable[Row]:
     """Return a row, with those of other files that a frame brings."""
     if not isinstance(row, FrameRow):
         return (row,)
-    return [each for each in (row, row.gaze, row.image) if each is not None]
+    return [each for each in (row, row.gaze, row.image, *row.balls) if each is not None]
 
 
 def _read(file: Path) -> str:

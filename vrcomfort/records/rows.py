@@ -244,6 +244,39 @@ class TaskRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class BallRow(FlatRow):
+    """A ball of a task from a frame on, where it is drawn otherwise than in the frame before.
+
+    Parameters
+    ----------
+    session_s, xr_time_ns, trial
+        Those of the frame.
+    ball
+        Counts the balls of the task from 1.
+    x_m, y_m, z_m
+        Its middle, in the world.
+    radius_m
+        0 where it is not to be seen.
+    red, green, blue
+        Its colour, linear.
+    """
+
+    FILE: ClassVar[str] = "balls.csv"
+    session_s: float
+    xr_time_ns: int
+    trial: int
+    ball: int
+    x_m: float
+    y_m: float
+    z_m: float
+    radius_m: float
+    red: float
+    green: float
+    blue: float
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class PracticeRow(FlatRow):
     """One exposure of a block of practice, which is no trial of the study.
 

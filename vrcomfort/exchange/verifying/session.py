@@ -20,6 +20,7 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
     OVER,
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
@@ -82,6 +83,9 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
     if (folder / ImageRow.FILE).exists():
         check_times(read(folder, ImageRow, version, found), frames, found)
+    if (folder / BallRow.FILE).exists():
+        gaps = _not_recorded(recorded.events) > 0
+        check_times(read(folder, BallRow, version, found), frames, found, gaps=gaps)
     if (folder / ClockRow.FILE).exists():
         check_clocks(read(folder, ClockRow, version, found), found)
     check_checksums(folder, found, ended=manifest["status"] != "running")
