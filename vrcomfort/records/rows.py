@@ -165,8 +165,8 @@ class QuestionnaireRow(FlatRow):
     asked_s: float
     answered_s: float
     order: int
-    resumed: int = 0
     part: str | None = None
+    resumed: int = 0
 
 
 @dataclass(frozen=True)
