@@ -57,6 +57,8 @@ class Words(Settings):
     """Button: below an instruction."""
     listen_sound: Sentence = "Please listen."
     """While an instruction is heard that has nothing to see."""
+    wait_experimenter: Sentence = "Please wait. The experimenter has something to decide."
+    """While the experimenter decides whether to go on."""
     say_aloud: Sentence = "Please tell the experimenter"
     """Over a question that is answered in one's own words."""
 
@@ -81,6 +83,7 @@ GERMAN = Words(
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",
     listen_sound="Bitte hören Sie zu.",
+    wait_experimenter="Bitte warten Sie. Die Versuchsleitung hat etwas zu entscheiden.",
     say_aloud="Bitte sagen Sie es der Versuchsleitung",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}

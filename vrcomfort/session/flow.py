@@ -24,6 +24,7 @@ from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
 from vrcomfort.session.rests import Rests
+from vrcomfort.session.screener import Screener
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
 from vrcomfort.session.trial import TrialRunner
 
@@ -63,6 +64,7 @@ class SessionFlow:
         )
         self._scores = ScoreWatch(context.protocol)
         self._texts = FreeTexts(context, events)
+        self._screener = Screener(context, events)
         self._steering = context.steering
         self._trials = TrialRunner(
             context,
@@ -134,6 +136,7 @@ class SessionFlow:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
+            self._screener.look_at_covariates()
             self._instructor.tell("session_start", TrialPlace())
             self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
@@ -200,6 +203,7 @@ class SessionFlow:
             interview = Interview(self._context, self._events, ask, place)
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
             if not after_withdrawal:
+                self._screener.hear(ask, interview.answers)
                 self._scores.hear(ask, interview.answers)
         self._texts.ask(when, place)
 
