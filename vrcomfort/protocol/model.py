@@ -23,6 +23,7 @@ from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.parts import Part
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.posture import Posture
 from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.screening import Screening
 from vrcomfort.protocol.sliders import Slider
@@ -296,6 +297,8 @@ class Protocol(Settings):
     """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
+    posture: Posture | None = None
+    """Seated or standing, with the height of the eyes measured; not at all without it."""
     locomotion: Locomotion = Locomotion()
     """How participants move."""
     simulation: Simulation = Simulation()
