@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
 from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
+from vrcomfort.cli.terminal import ask_to_type
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -123,12 +124,19 @@ def _person(
 
     dwell_s = protocol.answering.dwell_s
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s, words=protocol.words)
+        return PanelRespondent(
+            screen,
+            keyboard=keyboard,
+            dwell_s=dwell_s,
+            words=protocol.words,
+            prompt=ask_to_type,
+        )
     rehearsal.screen = screen
     return PanelRespondent(
         screen,
         watch=rehearsal.watch,
         chose=rehearsal.chose,
+        waiting_line=lambda: "",
         keyboard=keyboard,
         dwell_s=dwell_s,
         words=protocol.words,

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
-from vrcomfort.respondent.base import Heard, Telling
+from vrcomfort.respondent.base import Heard, Telling, Written
 
 LISTEN = "Please listen to the experimenter."
 
@@ -150,6 +150,23 @@ class VerbalRespondent:
             self._desk.ask(None)
             self._show(None)
 
+    def write(self, question: str) -> Written:
+        """Have a question answered in the participant's own words, and typed here."""
+        since_s = self._now_s()
+        self._show(LISTEN)
+        self._entries.entry_fault = _fault_of_text
+        shown = {"action": "write", "title": "In the participant's own words"}
+        self._desk.ask({**shown, "instruction": "", "items": [_open(question)], "current": 0})
+        try:
+            while not self._entries.entries:
+                self._entries.look()
+                self._entries.idle()
+            return Written(self._entries.entries.popleft().text, self._now_s() - since_s)
+        finally:
+            self._entries.entry_fault = self._nothing_asked
+            self._desk.ask(None)
+            self._show(None)
+
     def _show(self, words: str | None) -> None:
         if self._screen is not None:
             self._screen.rest_on(words)
@@ -210,6 +227,16 @@ def _fault_of(item: Item, entry: Any, action: str) -> str:
     if declined or (whole and item.answers.offers(entry.value)):
         return ""
     return f"{item.answers.asked_in_words} is an answer to {item.text!r}"
+
+
+def _fault_of_text(entry: Any) -> str:
+    return "" if entry.action == "write" else f"this question takes no {entry.action}"
+
+
+def _open(question: str) -> dict[str, Any]:
+    """Return a question without answers to choose from, as the page shows it."""
+    nothing: dict[str, Any] = {"values": [], "labels": [], "ends": [], "answer": None}
+    return {"name": "text", "text": question, "answered": False, **nothing}
 
 
 def _shown(item: Item, answer: float | None, *, answered: bool) -> dict[str, Any]:

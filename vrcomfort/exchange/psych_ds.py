@@ -26,6 +26,7 @@ from vrcomfort.records.rows import (
     RatingRow,
     Row,
     TaskRow,
+    TextRow,
     TrialRow,
 )
 from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
@@ -47,6 +48,8 @@ Frames, gaze and events are not in it: the study has them, and `vrcomfort export
 _OPTIONAL: Mapping[type[Row], str] = {
     TaskRow: "- `{tasks}`: a row for each target, shot and sample of a task, and for each trial\n"
     "  that had one.\n",
+    TextRow: "- `{texts}`: a row for each answer in one's own words, which may tell who gave it;\n"
+    "  in `text`, `\\n` is a line end and `\\\\` a backslash.\n",
     DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
 """What not every study has, and what is said of it."""
@@ -91,6 +94,8 @@ _MEANINGS: Mapping[str, str] = {
     "kind": "Of a row of a task: target, shot, sample or (the whole) trial; of a dial: start, "
     "change, sample, confirmed or end",
     "dial": "The dial that was turned, as the protocol names it",
+    "question": "What was asked to be answered in one's own words, as the protocol names it",
+    "text": "The answer in one's own words, in one line; blank: nothing was said",
     "setting": "What an adjustment changes in the condition",
     "value": "Where the dial stood from then on, in the unit of what it changes",
     "number": "Counts the rows of one kind in an attempt, from 1",
@@ -151,7 +156,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     return [f"{file}: the study has no rows of it" for file in empty]
 
 
-_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks", "dials")
+_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks", "dials", "texts")
 
 
 def _file(label: str, kind: str) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path as FilePath
 
 from vrcomfort.protocol.adjustment_check import adjustment_problems
 from vrcomfort.protocol.breaks import break_problems
+from vrcomfort.protocol.free_texts import free_text_problems
 from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
@@ -46,6 +47,9 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
     yield from adjustment_problems(protocol)
+    yield from repeated(("free_texts",), [each.name for each in protocol.free_texts])
+    wordings = {language: table.free_texts for language, table in protocol.text.items()}
+    yield from free_text_problems(protocol.free_texts, protocol.languages, wordings)
     yield from _visibility(protocol)
 
 

@@ -16,6 +16,7 @@ from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
@@ -256,6 +257,8 @@ class Protocol(Settings):
     """What participants are told, and when."""
     questionnaires: tuple[Ask, ...] = ()
     """What is asked, and when. A study without any has ratings or tasks."""
+    free_texts: tuple[FreeText, ...] = ()
+    """Questions that are answered in one's own words; they may tell who answers."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""
@@ -309,6 +312,14 @@ class Protocol(Settings):
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
+
+    def writes(self, when: str) -> Iterator[FreeText]:
+        """Yield the free texts of a moment, in the participant's language."""
+        table = self.text.get(self._language or "")
+        wordings = table.free_texts if table else {}
+        for each in self.free_texts:
+            if each.when == when:
+                yield each.model_copy(update={"text": wordings.get(each.name, each.text)})
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
         """Return what is done in a trial: what it names itself, its condition, or the protocol."""

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from vrcomfort.protocol.free_texts import Asked
 from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
@@ -56,6 +57,8 @@ class Words(Settings):
     """Button: below an instruction."""
     listen_sound: Sentence = "Please listen."
     """While an instruction is heard that has nothing to see."""
+    say_aloud: Sentence = "Please tell the experimenter"
+    """Over a question that is answered in one's own words."""
 
 
 ENGLISH = Words()
@@ -78,6 +81,7 @@ GERMAN = Words(
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",
     listen_sound="Bitte hören Sie zu.",
+    say_aloud="Bitte sagen Sie es der Versuchsleitung",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 """Languages that are shipped."""
@@ -94,6 +98,8 @@ class LanguageTable(Settings):
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
     instructions: dict[str, InstructionWording] = Field(default_factory=dict)
     """Name of an instruction → what is told in this language."""
+    free_texts: dict[str, Asked] = Field(default_factory=dict)
+    """Name of a free text → what is asked in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:

@@ -20,6 +20,7 @@ from vrcomfort.records.rows import (
     RatingRow,
     Row,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
 )
@@ -62,6 +63,7 @@ __all__ = [
     "Recorder",
     "Row",
     "TaskRow",
+    "TextRow",
     "TimingRow",
     "TrialRow",
     "access_of",

@@ -28,6 +28,7 @@ from vrcomfort.records.rows import (
     RatingRow,
     Row,
     TaskRow,
+    TextRow,
     TrialRow,
     cell_text,
     csv_line,
@@ -289,6 +290,7 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
     optional: Mapping[type[Row], tuple[str, ...]] = {
         TaskRow: ("onset_s", "reaction_s"),
         DialRow: ("onset_s",),
+        TextRow: ("answered_s",),
         PracticeRow: ("end_s",),
     }
     there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}

@@ -23,6 +23,7 @@ from vrcomfort.records.rows import (
     RatingRow,
     Row,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
     cell_text,
@@ -33,7 +34,7 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -43,7 +44,7 @@ SYNC_EVERY_S = 0.5
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
 _SYNCED_AT_ONCE = (
-    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, PracticeRow, EventRow,
+    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, PracticeRow, EventRow,
 )  # fmt: skip
 
 

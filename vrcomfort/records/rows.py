@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
@@ -312,6 +314,64 @@ class PracticeRow(FlatRow):
     met: int | None = None
     over: int = 0
     resumed: int = 0
+
+
+LONGEST_TEXT = 20_000
+"""Characters of an answer in one's own words, as they are written."""
+
+
+@dataclass(frozen=True)
+class TextRow(FlatRow):
+    """An answer in one's own words; `trial` and `condition` are blank where the session is meant.
+
+    Parameters
+    ----------
+    text
+        In one line (`one_line`); blank where nothing was said.
+    """
+
+    FILE: ClassVar[str] = "texts.csv"
+    participant: str
+    session: int
+    trial: int | None
+    condition: str | None
+    question: str
+    text: str
+    asked_s: float
+    answered_s: float
+    resumed: int = 0
+
+
+def one_line(text: str) -> str:
+    r"""Return a text in one line: \\ for \, \n for a line end, \uXXXX for what is no letter.
+
+    Control characters, other line ends and halves of pairs would break rows; `in_lines` turns it
+    back.
+    """
+    return "".join(map(_escaped, text.replace("\r\n", "\n").replace("\r", "\n")))
+
+
+def _escaped(letter: str) -> str:
+    if letter == "\\":
+        return "\\\\"
+    if letter == "\n":
+        return "\\n"
+    plain = unicodedata.category(letter) not in {"Cc", "Cs", "Zl", "Zp"}
+    return letter if plain else f"\\u{ord(letter):04x}"
+
+
+def in_lines(text: str) -> str:
+    """Return the text that `one_line` has written."""
+    return _ESCAPE.sub(_meant, text)
+
+
+_ESCAPE = re.compile(r"\\(?:(\\|n)|u([0-9a-f]{4}))")
+
+
+def _meant(found: re.Match[str]) -> str:
+    if found[2]:
+        return chr(int(found[2], 16))
+    return "\n" if found[1] == "n" else "\\"
 
 
 @dataclass(frozen=True)

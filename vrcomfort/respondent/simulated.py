@@ -19,7 +19,7 @@ from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
 from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
@@ -69,6 +69,16 @@ _DIAL = 6
 """The same of what turns a dial."""
 _SLIDER = 8
 """The same of a slider."""
+_WORDS = 9
+"""The same of what they say in their own words."""
+
+SAID = (
+    ("", "Nothing in particular.", "It looked good."),
+    ("A bit odd when I turned.", "Things at the side were blurred, weren't they?"),
+    ("My eyes are tired.\nThe near things were hard to look at.", "Warm."),
+    ('I felt "seasick".', "Too much; I'd have stopped soon."),
+)
+"""What simulated participants say, by their sickness in whole units."""
 
 
 class SimulatedRespondent:
@@ -136,8 +146,10 @@ class SimulatedRespondent:
 
     def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
         """Begin to adjust, with random streams of their own: that changes no answer."""
-        name = int.from_bytes(hashlib.sha256(adjustment.name.encode()).digest()[:4])
-        keys = (self._person, name, _DIAL), (self._person, self._session, trial, _DIAL)
+        keys = (
+            (self._person, _hash(adjustment.name), _DIAL),
+            (self._person, self._session, trial, _DIAL),
+        )
         person, exposure = (
             np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
         )
@@ -276,6 +288,14 @@ class SimulatedRespondent:
             )
             heard(item.name, response, round(took_s, 2))
 
+    def write(self, question: str) -> Written:
+        """Say something that goes with how they feel; it changes no other answer."""
+        key = (self._person, self._session, _hash(question), _WORDS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        mood = SAID[min(int(self.sickness), len(SAID) - 1)]
+        text = mood[int(random.integers(len(mood)))]
+        return Written(text, round(2.0 + 0.2 * len(text), 2))
+
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
         """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
         liking = self._settings.liking
@@ -305,6 +325,10 @@ class SimulatedRespondent:
 
     def _noise(self) -> float:
         return self._settings.noise_sd * float(self._rng.standard_normal())
+
+
+def _hash(text: str) -> int:
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4])
 
 
 def _sickness(value: object) -> float:

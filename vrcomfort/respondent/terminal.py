@@ -11,7 +11,7 @@ from rich.table import Table
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
 from vrcomfort.respondent.lines import waiting_line
 from vrcomfort.respondent.typed_rating import TypedRating
 
@@ -190,6 +190,20 @@ class TerminalRespondent:
         self._fill(instrument, answers, heard)
         self._review(instrument, answers, heard)
 
+    def write(self, question: str) -> Written:
+        """Ask, and take lines until an empty one."""
+        self._finish_asking_whether_to_stop()
+        self._clear_typed()
+        self._console.print(question, style="bold")
+        self._console.print(f"Type the answer; an empty line ends it. {_STOP}.", style="dim")
+        since_s, lines = self._now_s(), list[str]()
+        while line := self._typed("> ").rstrip():
+            if not lines and line.strip().lower() == keys.STOP:
+                self._stop_if_sure()
+            else:
+                lines.append(line)
+        return Written("\n".join(lines), self._now_s() - since_s)
+
     def _fill(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
         index = 0
         while index < len(instrument.items):
@@ -233,8 +247,11 @@ class TerminalRespondent:
             raise Withdrew("withdrew at a question")
 
     def _read(self, prompt: str) -> str:
+        return self._typed(prompt).strip().lower()
+
+    def _typed(self, prompt: str) -> str:
         try:
-            return self._read_line(prompt).strip().lower()
+            return self._read_line(prompt)
         except EOFError as error:
             message = "the input ended while a question was open; answers until here are kept"
             raise InputError(message) from error

@@ -15,6 +15,7 @@ from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.interview import Interview
@@ -61,6 +62,7 @@ class SessionFlow:
             OpenQuestions(context, events, interrupted, self._rests.rest) if interrupted else None
         )
         self._scores = ScoreWatch(context.protocol)
+        self._texts = FreeTexts(context, events)
         self._steering = context.steering
         self._trials = TrialRunner(
             context,
@@ -146,6 +148,7 @@ class SessionFlow:
             self._ask("session_end", TrialPlace())
         else:
             self._missed(self._open.ask("session_end", TrialPlace()))
+            self._texts.ask("session_end", TrialPlace())
         self._instructor.tell("session_end", TrialPlace())
 
     def _validate_gaze(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
@@ -175,6 +178,7 @@ class SessionFlow:
         ended = self._open.before.ended_by
         try:
             self._missed(self._open.ask("after_trial", place, after_withdrawal=ended is not None))
+            self._texts.ask("after_trial", place)
         except Withdrew as refusal:
             if ended is None:
                 raise
@@ -197,6 +201,7 @@ class SessionFlow:
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
             if not after_withdrawal:
                 self._scores.hear(ask, interview.answers)
+        self._texts.ask(when, place)
 
     def _trial(self, place: TrialPlace) -> None:
         """Expose, and ask how it was."""
