@@ -80,6 +80,7 @@ _MEANINGS: Mapping[str, str] = {
     "frozen_s": "Seconds in which the picture stood still",
     "hidden_s": "Seconds in which the participant saw nothing of the frames",
     "unfocused_s": "Seconds in which a menu of the headset's was in front",
+    "part": "Part of the study, where it has parts with orders of their own",
     "timepoint": "When in the session it was asked, as the protocol names it",
     "instrument": "Questionnaire or rating scale",
     "item": "Question of the instrument",

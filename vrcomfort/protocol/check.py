@@ -12,6 +12,7 @@ from vrcomfort.protocol.instructions import instruction_problems
 from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.part_check import part_problems
 from vrcomfort.protocol.practice_check import practice_problems
 from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
@@ -35,6 +36,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from without_effect(protocol)
     yield from _missing_scenes(protocol)
     yield from order_problems(protocol)
+    yield from part_problems(protocol)
     yield from group_problems(protocol)
     yield from _simulation(protocol)
     yield from _ratings(protocol)

@@ -20,6 +20,7 @@ from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.parts import Part
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.sliders import Slider
@@ -242,6 +243,8 @@ class Protocol(Settings):
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
     """Who meets what in which order."""
+    parts: tuple[Part, ...] = ()
+    """Parts with orders of their own, for `rule = "parts"`."""
     groups: tuple[Group, ...] = ()
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
@@ -397,10 +400,10 @@ class Protocol(Settings):
         return self._source.text if self._source else ""
 
     @property
-    def parts(self) -> dict[str, str]:
+    def included(self) -> dict[str, str]:
         """Return file → hash of all that was put together; nothing where it is one file."""
-        parts = self._source.parts if self._source else []
-        return {str(each.file): each.sha256 for each in parts} if len(parts) > 1 else {}
+        files = self._source.parts if self._source else []
+        return {str(each.file): each.sha256 for each in files} if len(files) > 1 else {}
 
     @property
     def file(self) -> Path | None:

@@ -128,7 +128,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     for row in trials:
         attempts[row["trial"]] = max(row["attempt"], attempts.get(row["trial"], 0))
     if begun and attempts.get(begun["trial"], 0) < begun["attempt"]:
-        _write_killed(folder, begun, frames, end_s, access)
+        _write_killed(folder, begun, frames, end_s, planned[begun["trial"] - 1].part, access)
         attempts[begun["trial"]] = begun["attempt"]
     last_trial, ended_by, code = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
@@ -301,7 +301,12 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
 
 
 def _write_killed(
-    folder: Path, begun: Mapping[str, Any], frames: _Frames, end_s: float, access: Access
+    folder: Path,
+    begun: Mapping[str, Any],
+    frames: _Frames,
+    end_s: float,
+    part: str | None,
+    access: Access,
 ) -> None:
     """Write the row of an exposure that a killed program could not write."""
     row = TrialRow(
@@ -311,6 +316,7 @@ def _write_killed(
         abort_code="killed",
         frames=frames.shown,
         dropped=frames.dropped,
+        part=part,
     )
     file = folder / TrialRow.FILE
     try:

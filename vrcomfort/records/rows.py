@@ -111,6 +111,8 @@ class TrialRow(FlatRow):
         Seconds of the trial in which frames came, in which none came, in which the participant saw
         nothing of them, and in which something of the runtime's had the input. Blank where it was
         not recorded.
+    part
+        Of the study, where it has parts.
     """
 
     FILE: ClassVar[str] = "trials.csv"
@@ -134,6 +136,7 @@ class TrialRow(FlatRow):
     frozen_s: float | None = None
     hidden_s: float | None = None
     unfocused_s: float | None = None
+    part: str | None = None
 
 
 @dataclass(frozen=True)
@@ -146,6 +149,8 @@ class QuestionnaireRow(FlatRow):
         None where the participant would rather not say.
     order
         Place in the presentation, from 1.
+    part
+        Of the study, where it has parts and all exposures that are meant belong to one.
     """
 
     FILE: ClassVar[str] = "questionnaires.csv"
@@ -162,6 +167,7 @@ class QuestionnaireRow(FlatRow):
     asked_s: float
     answered_s: float
     order: int
+    part: str | None = None
     resumed: int = 0
 
 

@@ -239,6 +239,6 @@ def _places(sequence: Sequence, session: int) -> list[TrialPlace]:
     """Return the trials of a session; periods count over the sessions before it."""
     before = sum(len(each) for each in sequence.sessions[: session - 1])
     return [
-        TrialPlace(before + number, 1, number, trial.condition, trial.scene)
+        TrialPlace(before + number, 1, number, trial.condition, trial.scene, trial.part)
         for number, trial in enumerate(sequence.sessions[session - 1], start=1)
     ]
