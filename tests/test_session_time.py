@@ -63,6 +63,20 @@ def test_steps_of_a_kind_are_expected_to_take_what_those_before_have_taken() -> 
     assert time.remaining_s() == pytest.approx(20 + 30 + 60 * slower)
 
 
+def test_of_a_step_that_says_how_far_it_has_come_the_rest_is_expected() -> None:
+    """However long that took: a machine that draws too slowly shows an exposure for longer."""
+    time, clock = asked_three_times()
+    time.begin("questionnaire")
+    time.come(0.0)
+    clock.now_s += 300.0
+    time.come(0.25)
+    assert time.remaining_s() == 45 + 200
+    clock.now_s += 60.0
+    assert time.remaining_s() == 45 + 200
+    time.begin("exposure")
+    assert time.remaining_s() == pytest.approx(30 + 60 * 3.5 + 20 + 30 + 60 * 3.5)
+
+
 def test_a_pause_is_not_counted() -> None:
     time, clock = asked_three_times()
     time.begin("questionnaire")

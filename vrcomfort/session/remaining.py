@@ -52,6 +52,7 @@ class SessionTime:
         self._taken_s: defaultdict[StepKind, float] = defaultdict(float)
         self._began_s = self._paused_s = 0.0
         self._pause_began_s: float | None = None
+        self._share: float | None = None
 
     def begin(self, kind: StepKind, *, again: bool = False, cut_short: bool = False) -> None:
         """Take note that a step begins.
@@ -66,12 +67,16 @@ class SessionTime:
         self.end_pause()
         if not cut_short:
             self._learn()
-        self._began_s, self._paused_s = self._now_s(), 0.0
+        self._began_s, self._paused_s, self._share = self._now_s(), 0.0, None
         if again and self._current is not None:
             return
         index = self._next(kind)
         self._current = None if index is None else self._steps[index]
         self._at = self._at if index is None else index
+
+    def come(self, share: float) -> None:
+        """Take note of how much of the step is done, 0 to 1."""
+        self._share = share
 
     def pause(self) -> None:
         """Stop to count the step's time."""
@@ -89,7 +94,10 @@ class SessionTime:
         later_s = sum(self._expected_s(step) for step in self._steps[self._at + 1 :])
         if self._current is None:
             return later_s
-        return later_s + max(self._expected_s(self._current) - self._elapsed_s(), 0.0)
+        expected_s = self._expected_s(self._current)
+        if self._share is not None:
+            return later_s + expected_s * (1 - self._share)
+        return later_s + max(expected_s - self._elapsed_s(), 0.0)
 
     def _next(self, kind: StepKind) -> int | None:
         """Return which step begins: none where it is not planned before the next exposure."""

@@ -78,6 +78,9 @@ class Time(Protocol):
     def begin(self, kind: StepKind, *, again: bool = False, cut_short: bool = False) -> None:
         """Take note that a step begins."""
 
+    def come(self, share: float) -> None:
+        """Take note of how much of the step is done, 0 to 1."""
+
     def pause(self) -> None:
         """Stop to count the step's time."""
 
@@ -164,6 +167,11 @@ class Steering:
             self._time.begin(kind, again=again, cut_short=bool(ended_by))
         self.step = OperatedStep(self.step.number + 1, kind, words)
         self.desk.begin(self.step)
+
+    def come(self, done: float, total: float) -> None:
+        """Take note of how much of the step is done."""
+        if self._time is not None and total > 0:
+            self._time.come(min(max(done / total, 0.0), 1.0))
 
     def await_start(self) -> None:
         """Wait until an operator starts the session, where operators do.
