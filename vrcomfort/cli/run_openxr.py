@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
@@ -120,6 +121,7 @@ def _person(
     protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent import keys
     from vrcomfort.respondent.panel import PanelRespondent
 
     dwell_s = protocol.answering.dwell_s
@@ -136,7 +138,7 @@ def _person(
         screen,
         watch=rehearsal.watch,
         chose=rehearsal.chose,
-        waiting_line=lambda: "",
+        waiting_line=cycle(("", keys.YES)).__next__,  # says nothing, and goes on
         keyboard=keyboard,
         dwell_s=dwell_s,
         words=protocol.words,

@@ -37,6 +37,7 @@ from vrcomfort.records.rows import (
     GazeValidationRow,
     ParticipantRow,
     PracticeRow,
+    ScreeningRow,
     TaskRow,
     cell_text,
     csv_line,
@@ -194,7 +195,7 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        more = (TaskRow, DialRow, GazeValidationRow, PracticeRow)
+        more = (TaskRow, DialRow, ScreeningRow, GazeValidationRow, PracticeRow)
         there = [each for each in more if (source / each.FILE).exists()]
         for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE

@@ -22,7 +22,9 @@ from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.parts import Part
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.posture import Posture
 from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.screening import Screening
 from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
@@ -189,6 +191,8 @@ class Simulation(Settings):
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    screened_out: Probability = 0.5
+    """Chance that the experimenter stops where a screening rule is broken."""
     adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
     """Adjustment → the value that they adjust to in the median; without it, the middle of its
     range."""
@@ -249,6 +253,8 @@ class Protocol(Settings):
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
     """What is entered of everybody who is enrolled."""
+    screening: tuple[Screening, ...] = ()
+    """Rules on whom the experimenter is told of before they are exposed."""
     allocation: Allocation | None = None
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     languages: tuple[Word, ...] = ()
@@ -288,6 +294,8 @@ class Protocol(Settings):
     """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
+    posture: Posture | None = None
+    """Seated or standing, with the height of the eyes measured; not at all without it."""
     locomotion: Locomotion = Locomotion()
     """How participants move."""
     simulation: Simulation = Simulation()

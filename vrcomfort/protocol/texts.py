@@ -49,6 +49,10 @@ class Words(Settings):
     """In the last minute of one."""
     rest_ready: Sentence = "You may take the headset off. Choose Continue when you are ready."
     """Of a rest that the participant may end."""
+    sit_up: Sentence = "Please sit up straight and look ahead."
+    """While the height of the eyes is measured."""
+    stand_up: Sentence = "Please stand up straight and look ahead."
+    """The same."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
@@ -57,6 +61,8 @@ class Words(Settings):
     """Button: below an instruction."""
     listen_sound: Sentence = "Please listen."
     """While an instruction is heard that has nothing to see."""
+    wait_experimenter: Sentence = "Please wait. The experimenter has something to decide."
+    """While the experimenter decides whether to go on."""
     say_aloud: Sentence = "Please tell the experimenter"
     """Over a question that is answered in one's own words."""
 
@@ -77,10 +83,13 @@ GERMAN = Words(
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
     rest_ready="Sie dürfen das Headset abnehmen. Wählen Sie Weiter, sobald Sie bereit sind.",
+    sit_up="Bitte setzen Sie sich aufrecht hin und blicken Sie geradeaus.",
+    stand_up="Bitte stellen Sie sich aufrecht hin und blicken Sie geradeaus.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",
     listen_sound="Bitte hören Sie zu.",
+    wait_experimenter="Bitte warten Sie. Die Versuchsleitung hat etwas zu entscheiden.",
     say_aloud="Bitte sagen Sie es der Versuchsleitung",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}

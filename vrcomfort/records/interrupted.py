@@ -27,6 +27,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
     TextRow,
     TrialRow,
@@ -291,6 +292,7 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
         TaskRow: ("onset_s", "reaction_s"),
         DialRow: ("onset_s",),
         TextRow: ("answered_s",),
+        ScreeningRow: ("decided_s",),
         PracticeRow: ("end_s",),
     }
     there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}

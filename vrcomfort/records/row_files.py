@@ -22,6 +22,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
     TextRow,
     TimingRow,
@@ -34,7 +35,8 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, GazeValidationRow, PracticeRow,
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, ScreeningRow,
+    GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -44,7 +46,8 @@ SYNC_EVERY_S = 0.5
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
 _SYNCED_AT_ONCE = (
-    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, PracticeRow, EventRow,
+    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, ScreeningRow, PracticeRow,
+    EventRow,
 )  # fmt: skip
 
 

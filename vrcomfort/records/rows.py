@@ -322,6 +322,28 @@ class PracticeRow(FlatRow):
     resumed: int = 0
 
 
+@dataclass(frozen=True)
+class ScreeningRow(FlatRow):
+    """A number beyond a screening rule, and what the experimenter decided.
+
+    Parameters
+    ----------
+    rule
+        What was beyond which bound.
+    decision
+        go_on or stop.
+    """
+
+    FILE: ClassVar[str] = "screening.csv"
+    participant: str
+    session: int
+    rule: str
+    value: float
+    decision: str
+    decided_s: float
+    resumed: int = 0
+
+
 LONGEST_TEXT = 20_000
 """Characters of an answer in one's own words, as they are written."""
 

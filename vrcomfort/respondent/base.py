@@ -101,6 +101,14 @@ class Writes(Protocol):
         """
 
 
+@runtime_checkable
+class Decides(Protocol):
+    """Who can ask the experimenter: all but stand-ins of tests."""
+
+    def decide(self, question: str) -> bool:
+        """Return whether the experimenter wants to go on."""
+
+
 class Respondent(Protocol):
     """A participant, or whoever answers for one. All times are seconds since the exposure began."""
 

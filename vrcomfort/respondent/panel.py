@@ -248,6 +248,31 @@ class PanelRespondent:
         finally:  # an operator may end it
             self._hide()
 
+    def decide(self, question: str) -> bool:
+        """Let the participant wait, while the experimenter decides at the terminal.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        page = Page(self._words.rest, self._words.wait_experimenter, rest_cells(self._words))
+        self._prompt(f"{question} ({keys.YES} = go on, {keys.NO} = stop)")
+        self._keys.forget()
+        self._dwell.forget()
+        decided = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
+        try:
+            while True:
+                self._screen.allow_absence(_AWAY_S)
+                self._screen.next_frame()
+                if self._step(page, self._screen.pointing()) is not None:
+                    self._stop_if_sure("withdrew before the exposure")
+                line = (self._waiting_line() or "").strip().lower()
+                if line in decided:
+                    return decided[line]
+        finally:  # an operator may end it
+            self._hide()
+
     def _question(
         self, instrument: Instrument, index: int, answers: list[int | None], heard: Heard
     ) -> int:

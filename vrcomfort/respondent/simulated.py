@@ -72,6 +72,9 @@ _SLIDER = 8
 _WORDS = 9
 """The same of what they say in their own words."""
 
+_DECISION = 10
+"""The same of what an experimenter decides."""
+
 SAID = (
     ("", "Nothing in particular.", "It looked good."),
     ("A bit odd when I turned.", "Things at the side were blurred, weren't they?"),
@@ -295,6 +298,12 @@ class SimulatedRespondent:
         mood = SAID[min(int(self.sickness), len(SAID) - 1)]
         text = mood[int(random.integers(len(mood)))]
         return Written(text, round(2.0 + 0.2 * len(text), 2))
+
+    def decide(self, question: str) -> bool:
+        """Decide for the experimenter, by the seed; it changes no answer."""
+        key = (self._person, self._session, _hash(question), _DECISION)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        return bool(random.random() >= self._settings.screened_out)
 
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
         """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""

@@ -17,6 +17,7 @@ from vrcomfort.respondent.typed_rating import TypedRating
 
 _KEYS = f"number = answer, {keys.HELP}"
 _STOP = f"{keys.STOP} + Enter = withdraw"
+_YES_OR_NO = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
 _LOOKS_EVERY_S = 0.05
 """So often what is typed is looked at while something is told."""
 
@@ -203,6 +204,14 @@ class TerminalRespondent:
             else:
                 lines.append(line)
         return Written("\n".join(lines), self._now_s() - since_s)
+
+    def decide(self, question: str) -> bool:
+        """Ask the experimenter, who says yes or no."""
+        self._finish_asking_whether_to_stop()
+        self._clear_typed()
+        while (line := self._read(f"{question} ({keys.YES}/{keys.NO}) ")) not in _YES_OR_NO:
+            self._tell(f"type {keys.YES} to go on, {keys.NO} to stop")
+        return _YES_OR_NO[line]
 
     def _fill(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
         index = 0

@@ -134,3 +134,11 @@ def check_texts(
             message = f"condition is {row['condition']!r}, and trials.csv says of trial"
             message = f"{message} {row['trial']} {attempts[0]['condition']!r}"
             found.fault(row.file, f"{message}; restore the file that was changed", row.line)
+
+
+def check_decisions(rows: Sequence[RecordedRow], found: Verified) -> None:
+    """Check that each decision on a screening rule is one."""
+    for row in rows:
+        if row["decision"] not in {"go_on", "stop"}:
+            message = f"the decision is {row['decision']!r}, and can be go_on or stop"
+            found.fault(row.file, f"{message}; restore the file", row.line)

@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.verifying.answers import check_answers, check_places, check_texts
+from vrcomfort.exchange.verifying.answers import (
+    check_answers,
+    check_decisions,
+    check_places,
+    check_texts,
+)
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.rows import read
@@ -27,6 +32,7 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
     TextRow,
     TimingRow,
@@ -75,6 +81,8 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         "earlier_runs"
     )
     check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
+    if (folder / ScreeningRow.FILE).exists():
+        check_decisions(list(read(folder, ScreeningRow, version, found)), found)
     if (folder / TextRow.FILE).exists():
         check_texts(list(read(folder, TextRow, version, found)), recorded.attempts, found)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
