@@ -26,12 +26,12 @@ class Clock:
 def asked_three_times() -> tuple[SessionTime, Clock]:
     clock = Clock()
     steps = [
-        PlannedStep("questionnaire", 60.0),
-        PlannedStep("exposure", 30.0),
-        PlannedStep("questionnaire", 60.0),
-        PlannedStep("rest", 20.0),
-        PlannedStep("exposure", 30.0),
-        PlannedStep("questionnaire", 60.0),
+        PlannedStep("questionnaire", "questionnaire", 60.0),
+        PlannedStep("exposure", "exposure", 30.0),
+        PlannedStep("questionnaire", "questionnaire", 60.0),
+        PlannedStep("rest", "rest", 20.0),
+        PlannedStep("exposure", "exposure", 30.0),
+        PlannedStep("questionnaire", "questionnaire", 60.0),
     ]
     return SessionTime(steps, clock), clock
 
@@ -39,26 +39,26 @@ def asked_three_times() -> tuple[SessionTime, Clock]:
 def test_at_first_it_is_what_was_planned_and_it_counts_down() -> None:
     time, clock = asked_three_times()
     assert time.remaining_s() == 260.0
-    time.begin("ready")  # nobody knows how long it takes to come
+    time.begin("ready", "ready of some kind")  # nobody knows how long it takes to come
     clock.now_s += 500.0
     assert time.remaining_s() == 260.0
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     clock.now_s += 25.0
     assert time.remaining_s() == 235.0
 
 
 def test_steps_of_a_kind_are_expected_to_take_what_those_before_have_taken() -> None:
     time, clock = asked_three_times()
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     clock.now_s += 120.0  # twice as long
     assert time.remaining_s() == 200.0  # this one may end at any moment
-    time.begin("exposure")
+    time.begin("exposure", "exposure of some kind")
     slower = (120 + 60) / (60 + 60)  # a minute of the plan is believed, too
     assert time.remaining_s() == pytest.approx(30 + 60 * slower + 20 + 30 + 60 * slower)
     clock.now_s += 30.0
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     clock.now_s += 120.0
-    time.begin("rest")
+    time.begin("rest", "rest of some kind")
     slower = (240 + 60) / (120 + 60)
     assert time.remaining_s() == pytest.approx(20 + 30 + 60 * slower)
 
@@ -66,21 +66,21 @@ def test_steps_of_a_kind_are_expected_to_take_what_those_before_have_taken() -> 
 def test_of_a_step_that_says_how_far_it_has_come_the_rest_is_expected() -> None:
     """However long that took: a machine that draws too slowly shows an exposure for longer."""
     time, clock = asked_three_times()
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     time.come(0.0)
     clock.now_s += 300.0
     time.come(0.25)
     assert time.remaining_s() == 45 + 200
     clock.now_s += 60.0
     assert time.remaining_s() == 45 + 200
-    time.begin("exposure")
+    time.begin("exposure", "exposure of some kind")
     assert time.remaining_s() == pytest.approx(30 + 60 * 3.5 + 20 + 30 + 60 * 3.5)
 
 
 def test_a_pause_is_not_counted() -> None:
     time, clock = asked_three_times()
-    time.begin("questionnaire")
-    time.begin("exposure")
+    time.begin("questionnaire", "questionnaire of some kind")
+    time.begin("exposure", "exposure of some kind")
     clock.now_s += 10.0
     before_s = time.remaining_s()
     time.pause()
@@ -91,33 +91,35 @@ def test_a_pause_is_not_counted() -> None:
     assert time.remaining_s() == pytest.approx(before_s - 5.0)
     clock.now_s += 15.0
     expected_s = time.remaining_s()
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     assert time.remaining_s() == pytest.approx(expected_s)  # it took 30 s, as planned
 
 
 def test_what_is_redone_begins_again_and_what_is_cut_short_teaches_nothing() -> None:
     time, clock = asked_three_times()
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     clock.now_s += 60.0
-    time.begin("exposure")
+    time.begin("exposure", "exposure of some kind")
     clock.now_s += 20.0
-    time.begin("exposure", again=True, cut_short=True)
+    time.begin("exposure", "exposure of some kind", again=True, cut_short=True)
     assert time.remaining_s() == 30 + 60 + 20 + 30 + 60
     clock.now_s += 1.0
-    time.begin("questionnaire", cut_short=True)  # skipped
+    time.begin("questionnaire", "questionnaire of some kind", cut_short=True)  # skipped
     assert time.remaining_s() == 60 + 20 + 30 + 60
 
 
 def test_a_step_that_nobody_planned_takes_none_of_those_planned() -> None:
     time, clock = asked_three_times()
-    time.begin("questionnaire")
+    time.begin("questionnaire", "questionnaire of some kind")
     clock.now_s += 60.0
-    time.begin("training")  # practice once more
+    time.begin("questionnaire", "screening")  # which has its time only where somebody is asked
+    clock.now_s += 60.0
+    time.begin("training", "training of some kind")  # once more
     clock.now_s += 60.0
     assert time.remaining_s() == 200.0
-    time.begin("rest")  # the one that is planned comes after the exposure
+    time.begin("rest", "rest of some kind")  # the one that is planned comes after the exposure
     assert time.remaining_s() == 200.0
-    time.begin("exposure")
+    time.begin("exposure", "exposure of some kind")
     assert time.remaining_s() == 200.0
 
 

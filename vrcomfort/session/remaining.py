@@ -23,9 +23,18 @@ _BELIEVED_S = 60.0
 
 @dataclass(frozen=True)
 class PlannedStep:
-    """A step that is to come, and how long it is planned to be."""
+    """A step that is to come.
+
+    Parameters
+    ----------
+    words
+        With which its own words begin.
+    planned_s
+        How long it is planned to be.
+    """
 
     kind: StepKind
+    words: str
     planned_s: float
 
 
@@ -54,7 +63,9 @@ class SessionTime:
         self._pause_began_s: float | None = None
         self._share: float | None = None
 
-    def begin(self, kind: StepKind, *, again: bool = False, cut_short: bool = False) -> None:
+    def begin(
+        self, kind: StepKind, words: str, *, again: bool = False, cut_short: bool = False
+    ) -> None:
         """Take note that a step begins.
 
         Parameters
@@ -70,7 +81,7 @@ class SessionTime:
         self._began_s, self._paused_s, self._share = self._now_s(), 0.0, None
         if again and self._current is not None:
             return
-        index = self._next(kind)
+        index = self._next(kind, words)
         self._current = None if index is None else self._steps[index]
         self._at = self._at if index is None else index
 
@@ -99,12 +110,13 @@ class SessionTime:
             return later_s + expected_s * (1 - self._share)
         return later_s + max(expected_s - self._elapsed_s(), 0.0)
 
-    def _next(self, kind: StepKind) -> int | None:
+    def _next(self, kind: StepKind, words: str) -> int | None:
         """Return which step begins: none where it is not planned before the next exposure."""
         for index in range(self._at + 1, len(self._steps)):
-            if self._steps[index].kind == kind:
+            step = self._steps[index]
+            if step.kind == kind and words.startswith(step.words):
                 return index
-            if self._steps[index].kind == "exposure":
+            if step.kind == "exposure":
                 return None
         return None
 
@@ -133,8 +145,9 @@ def planned_steps(
         yield from _before(context, place, session, first=index == 0)
         yield from _words(context, "before_trial", place, session)
         if place.trial == 1 and context.protocol.training_s:
-            yield PlannedStep("training", context.protocol.training_s / context.stretch)
-        yield PlannedStep("exposure", context.shown_s(place.scene))
+            length_s = context.protocol.training_s / context.stretch
+            yield PlannedStep("training", "training", length_s)
+        yield PlannedStep("exposure", f"exposure {place.trial} ", context.shown_s(place.scene))
         yield from _words(context, "after_trial", place, session)
     yield from _words(context, "session_end", TrialPlace(), session)
 
@@ -142,22 +155,26 @@ def planned_steps(
 def _before(
     context: SessionContext, place: TrialPlace, session: int, *, first: bool
 ) -> Iterator[PlannedStep]:
-    """Yield the rest, the validation of the gaze and the practice before a trial."""
+    """Yield the rest, what is measured, and the practice before a trial."""
     protocol, trial = context.protocol, place.trial or 0
     rest_s = 0.0 if first else protocol.break_s
     if trial > 1 and protocol.breaks is not None and protocol.breaks.is_due(trial - 1):
         rest_s = protocol.breaks.min_s
     if rest_s:
-        yield PlannedStep("rest", rest_s)
+        yield PlannedStep("rest", "", rest_s)
+    posture = protocol.posture
+    if posture is not None and (first or (posture.after_breaks and rest_s)):
+        length_s = posture.settle_s + posture.measure_s
+        yield PlannedStep("training", "height of the eyes", length_s)
     gaze = protocol.gaze_validation
     if gaze is not None and (first or (gaze.after_breaks and rest_s)):
-        yield PlannedStep("training", len(gaze.points) * gaze.each_s)
+        yield PlannedStep("training", "gaze validation", len(gaze.points) * gaze.each_s)
     for each in protocol.practice:
         if each.is_due(session, trial):
             yield from _told(context, "before_practice", place, session)
             length_s = min(each.exposure_s or protocol.longest_s, context.exposure_s)
             for _ in range(each.draw or len(each.trials)):
-                yield PlannedStep("training", length_s)
+                yield PlannedStep("training", f"practice {each.name}", length_s)
 
 
 def _words(
@@ -169,11 +186,12 @@ def _words(
     for ask in context.protocol.asks(when):
         if is_due(ask, place):
             if ask.wait_s:
-                yield PlannedStep("rest", ask.wait_s)
+                yield PlannedStep("rest", "", ask.wait_s)
             items = len(context.protocol.instrument(ask.instrument).asked)
-            yield PlannedStep("questionnaire", items * AN_ITEM_S)
-    for _ in context.protocol.writes(when):
-        yield PlannedStep("questionnaire", A_TEXT_S)
+            words = f"questionnaire {ask.instrument} ({ask.timepoint})"
+            yield PlannedStep("questionnaire", words, items * AN_ITEM_S)
+    for each in context.protocol.writes(when):
+        yield PlannedStep("questionnaire", f"free text {each.name}", A_TEXT_S)
     if when == "session_end":
         yield from _told(context, when, place, session)
 
@@ -184,4 +202,6 @@ def _told(
     for each in context.protocol.tells(when, session, place.trial):
         longest_s = each.max_s or max(each.min_s, A_TEXT_S)
         read_s = len(each.text.split()) / WORDS_PER_S
-        yield PlannedStep("instruction", min(max(read_s, each.min_s, 1.0), longest_s))
+        yield PlannedStep(
+            "instruction", f"instruction {each.name}", min(max(read_s, each.min_s, 1.0), longest_s)
+        )

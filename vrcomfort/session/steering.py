@@ -75,7 +75,9 @@ class Events(Protocol):
 class Time(Protocol):
     """Follows a session through its planned steps; `remaining.SessionTime`."""
 
-    def begin(self, kind: StepKind, *, again: bool = False, cut_short: bool = False) -> None:
+    def begin(
+        self, kind: StepKind, words: str, *, again: bool = False, cut_short: bool = False
+    ) -> None:
         """Take note that a step begins."""
 
     def come(self, share: float) -> None:
@@ -164,7 +166,7 @@ class Steering:
         ended_by, self._ended_by = self._ended_by, ""
         if self._time is not None:
             again = ended_by == "redo" and kind == self.step.kind
-            self._time.begin(kind, again=again, cut_short=bool(ended_by))
+            self._time.begin(kind, words, again=again, cut_short=bool(ended_by))
         self.step = OperatedStep(self.step.number + 1, kind, words)
         self.desk.begin(self.step)
 
