@@ -9,7 +9,8 @@ import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import ClassVar, Protocol, TypeAlias
+from functools import cache
+from typing import Any, ClassVar, Protocol, TypeAlias
 
 Cell: TypeAlias = str | int | float | None
 
@@ -30,13 +31,19 @@ class Row(Protocol):
         """Return the values in the order of the header; None is missing."""
 
 
+@cache
+def _names(row_type: Any) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields: they are asked for with every row."""
+    return tuple(field.name for field in fields(row_type))
+
+
 class FlatRow:
     """A row whose dataclass fields are its columns."""
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
-        return tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+        return _names(cls)  # type: ignore[arg-type]
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -68,7 +75,7 @@ class ParticipantRow(FlatRow):
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the columns that every study has."""
-        return tuple(name for name in super().columns() if name != "others")
+        return _names(cls)[:-1]  # type: ignore[arg-type]
 
     @property
     def group(self) -> str | None:
