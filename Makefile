@@ -1,6 +1,8 @@
 # Two commands on a fresh machine: `make demo` and `make test`. Both set up .venv first.
 BIN := .venv/bin
 OUT ?= out
+# Tests start the program many times: it is compiled once, wherever Python is told not to keep that.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: help setup demo test test-slow test-local test-openxr explore runtime check bench torture torture-short scenes clean
 

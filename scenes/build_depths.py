@@ -3,6 +3,8 @@
 Ten equal targets stand from 0.5 m to 19.2 m before the start, each half as far again as the one
 before, and none hides another: what is sharp, and how fast blur grows, is seen at a glance.
 The stair is there because speed on stairs is a setting of locomotion (Carnegie & Rhee 2015).
+Where hands are tracked, each holds a paddle: things that go with the head blur falsely where only
+the head's rotation is left out of motion blur (Chapman 2020).
 Run ``python scenes/build_depths.py [OUT.glb]``; the same bytes come out every time.
 """
 
@@ -163,6 +165,17 @@ def carousel(stage: Stage) -> None:
     stage.writer.animate("carousel turns", node, "rotation", turn / (2 * np.pi) * 8.0, keys)
 
 
+def paddles(stage: Stage) -> None:
+    """Add what each hand holds; a hand points along -Z."""
+    grip = tube([(0, 0, 0.06), (0, 0, -0.12)], 0.013, segments=12)
+    blade = box([0.16, 0.012, 0.2], bevel_m=0.004, uv_m=0.32).turned("x", 55).at(0, -0.01, -0.12)
+    for hand in ("left", "right"):
+        parts = [(grip, "bronze"), (blade, "checks")]
+        lit = [(mesh.tinted((1, 1, 1, 0.9)), stage.materials[name]) for mesh, name in parts]
+        name = f"paddle_{hand}"
+        stage.writer.node(name, stage.writer.mesh(name, lit))
+
+
 def bounce(places: Array) -> Array:
     """Return the light that walls give back: the hall is open to the sky."""
     return np.full(len(places), 0.6)
@@ -185,6 +198,7 @@ def build(out: Path) -> None:
     stage.add("copings", copings())
     stage.write(stage.voxels(0.06))
     carousel(stage)
+    paddles(stage)
     writer.save(out)
 
 

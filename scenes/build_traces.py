@@ -1,4 +1,4 @@
-"""Builds the head traces that fit the scenes: temple_walk.csv and mountain_walk.csv.
+"""Builds the head traces that fit the scenes: a walk of somebody through each of them.
 
 Run ``python scenes/build_traces.py [FOLDER]``; the same bytes come out every time.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from vrcomfort.traces.synthesis import Gait, Look, Point, Walk, synthesize
+from vrcomfort.traces.synthesis import Gait, Look, Point, Walk, synthesize, with_hands
 from vrcomfort.traces.trace import Trace, write_trace
 
 STATUE = (0.0, 2.0, -8.1)
@@ -69,6 +69,26 @@ MOUNTAIN: list[Walk | Look] = [
     Look((29.0, 5.0, -14.0), 1.6),
 ]
 
+NEAREST, FIFTH, FARTHEST = (-0.28, 1.5, -0.41), (0.6, 1.5, -2.46), (5.56, 1.5, -18.4)
+CAROUSEL = (-3.4, 1.5, -4.2)
+
+DEPTHS_START: Point = (0.0, 0.0, 0.0)
+DEPTHS: list[Walk | Look] = [
+    Look(NEAREST, 1.6),
+    Look(FIFTH, 1.4),
+    Look(FARTHEST, 1.4),
+    Walk((4.3, 0.0, 0.9), FIFTH),
+    Look(FARTHEST, 1.2),
+    Walk((-4.9, 0.0, 1.2)),
+    Look(CAROUSEL, 1.6),
+    Walk((-4.9, 0.0, -9.0), CAROUSEL),
+    Look(FARTHEST, 1.4),
+    Walk((-4.9, 0.0, -23.2)),
+    Walk((-1.0, 0.0, -23.0)),
+    Look(NEAREST, 1.6),
+    Look(FARTHEST, 1.4),
+]
+
 
 def temple() -> Trace:
     """Walk from the bright court through the hall into the dark crypt."""
@@ -80,7 +100,13 @@ def mountain() -> Trace:
     return synthesize(MOUNTAIN_START, MOUNTAIN, seed=30_000, gait=Gait(eye_height_m=1.64))
 
 
-TRACES = {"temple_walk": temple, "mountain_walk": mountain}
+def depths() -> Trace:
+    """Walk before the targets and past them, with something in both hands."""
+    walk = synthesize(DEPTHS_START, DEPTHS, seed=500, gait=Gait(eye_height_m=1.65))
+    return with_hands(walk)
+
+
+TRACES = {"temple_walk": temple, "mountain_walk": mountain, "depths_walk": depths}
 
 
 def build(folder: Path) -> None:

@@ -5,6 +5,12 @@ from __future__ import annotations
 import ctypes
 import gc
 import os
+
+# Read when numpy, FLIP and Mesa are loaded: threads of two workers would wait for each other.
+for _threads in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(_threads, "1")
+
+# ruff: noqa: E402
 from collections.abc import Callable, Iterator
 
 import moderngl
@@ -18,9 +24,6 @@ from vrcomfort.cli import main
 from vrcomfort.gpu import gl
 from vrcomfort.headset.monado import Monado
 from vrcomfort.headset.remote_feed import RemoteFeed
-
-# Read when OpenMP is loaded: FLIP's threads would wait for each other on busy cores.
-os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # A busy machine fails no test. The same code meets the same examples: `make explore` draws others.
 UNHURRIED = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -47,6 +50,16 @@ def pytest_configure(config: pytest.Config) -> None:
         drawn.FORMS.append("svg")
 
 
+def pytest_collection() -> None:
+    """Look for cycles when thousands of tests have been made, and not again and again meanwhile."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """See `pytest_collection`."""
+    gc.enable()
+
+
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Say how many cases the fuzz tests of extremes have tried, and how many oracles agree."""
     passed = terminalreporter.getreports("passed")
@@ -69,6 +82,15 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     promised = "VRCOMFORT_RUNTIME" in os.environ or "CI" in os.environ
     if promised and reporter and reporter.stats.get("skipped"):
         session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _no_waiting_for_the_disk() -> Iterator[None]:
+    """Nothing but a power cut tells what is synced: tests of it look at the calls themselves."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("fsync", "fdatasync"):
+            patch.setattr(os, name, lambda _: None, raising=False)
+        yield
 
 
 @pytest.fixture(scope="session")

@@ -83,6 +83,7 @@ def test_design_says_what_it_does_when_the_number_does_not_divide(run: Run) -> N
     assert "goes back to the pool" in words
 
 
+@pytest.mark.slow
 def test_plan_leaves_out_the_effects_that_a_condition_does_not_have(run: Run) -> None:
     _, out, _ = run("plan", "carnegie_2015", "--size", "64x48", "--json")
     needed = {
@@ -413,6 +414,7 @@ def test_a_folder_that_takes_no_files_is_refused_before_the_work(
         assert_refused(run(*command, "--out", tmp_path), "cannot be written to; choose another")
 
 
+@pytest.mark.slow
 def test_ctrl_c_in_a_session_ends_the_demo(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

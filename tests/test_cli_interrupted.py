@@ -48,6 +48,7 @@ def stop(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[i
     return process.returncode, out, err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "words"),
     [

@@ -62,6 +62,7 @@ def cases(request, record_property):
     return [(number, np.random.default_rng([7, number])) for number in range(wanted)]
 
 
+@pytest.mark.slow
 def test_whole_frames(ctx, cases):
     """Scenes, focus, all effects in both orders, tone map: from poses to what the display gets."""
     every = conditions(np.random.default_rng(1))
@@ -243,6 +244,7 @@ def test_two_frames_at_a_headsets_size(ctx):
     renderer.drain()
 
 
+@pytest.mark.slow
 def test_every_shader_is_tried_here(ctx, monkeypatch):
     """A new shader is reached by a setting, which is tried without doing anything, or needs a test.
 

@@ -109,6 +109,7 @@ def test_the_limit_is_told_of_what_it_limits(ctx, views, radii):
     assert rendered.max_blur_px == (pytest.approx(6.4) if views == 1 else None)
 
 
+@pytest.mark.slow
 def test_views_go_beyond_the_limit_alike_and_one_view_does_not(ctx):
     """2.1 dioptres out of focus: 16.8 px of radius, of which one view may have 6.4."""
     near = Focus(method="fixed", fixed_m=0.385)

@@ -132,6 +132,7 @@ def waves(at_px):
     return np.repeat(1 + np.cos(phases).mean(axis=-1, keepdims=True), 3, axis=-1)
 
 
+@pytest.mark.slow
 def test_more_samples_are_closer(ctx):
     """The streak's own average is known where the image is made of waves."""
     places = np.stack(np.meshgrid(np.arange(128.0), np.arange(96.0)), axis=-1)

@@ -8,7 +8,9 @@ import pytest
 from test_render_pipeline import SIZE, FrameAt, standing
 
 from tests.support.render import at, box, glowing, scene, still_life, wall
-from vrcomfort.geometry import Pose, yaw_pitch_roll
+from vrcomfort.cli.playback import shipped_walk
+from vrcomfort.geometry import Pose, rotate, yaw_pitch_roll
+from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.conditions import (
     Condition,
     DepthOfField,
@@ -21,6 +23,7 @@ from vrcomfort.protocol.conditions import (
 from vrcomfort.render.pipeline import StereoRenderer, plan_passes
 from vrcomfort.render.reference import read_rgb
 from vrcomfort.scene.animation import Animation, Channel
+from vrcomfort.scene.load import load_scene
 
 GREEN = glowing((0.0, 1.0, 0.0))
 BLUE = glowing((0.0, 0.0, 1.0))
@@ -275,6 +278,36 @@ def test_a_hand_that_waves_blurs_as_far_as_it_moves_before_the_head(ctx, mode):
         green = (sharp[..., 1] == 1) & (sharp[..., 2] == 0)
         expected_px = 0.02 / 0.5 * SIZE[0] / 2
         np.testing.assert_allclose(velocity[green], [[expected_px, 0]] * green.sum(), atol=2e-3)
+
+
+@pytest.mark.parametrize(("name", "blurs"), [("in_world", True), ("with_head", False)])
+def test_paddles_of_the_shipped_walk_blur_falsely_in_one_condition_of_the_protocol(
+    ctx, name, blurs
+):
+    """Motion_blur_2020_hands, at the fastest turn of its walk: the paddles go with the head."""
+    protocol = load_protocol("motion_blur_2020_hands")
+    content, walk = load_scene("depths"), shipped_walk("depths")
+    condition = next(each for each in protocol.conditions if each.name == name)
+    forward = rotate(walk.head.orientations, np.array([[0.0, 0.0, -1.0]]))
+    fastest = int(np.argmin(np.sum(forward[1:] * forward[:-1], axis=1)))
+    frames = [walked(walk, fastest + step, step) for step in (0, 1)]
+    unheld = [replace(frame, hands=(None, None)) for frame in frames]
+    held = last_eyes(ctx, content, condition, frames)
+    for (sharp, _, velocity), (empty, _, _) in zip(
+        held, last_eyes(ctx, content, condition, unheld), strict=True
+    ):
+        paddles = np.any(sharp != empty, axis=-1)
+        assert paddles.sum() > 20
+        speed_px = np.linalg.norm(velocity[paddles], axis=1)
+        assert (np.median(speed_px) > 1.0) == blurs
+        assert (np.median(speed_px) < 0.5) != blurs
+
+
+def walked(walk, sample, index):
+    """Return what a trace has at a sample as a frame."""
+    stage = walk.avatar.pose(sample)
+    hands = tuple(stage @ hand.pose(sample) for hand in (walk.left_hand, walk.right_hand))
+    return FrameAt(index, stage @ walk.head.pose(sample), avatar_pose=stage, hands=hands)
 
 
 def test_a_hand_that_nobody_knows_is_not_drawn(ctx):

@@ -81,6 +81,7 @@ def test_an_edge_in_focus_is_the_pinhole_image(ctx):
     assert np.mean(np.abs(found.image - read_rgb(plain.colour))) < 1e-3
 
 
+@pytest.mark.slow
 def test_a_moving_edge_is_a_ramp_over_the_open_shutter(ctx):
     """0.5 m per frame to the right at 2 m: the edge moves 8 px to the left, half of it open."""
     previous = PreviousCamera(Pose(np.array([-0.5, 0, 0])), 0.0)

@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from vrcomfort.resources import data_folder
 
 
@@ -48,6 +50,7 @@ THROUGH = {
 FUNCTION = re.compile(r"^(?:float|vec\d|mat\d|int|bool) (\w+)\(", re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_every_shared_formula_has_a_test():
     """Each function of shaders/include is called in a test, or by one that is.
 

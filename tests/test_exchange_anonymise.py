@@ -44,6 +44,7 @@ def frames(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(stream))
 
 
+@pytest.mark.slow
 def test_nothing_in_the_copy_tells_who_it_was(study: Path, tmp_path: Path) -> None:
     before = contents(study)
     anonymise(study, tmp_path / "out", Wishes())

@@ -85,6 +85,7 @@ def test_no_time_and_all_time_are_numbers(start, target, law, dt_s):
     assert state.left_s >= 0
 
 
+@pytest.mark.slow
 @given(distances, distances, st.sampled_from([law for law in LAWS if law != "instant"]))
 def test_no_time_means_no_change(start, target, law):
     assume(abs(1 / start - 1 / target) > 0.1)  # closer targets are one for `duration`

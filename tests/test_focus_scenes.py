@@ -79,6 +79,7 @@ def assert_rays_agree(samples, scene, poses):
     assert wrong.sum() <= 1, (rays_m[wrong], expected_m[wrong])
 
 
+@pytest.mark.slow
 def test_rays_agree_with_the_ray_cast_along_the_walk(ctx, scene):
     poses = walk(scene)
     samples = gpu_samples(ctx, scene, poses)
@@ -89,6 +90,7 @@ def test_rays_agree_with_the_ray_cast_along_the_walk(ctx, scene):
         assert sample.focus_m == pytest.approx(raw_m, rel=1e-5)
 
 
+@pytest.mark.slow
 def test_rays_agree_on_what_moves_and_what_has_holes(ctx, scene):
     poses = near_things_that_move_or_have_holes(scene)
     samples = gpu_samples(ctx, scene, poses)

@@ -219,6 +219,7 @@ def simulated(seconds=100.0, rate_hz=125.0, point=None, **settings):
     return times, [eyes.look(float(t), Pose(), point) for t in times]
 
 
+@pytest.mark.slow
 def test_simulated_eyes_fixate_jump_and_blink():
     times, gaze = simulated(noise_deg=0.0)
     valid = np.array([each.valid for each in gaze])

@@ -184,6 +184,7 @@ def test_the_window_shows_the_images_as_they_are(tmp_path: Path, layout: str, co
         assert np.array_equal(shown[:, 64 * eye : 64 * (eye + 1)], expected)
 
 
+@pytest.mark.slow
 def test_without_a_display_one_sentence_says_what_to_do(tmp_path: Path) -> None:
     server = XServer(":4242", tmp_path)
     protocol = tmp_path / "window.toml"

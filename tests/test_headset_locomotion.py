@@ -98,6 +98,7 @@ def test_nobody_leaves_the_floor_or_is_too_fast(
             before = feet
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(houses, strides)
 def test_the_same_wishes_lead_to_the_same_place(
@@ -117,6 +118,7 @@ heads = st.builds(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(houses, st.lists(st.tuples(wishes, heads), max_size=20))
 def test_who_leans_beside_the_floor_gets_no_further_away_by_walking(
     pieces: list[Piece], way: list[tuple[Wish, Pose]]
@@ -230,6 +232,7 @@ def test_without_a_floor_the_ground_is_level_and_endless() -> None:
     assert feet_of(walker, HEAD) == pytest.approx([14.0, 0.0, 0.0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["temple", "mountain"])
 def test_shipped_scenes_can_be_walked(name: str) -> None:
     scene = load_scene(name)

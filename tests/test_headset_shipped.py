@@ -10,7 +10,7 @@ from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.traces.trace import read_trace
 
-SCENES = ["temple", "mountain"]
+SCENES = ["temple", "mountain", "depths"]
 
 
 @pytest.fixture(scope="module", params=SCENES)

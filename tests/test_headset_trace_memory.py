@@ -55,6 +55,7 @@ def peak_bytes(path) -> int:
     return peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("hands", [False, True])
 def test_a_longer_trace_needs_the_memory_of_its_numbers_and_of_one_part(tmp_path, hands):
     few = peak_bytes(recording(tmp_path / "few.csv", FEW, hands=hands))

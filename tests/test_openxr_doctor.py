@@ -42,6 +42,7 @@ def fake_bindings(folder: Path, error: str) -> str:
     return f"{folder}{os.pathsep}{os.environ.get('PYTHONPATH', '')}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("error", "words"),
     [
@@ -65,6 +66,7 @@ def test_missing_bindings_are_said_and_do_not_fail_the_rest(
     assert "headset" not in parts
 
 
+@pytest.mark.slow
 def test_no_runtime_is_said_and_does_not_fail_the_rest(tmp_path: Path) -> None:
     pytest.importorskip("xr", reason="pyopenxr is not installed")
     nowhere = str(tmp_path / "runtime.json")

@@ -61,6 +61,7 @@ def test_everything_is_imported_without_egl_and_without_windows() -> None:
     assert "vrcomfort.headset.openxr.graphics_binding" in done.stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", ["'xr'", "'OpenGL.GLX'"])
 def test_run_says_what_openxr_lacks(tmp_path: Path, names: str) -> None:
     protocol, out = str(smoke_with(tmp_path, 4.0)), str(tmp_path / "study")
@@ -74,6 +75,7 @@ def test_run_says_what_openxr_lacks(tmp_path: Path, names: str) -> None:
     assert not (tmp_path / "study" / "sub-P01" / "ses-1").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("names", ["'xr'", "'OpenGL.GLX'"])
 def test_doctor_says_what_openxr_lacks(names: str) -> None:
     done = python(COMMAND, names, "doctor", "--json")

@@ -39,18 +39,21 @@ def refusal(folder: Path, *options: str, protocol: str = "smoke") -> str:
     return done.stderr
 
 
+@pytest.mark.slow
 def test_without_a_runtime_a_run_says_what_to_start_and_enrols_nobody(tmp_path: Path) -> None:
     assert "make it the active OpenXR runtime" in refusal(tmp_path)
     assert read_participants(tmp_path / "S") == []
     assert not (tmp_path / "S" / "sub-P01" / "ses-1").exists()
 
 
+@pytest.mark.slow
 def test_the_runtime_is_asked_for_an_eye_tracker_before_a_folder_is_made(tmp_path: Path) -> None:
     protocol = str(strict_about_gaze(tmp_path))
     assert "make it the active OpenXR runtime" in refusal(tmp_path, protocol=protocol)
     assert not (tmp_path / "S").exists()
 
 
+@pytest.mark.slow
 def test_a_second_run_of_a_participant_is_refused_before_a_headset_is_looked_for(
     tmp_path: Path,
 ) -> None:
@@ -58,6 +61,7 @@ def test_a_second_run_of_a_participant_is_refused_before_a_headset_is_looked_for
         assert f"P01 is being run by process {os.getpid()}" in refusal(tmp_path)
 
 
+@pytest.mark.slow
 def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_path: Path) -> None:
     def interrupted(*_: object) -> AheadHeadset:
         return AheadHeadset(interrupt_at=0)
@@ -69,6 +73,7 @@ def test_an_unfinished_session_is_refused_before_a_headset_is_looked_for(tmp_pat
     assert "make it the active OpenXR runtime" in refusal(tmp_path, "--resume")
 
 
+@pytest.mark.slow
 def test_a_session_on_disk_is_refused_before_a_headset_is_looked_for(tmp_path: Path) -> None:
     go(tmp_path, protocol=load_protocol("smoke"))
     assert "never overwritten" in refusal(tmp_path, "--session", "1")

@@ -123,6 +123,7 @@ def test_every_shader_compiles_from_an_installed_wheel(wheel: Path, tmp_path: Pa
     assert set(result.stdout.split()) == shaders, "every shader is compiled, and none is unused"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("module", "forbidden"),
     [

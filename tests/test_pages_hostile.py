@@ -83,6 +83,7 @@ class Elements(HTMLParser):
         self.attributes.update(name for name, _ in attrs)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_report_on_any_names_is_written_and_has_only_its_own_elements(reports, kind):
     summary = reports(kind)

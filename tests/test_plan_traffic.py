@@ -19,6 +19,7 @@ def plan(monkeypatch, capsys):
     return call
 
 
+@pytest.mark.slow
 def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(plan):
     found = json.loads(plan("motion_blur_2020", "--size", "64x48", "--json"))["traffic"]
     assert {(row["condition"], row["effect"]) for row in found} == {
@@ -32,6 +33,7 @@ def test_effects_have_passes_draws_and_bytes_and_plain_frames_have_none(plan):
         assert row["megabytes_both_eyes"] == pytest.approx(both_eyes, abs=0.01)
 
 
+@pytest.mark.slow
 def test_nothing_is_drawn_where_nobody_asks(plan):
     assert (
         json.loads(plan("motion_blur_2020", "--size", "64x48", "--json", "--no-draw"))["traffic"]
@@ -39,6 +41,7 @@ def test_nothing_is_drawn_where_nobody_asks(plan):
     )
 
 
+@pytest.mark.slow
 def test_the_table_says_how_it_was_counted(plan):
     said = plan("motion_blur_2020", "--size", "64x48")
     assert "Passes and draws of an eye" in said

@@ -62,6 +62,7 @@ def test_wilsons_interval_is_that_of_his_quadratic():
     assert wilson(20, 20)[1] == 1
 
 
+@pytest.mark.slow
 def test_simulated_t_tests_find_as_often_as_the_formula_says():
     question = question_of("carnegie_2015", Effect(0.6, standardised=True))
     rows = simulate_power(question, (10, 24), studies=1000, seed=5)
@@ -82,6 +83,7 @@ def test_the_test_is_that_of_the_plan():
         assert test.p(values) == signed_rank(values, zeros=zeros, alternative="greater").p
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_power_in_any_order_of_work():
     question = question_of("carnegie_2015", Effect(0.5, standardised=True))
 
@@ -130,6 +132,7 @@ def test_a_pilot_gives_its_own_differences_and_steps(tmp_path):
     assert 0 <= row.power.low < row.power.high <= 1
 
 
+@pytest.mark.slow
 def test_the_smallest_effect_is_found_with_the_power_asked_for():
     test = PairedTest("paired_t")
     effect = smallest_effect(test, 20, power=0.8, studies=1000, seed=1)

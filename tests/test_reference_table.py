@@ -23,6 +23,7 @@ def test_our_value_of_published_data_is_that_of_r(row):
     assert published.ours(row) == pytest.approx(expected, rel=1e-6, abs=0)
 
 
+@pytest.mark.slow
 def test_every_number_is_what_was_expected():
     assert [row for row in rows() if not accepted(row)] == []
     assert len(rows()) > 2500

@@ -60,6 +60,7 @@ def test_shipped_scene(ctx, request, tmp_path, name):
 BY_THE_CAIRN = Pose((1.2, 1.5, -1.9), yaw_pitch_roll(-0.56, -0.14, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "head"), [("temple", None), ("mountain", BY_THE_CAIRN)])
 def test_wide_discs(ctx, request, tmp_path, name, head):
     """Radii of up to 24 px in front of what is in focus, and of 10 px behind it."""

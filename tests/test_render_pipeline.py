@@ -209,6 +209,7 @@ def test_what_nobody_sees_is_not_drawn(ctx):
     assert renderer.render(standing(0), 0.0).triangles == 8
 
 
+@pytest.mark.slow
 def test_what_dies_leaves_other_contexts_alone():
     """Names of objects are counted in each context: those of one are those of another."""
     content, condition = still_life(), BOTH

@@ -6,6 +6,7 @@ import json
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,10 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Gaze, Pose, axis_angle
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import load_protocol
+from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.replay import Comparison, Wish, read_session, replay
+from vrcomfort.scene.data import Scene
 from vrcomfort.scene.load import load_scene
 
 Run = Callable[..., tuple[int, str, str]]
@@ -104,13 +108,24 @@ class Quick(Scripted):
         return 4 if late and round(self.asked_s * 10) % 2 else None
 
 
+@cache
+def temple() -> Scene:
+    return load_scene("temple")
+
+
+@cache
+def drawer(photodiode: Photodiode | None) -> StereoRenderer:
+    """Return what draws all replays of these tests: making it takes longer than a replay."""
+    return make_renderer(SIZE_PX, photodiode=photodiode)
+
+
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder with a study, and the protocol that it was run with."""
     folder = tmp_path_factory.mktemp("again")
     (folder / "again.toml").write_text(PROTOCOL)
     protocol = load_protocol(folder / "again.toml")
-    scene = load_scene("temple")
+    scene = temple()
     headset = Bumpy(shipped_walk("temple"), image_size_px=SIZE_PX, refresh_hz=72)
 
     def headset_for(_name: str, scene: Any) -> Bumpy:
@@ -142,20 +157,24 @@ def drawn_again(place: Path, wish: Wish | None = None, **changed: Any) -> tuple[
     session = read_session(place / SESSION)
     if changed:
         session = replace(session, **changed)
-    comparison, scene = Comparison(), load_scene("temple")
-    drawer = make_renderer(SIZE_PX, photodiode=session.photodiode)
-    frames = replay(
-        session,
-        wish or Wish(),
-        drawer=drawer,
-        second=None,
-        load_scene=lambda _: scene,
-        size_px=SIZE_PX,
-        comparison=comparison,
-    )
-    return list(frames), comparison
+    comparison = Comparison()
+    drawing = drawer(session.photodiode)
+    with drawing.ctx:  # there are two of them
+        frames = list(
+            replay(
+                session,
+                wish or Wish(),
+                drawer=drawing,
+                second=None,
+                load_scene=lambda _: temple(),
+                size_px=SIZE_PX,
+                comparison=comparison,
+            )
+        )
+    return frames, comparison
 
 
+@pytest.mark.slow
 def test_a_replay_has_the_recorded_images_and_times(place: Path) -> None:
     """Training goes over into the first exposure, and what was not drawn is not drawn again."""
     frames, comparison = drawn_again(place)
@@ -172,6 +191,7 @@ def test_a_replay_has_the_recorded_images_and_times(place: Path) -> None:
     assert len(drawn) == len(rows) - 2 * len(UNSEEN)
 
 
+@pytest.mark.slow
 def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place: Path) -> None:
     session = read_session(place / SESSION)
     plain = session.condition("plain")
@@ -183,6 +203,7 @@ def test_a_replay_drawn_with_another_condition_has_not_the_recorded_images(place
     assert comparison.equal == 0
 
 
+@pytest.mark.slow
 def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_record(
     place: Path,
 ) -> None:
@@ -201,6 +222,7 @@ def test_the_patch_for_a_photodiode_is_part_of_the_images_and_its_onset_is_on_re
     assert told == [f"white from xr_time_ns {first[trial]} on" for trial in "12"]
 
 
+@pytest.mark.slow
 def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:
     """Dropped and undrawn frames leave the picture standing; exposures follow without a gap."""
     frames, _ = drawn_again(place, Wish(trial=1))
@@ -213,6 +235,7 @@ def test_times_in_the_video_are_those_that_frames_stood(place: Path) -> None:
     assert frames[0].video_s == 0.0
 
 
+@pytest.mark.slow
 def test_a_range_of_time_is_drawn_as_it_is_in_the_whole(place: Path) -> None:
     """Focus, and what is blurred by motion, hang on the frames before those that are shown."""
     rows = [r for r in read_rows(place / SESSION / "frames.csv") if r["trial"] == "2"]
@@ -225,6 +248,7 @@ def test_a_range_of_time_is_drawn_as_it_is_in_the_whole(place: Path) -> None:
     assert comparison.compared == comparison.equal > 0
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_video_in_which_frames_stand(
     run: Run, place: Path, tmp_path: Path
 ) -> None:
@@ -241,6 +265,7 @@ def test_the_command_writes_a_video_in_which_frames_stand(
     assert steps.max() == pytest.approx(3, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_command_says_how_many_images_are_equal(run: Run, place: Path, tmp_path: Path) -> None:
     code, out, err = run("play", place / SESSION, "--trial", "2", "--out", tmp_path / "o")
     assert (code, err) == (0, "")
@@ -256,6 +281,7 @@ def test_the_command_says_how_many_images_are_equal(run: Run, place: Path, tmp_p
     assert image_hash(first[:, SIZE_PX[0] :]) == row["right_hash"]
 
 
+@pytest.mark.slow
 def test_another_quality_is_not_the_recorded_image_and_this_is_told(
     run: Run, place: Path, tmp_path: Path
 ) -> None:
@@ -297,6 +323,7 @@ def test_beside_another_condition_with_gaze_and_ratings(
     assert not (pair[:height] == (255, 64, 208)).all(axis=2).any()
 
 
+@pytest.mark.slow
 def test_the_cross_stands_where_the_recorded_gaze_meets_the_focus(place: Path) -> None:
     from vrcomfort.replay.sheet import gaze_point, looked_at
 
@@ -406,6 +433,7 @@ def test_a_folder_that_is_no_session_names_one(run: Run, place: Path, tmp_path: 
     assert "ses-1" in err
 
 
+@pytest.mark.slow
 def test_a_protocol_that_has_changed_is_told_and_the_session_keeps_its_own(
     run: Run, study: Path, tmp_path: Path
 ) -> None:

@@ -7,8 +7,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 from tests.support.report import Study, answers, build_report, carnegie_like, foreign, write_csv
+from vrcomfort.cli.app import app
+from vrcomfort.cli.report import MOST_ANSWERS
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.report import methods, palette
 from vrcomfort.report.references import entries, is_known
@@ -50,6 +53,7 @@ def labelled(tmp_path_factory) -> Path:
     return folder / "o"
 
 
+@pytest.mark.slow
 def test_the_answer_comes_first_with_everything_that_it_rests_on(labelled):
     page = (labelled / "index.html").read_text("utf-8")
     first = page.index('class="answer"')
@@ -70,6 +74,19 @@ def test_what_is_not_shown_is_not_called_absent(tmp_path):
     scores = {f"P{i}": {"a": 4 + i % 3, "b": 4 + (i + 1) % 3} for i in range(9)}
     summary = build_report(foreign(tmp_path / "questionnaires.csv", scores), out=tmp_path / "o")
     assert summary.headlines[0].startswith("Total severity: no difference was shown between a (")
+
+
+def test_the_terminal_says_the_first_answers_and_how_many_more_there_are(tmp_path):
+    conditions = "abcd"
+    scores = {f"P{i}": {c: 4 + (i + k) % 3 for k, c in enumerate(conditions)} for i in range(5)}
+    file = foreign(tmp_path / "questionnaires.csv", scores)
+    words = ["report", str(file), "--figures", "none", "--out", str(tmp_path / "o")]
+    said = CliRunner().invoke(app, words).stdout.splitlines()
+    assert len(said) == MOST_ANSWERS + 2
+    assert said[0].startswith("Total severity: no difference was shown between a (")
+    tests = results_of(tmp_path / "o")["tests"]
+    assert said[-2] == f"… and {len(tests) - MOST_ANSWERS} more on the page."
+    assert said[-1].startswith("Report: ")
 
 
 def test_no_internal_name_of_a_condition_is_on_the_page(labelled):

@@ -22,6 +22,7 @@ def source(tmp_path):
     return foreign(tmp_path / "questionnaires.csv", SCORES)
 
 
+@pytest.mark.slow
 def test_a_page_without_figures_has_the_same_numbers_and_speaks_of_none(tmp_path, source):
     plan, out = tmp_path / "plan.toml", tmp_path / "o"
     drawing = build_report(source, plan=plan, out=out, forms=("svg",))
@@ -40,6 +41,7 @@ def test_a_page_without_figures_has_the_same_numbers_and_speaks_of_none(tmp_path
     assert one == other
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_forms_that_are_asked_for(run, tmp_path, source):
     words = ("report", source, "--plan", tmp_path / "plan.toml", "--out", tmp_path / "o")
     assert run(*words, "--figures", "pdf, svg")[0] == 0

@@ -49,6 +49,7 @@ def test_a_table_that_does_not_scroll_would_be_found(browser, page):
     assert any(cut.startswith("TABLE") for cut in lay_out(browser, broken, 390)["cut"])
 
 
+@pytest.mark.slow
 def test_every_table_and_figure_can_be_scrolled(page):
     text = page.read_text("utf-8")
     assert text.count("<table>") == text.count('<div class="scroll" tabindex="0"><table>') > 10

@@ -532,6 +532,7 @@ def test_a_session_with_all_conditions_is_compared_before_and_after(tmp_path):
 # --- On the command line ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_shipped_plans_are_listed_and_taken_by_name(tmp_path, capsys, monkeypatch):
     def run(*arguments: object) -> int:
         monkeypatch.setattr("sys.argv", ["vrcomfort", "report", *map(str, arguments)])

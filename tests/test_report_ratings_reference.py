@@ -75,6 +75,7 @@ def model(results, name):
     return next(m for m in results["ratings"]["models"] if m["summary"] == name)
 
 
+@pytest.mark.slow
 def test_peaks_of_each_condition(results):
     found = summaries(results, "peak")
     assert is_printed(results["ratings"]["exposures"], after("runs"))

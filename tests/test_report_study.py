@@ -38,6 +38,7 @@ def carnegie(tmp_path_factory) -> tuple[dict, Path]:
     return report(folder / "study", folder / "out", forms=("svg",)), folder
 
 
+@pytest.mark.slow
 def test_the_plan_of_the_protocol_is_taken(carnegie):
     results, _ = carnegie
     assert results["plan"]["name"] == "carnegie_2015"
@@ -160,12 +161,14 @@ def test_page_is_self_contained_and_complete(carnegie):
     assert len(ids) == len(set(ids))
 
 
+@pytest.mark.slow
 def test_same_input_gives_the_same_bytes(carnegie, tmp_path):
     _, folder = carnegie
     build_report(folder / "study", out=tmp_path / "again", forms=("svg",))
     assert contents(tmp_path / "again") == contents(folder / "out")
 
 
+@pytest.mark.slow
 def test_reports_need_no_graphics():
     code = "import sys, vrcomfort.report; print({'moderngl', 'OpenGL', 'xr'} & set(sys.modules))"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -303,6 +306,7 @@ def test_an_exposure_after_which_nothing_was_asked_is_told(tmp_path):
     assert "no question was answered" in summary.index.read_text()
 
 
+@pytest.mark.slow
 def test_real_and_simulated_participants_are_kept_apart(tmp_path):
     recorded(tmp_path, {"P01": "scripted", "P02": "scripted", "P03": "simulated"})
     real = build_report(tmp_path / "S", out=tmp_path / "real")

@@ -20,6 +20,7 @@ def results_json(*names: str) -> str:
     return json.dumps({"software": {}, "files": ["results.json", *names]})
 
 
+@pytest.mark.slow
 def test_no_file_of_an_earlier_report_stays(tmp_path):
     carnegie_like(tmp_path / "study")
     other = foreign(tmp_path / "questionnaires.csv", SCORES)
@@ -93,6 +94,7 @@ def test_what_a_killed_report_left_is_removed_by_the_next(tmp_path):
     assert set(contents(tmp_path)) == {"results.json", "index.html"}
 
 
+@pytest.mark.slow
 def test_conditions_may_be_called_anything(tmp_path):
     scores = {f"P{i}": {"a/../../../x": 3 + i, "50 %": 2 + i // 2} for i in range(4)}
     summary = build_report(

@@ -118,6 +118,7 @@ def test_walkable_floor_is_a_floor(scene):
     np.testing.assert_allclose(down, 0.6, atol=0.03)
 
 
+@pytest.mark.slow
 def test_nothing_stands_in_the_way_of_a_head(scene):
     points = floor_points(scene)
     for turn in range(0, 360, 45):

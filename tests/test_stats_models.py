@@ -119,6 +119,7 @@ def restricted_deviance(table: pd.DataFrame, group_variance: float, variance: fl
     return float(left @ inverse @ left + determinants)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1), st.floats(0, 3))
 @settings(max_examples=30)
 def test_no_variances_near_or_far_are_likelier_than_the_fitted(seed, spread):

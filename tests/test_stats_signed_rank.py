@@ -114,6 +114,7 @@ def test_large_samples_use_the_asymptotic_form():
     assert (test.p_exact, test.method, test.p) == (None, "asymptotic", test.p_asymptotic)
 
 
+@pytest.mark.slow
 @given(st.lists(st.integers(1, 10_000), min_size=3, max_size=20, unique=True), st.randoms())
 def test_without_ties_it_is_scipys_exact_test(sizes, random):
     values = [size * random.choice((-1, 1)) for size in sizes]
@@ -270,6 +271,7 @@ def test_without_ties_and_zeros_the_rank_biserial_agrees_with_p(sizes, random):
     assert test.effect.low <= test.effect.estimate <= test.effect.high
 
 
+@pytest.mark.slow
 def test_a_hundred_thousand_pairs_make_no_table_of_pairs():
     values = np.rint(np.random.default_rng(1).normal(10, 300, 100_000)).astype(np.int64)
     start = time.process_time()

@@ -94,10 +94,10 @@ def test_a_correction_in_a_resumed_session_leaves_the_row_before_alone(tmp_path:
     lines = (recorder.folder / "questionnaires.csv").read_text().splitlines()[1:]
     ends = [line.split(",", 8)[8] for line in lines]
     assert ends == [
-        "nausea,1,0.0,1.0,1,0",
-        "nausea,3,0.0,1.0,1,1",
-        "vertigo,1,0.0,1.0,1,1",
-        "burping,0,0.0,1.0,1,1",
+        "nausea,1,0.0,1.0,1,,0",
+        "nausea,3,0.0,1.0,1,,1",
+        "vertigo,1,0.0,1.0,1,,1",
+        "burping,0,0.0,1.0,1,,1",
     ]
 
 

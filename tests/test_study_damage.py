@@ -117,6 +117,7 @@ def damages(killed: Path) -> Iterator[tuple[str, Damage]]:
 SOME_OR_ALL = pytest.mark.parametrize("every", [23, pytest.param(1, marks=pytest.mark.slow)])
 
 
+@pytest.mark.slow
 @SOME_OR_ALL
 def test_every_damaged_value_is_refused_in_a_sentence_or_does_no_harm(damaged, killed, every):
     cases = islice(damages(killed), 0, None, every)

@@ -206,6 +206,7 @@ def _paths(value, path=()):
             yield from _paths(each, (*path, key))
 
 
+@pytest.mark.slow
 @given(st.dictionaries(_KEYS, _VALUES, max_size=5))
 def test_locate_finds_exactly_the_keys_that_a_parser_finds(data):
     text = "".join(f"{key} = {_toml(value)}  # note = 1\n" for key, value in data.items())

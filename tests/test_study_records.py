@@ -53,11 +53,11 @@ def test_the_columns_are_those_of_the_design():
     assert ",".join(TrialRow.columns()) == (
         "participant,session,period,block,trial,condition,scene,start_s,end_s,status,"
         "abort_code,attempt,resumed,frames,dropped,missed_refreshes,live_s,frozen_s,hidden_s,"
-        "unfocused_s"
+        "unfocused_s,part"
     )
     assert ",".join(QuestionnaireRow.columns()) == (
         "participant,session,period,block,trial,condition,timepoint,instrument,item,"
-        "response,asked_s,answered_s,order,resumed"
+        "response,asked_s,answered_s,order,part,resumed"
     )
     assert ",".join(RatingRow.columns()) == (
         "participant,session,trial,condition,onset_s,latency_s,instrument,response,missed,resumed"

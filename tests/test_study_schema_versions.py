@@ -85,6 +85,7 @@ def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
     ]
 
 
+@pytest.mark.slow
 def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
     session = study / "sub-P02/ses-1"
     before = {name: (session / name).read_bytes() for name in ("trials.csv", "frames.csv")}

@@ -76,6 +76,15 @@ def test_a_ball_that_moves_leaves_a_streak_and_one_that_appears_none(ctx):
     assert (moved > 5).sum() > 1.3 * (still > 5).sum()
 
 
+def test_a_ball_that_is_never_still_is_seen_from_its_second_frame_on(ctx):
+    path = [(np.array([0.02 * k, 0.8, -1.0]), 0.1) for k in range(5)]
+    for count in (2, 5):
+        (seen, _), _ = shown(ctx, PLAIN, path[:count])
+        (still, _), _ = shown(ctx, PLAIN, [path[count - 1]] * 2)
+        np.testing.assert_array_equal(seen, still)
+    assert still.max() > 60
+
+
 def test_a_ball_that_appears_is_no_longer_than_itself_while_it_grows(ctx):
     aside = (np.array([0.5, 0.8, -1.0]), 0.1)
     (grows, _), _ = shown(ctx, STREAKS, [BALL, BALL, None, aside, aside])

@@ -131,6 +131,7 @@ def test_what_a_run_finds_does_not_depend_on_the_runs_before_it(run, tmp_path):
     assert {row["samples"] for row in again} == {8}
 
 
+@pytest.mark.slow
 def test_a_reference_of_another_picture_is_drawn_again(run, tmp_path):
     folders = ("--cache", tmp_path / "c", "--out", tmp_path / "o", "--references")
     assert run(*FEW, *folders)[1].startswith("0 of 16 reference samples")
@@ -212,6 +213,7 @@ def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
     assert timeless(tmp_path / "a/tradeoff.json") == timeless(tmp_path / "b/tradeoff.json")
 
 
+@pytest.mark.slow
 def test_what_is_not_there_is_named(run, tmp_path):
     refused(run("--scenes", "moon", "--out", tmp_path), "moon", "temple")
     refused(run("--lens", "9", "--out", tmp_path), "'9'", "3.5", "eye")
@@ -225,6 +227,7 @@ def test_what_is_not_there_is_named(run, tmp_path):
     refused(lens_only, "motion_blur has no method 'mip'", "depth_of_field has")
 
 
+@pytest.mark.slow
 def test_a_method_needs_only_one_effect_that_has_it(run, tmp_path, cache):
     """Without --effects there is motion blur as well, which has no `ours 36 samples`."""
     chosen = ("--scenes", "temple", "--quick", "--methods", "ours 36 samples")

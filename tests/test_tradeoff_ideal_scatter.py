@@ -56,6 +56,7 @@ def test_in_focus_and_at_rest_nothing_changes():
     np.testing.assert_allclose(ideal_scatter(flat(image), LENS[:8]), image, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_sharp_front_hides_a_blurred_back():
     """The white wall behind is out of focus, the black one before it is not: no light leaks."""
     image = half_plane()
@@ -65,6 +66,7 @@ def test_a_sharp_front_hides_a_blurred_back():
     assert not found[:, 24:].any()
 
 
+@pytest.mark.slow
 def test_a_blurred_front_spreads_over_a_sharp_back():
     image = half_plane()
     depth = np.where(image[..., 0] > 0, 0.1, 0.01)
@@ -75,6 +77,7 @@ def test_a_blurred_front_spreads_over_a_sharp_back():
     np.testing.assert_allclose(found, covered, atol=0.02)
 
 
+@pytest.mark.slow
 def test_what_was_hidden_continues_what_is_beside_it():
     """A blurred white post before a sharp black wall: the wall goes on behind it."""
     image = np.zeros((24, 48, 3))

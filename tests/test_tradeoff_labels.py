@@ -92,6 +92,7 @@ def overlap(a, b):
     return max(0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0, min(a.y1, b.y1) - max(a.y0, b.y0))
 
 
+@pytest.mark.slow
 def test_no_label_lies_on_another_or_on_a_marker(drawn):
     _, texts, found, _ = drawn
     for (a, first), (b, second) in combinations(texts.items(), 2):

@@ -15,6 +15,7 @@ from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.timing import clocked_parts, effect_s, rounds_of, time_case, told
 
 
+@pytest.mark.slow
 def test_each_part_is_clocked_once_for_each_eye_and_methods_are_put_back():
     case, scope = Case("temple", 0, "still", "depth_of_field"), Scope(size_px=(16, 20), poses=1)
     scene, _ = scene_and_hash(case.scene)

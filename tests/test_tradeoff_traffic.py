@@ -16,6 +16,7 @@ def method(name):
     return next(each for each in methods("depth_of_field") if each.name == name)
 
 
+@pytest.mark.slow
 def test_a_sources_method_draws_nothing_that_it_does_not_read():
     """Two passes: a mean of radii in squares of eight, and fifteen taps.
 

@@ -34,6 +34,7 @@ def shot(case, scope):
     return found, condition
 
 
+@pytest.mark.slow
 def test_a_part_shows_what_the_whole_shows_there(part):
     scope = Scope(size_px=SIZE_PX, eyes=1, poses=2)
     whole, whole_condition = shot(Case("temple", 0, "still", "depth_of_field"), scope)

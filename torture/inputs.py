@@ -94,10 +94,12 @@ def _walks() -> list[bytes]:
 
 
 def _gaze() -> list[bytes]:
-    lines = [",".join(GazeRow.columns())]
+    columns = GazeRow.columns()
+    lines = [",".join(columns)]
+    blank = "," * (len(columns) - 11)  # per eye, and of effects
     for number in range(60):
         seen = "1,0.0,1.6,0.0,0.0,0.0,-1.0,2.5" if number % 7 else "0,,,,,,,"
-        lines.append(f"{number / 60:.4f},{number * 16_666_667},{seen},0")
+        lines.append(f"{number / 60:.4f},{number * 16_666_667},{seen}{blank},0")
     return ["\n".join([*lines, ""]).encode()]
 
 
@@ -111,7 +113,7 @@ def _answers() -> list[bytes]:
     for trial, condition in enumerate(("", "plain", "dof")):
         place = f"1,1,{trial},{condition},post" if trial else ",,,,baseline"
         lines += [
-            f"P01,1,{place},ssq,{item.name},{order % 4},{order}.5,{order + 2}.25,{order},0"
+            f"P01,1,{place},ssq,{item.name},{order % 4},{order}.5,{order + 2}.25,{order},,0"
             for order, item in enumerate(SSQ.items, start=1)
         ]
     return ["\n".join([*lines, ""]).encode()]

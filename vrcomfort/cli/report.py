@@ -15,6 +15,9 @@ from vrcomfort.errors import InputError
 if TYPE_CHECKING:
     from vrcomfort.report import Form
 
+MOST_ANSWERS = 8
+"""As many sentences as a terminal shows; the page has all."""
+
 
 def register(app: typer.Typer) -> None:
     """Add the command."""
@@ -112,6 +115,8 @@ def report(
 ) -> None:
     """Analyse a study: a page, the numbers as JSON and CSV, and figures as SVG, PNG and PDF.
 
+    The first answers are printed too.
+
     - `vrcomfort report out/demo/study --out out/demo/report`
     - `vrcomfort report answers/questionnaires.csv --plan my_plan.toml --out report`
     - `vrcomfort report my_study --plan carnegie_2015_as_printed --out report`
@@ -140,4 +145,13 @@ def report(
     if as_json:
         typer.echo((out / "results.json").read_text(encoding="utf-8"))
     else:
-        console(quiet).print(f"Report: {out / 'index.html'}")
+        told = console(quiet)
+        for line in _first(summary.headlines):
+            told.print(line, markup=False, highlight=False)
+        told.print(f"Report: {out / 'index.html'}")
+
+
+def _first(headlines: tuple[str, ...]) -> list[str]:
+    """Return the answers that a terminal has room for; they stand in the plan's order."""
+    shown, more = headlines[:MOST_ANSWERS], len(headlines) - MOST_ANSWERS
+    return [*shown, *([f"… and {more} more on the page."] if more > 0 else [])]

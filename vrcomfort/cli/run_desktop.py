@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
 from vrcomfort.cli.renderer import describe_machine
+from vrcomfort.cli.terminal import ask_to_type
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def desktop_setup(
             timing_trust="low: a window's frames pass through the desktop's compositor",
         )
         screen = PanelScreen(headset)
-        panel = PanelRespondent(screen, keyboard=True, words=protocol.words)
+        panel = PanelRespondent(screen, keyboard=True, words=protocol.words, prompt=ask_to_type)
         yield HeadsetSetup(headset, renderer, panel, screen, machine)
 
 

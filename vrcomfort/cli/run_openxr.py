@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 from vrcomfort.cli.headset_setup import HeadsetSetup, open_window
 from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
+from vrcomfort.cli.terminal import ask_to_type
 from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
@@ -120,16 +122,24 @@ def _person(
     protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
     """Return whoever answers on the panel: a participant, or the script of a rehearsal."""
+    from vrcomfort.respondent import keys
     from vrcomfort.respondent.panel import PanelRespondent
 
     dwell_s = protocol.answering.dwell_s
     if rehearsal is None:
-        return PanelRespondent(screen, keyboard=keyboard, dwell_s=dwell_s, words=protocol.words)
+        return PanelRespondent(
+            screen,
+            keyboard=keyboard,
+            dwell_s=dwell_s,
+            words=protocol.words,
+            prompt=ask_to_type,
+        )
     rehearsal.screen = screen
     return PanelRespondent(
         screen,
         watch=rehearsal.watch,
         chose=rehearsal.chose,
+        waiting_line=cycle(("", keys.YES)).__next__,  # says nothing, and goes on
         keyboard=keyboard,
         dwell_s=dwell_s,
         words=protocol.words,

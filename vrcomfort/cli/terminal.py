@@ -60,6 +60,12 @@ def dialogue() -> Console:
     return _errors if sys.stdout.isatty() and sys.stderr.isatty() else console()
 
 
+def ask_to_type(question: str) -> None:
+    """Tell the experimenter to type what the participant says; lines are read elsewhere."""
+    dialogue().print(question, style="bold")
+    dialogue().print("Type what the participant says; an empty line ends it.", style="dim")
+
+
 class _Words(ProgressColumn):
     """What is done, as text that is nothing but text."""
 

@@ -68,4 +68,6 @@ def _checked(content: dict[str, Any]) -> Entered | str:
     numeric = isinstance(value, int | float) and not isinstance(value, bool)
     if value is not None and not (numeric and math.isfinite(value) and abs(value) < 1e9):
         return "`value` of a message is no number; reload the page"
-    return Entered(content["id"], content["action"], step, " ".join(text.split()), value)
+    own_words = content["action"] == "write"
+    said = text.strip() if own_words else " ".join(text.split())
+    return Entered(content["id"], content["action"], step, said, value)

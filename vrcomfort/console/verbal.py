@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
-from vrcomfort.respondent.base import Heard, Telling
+from vrcomfort.respondent.base import Heard, Telling, Written
 
 LISTEN = "Please listen to the experimenter."
 
@@ -150,6 +150,38 @@ class VerbalRespondent:
             self._desk.ask(None)
             self._show(None)
 
+    def decide(self, question: str) -> bool:
+        """Have the operators decide whether it goes on."""
+        self._entries.entry_fault = _fault_of_decision
+        item = {**_open(question), "values": [1, 0], "labels": ["go on", "stop"]}
+        shown = {"action": "decide", "title": "To be decided", "instruction": "", "current": 0}
+        self._desk.ask({**shown, "items": [item]})
+        try:
+            while not self._entries.entries:
+                self._entries.look()
+                self._entries.idle()
+            return bool(self._entries.entries.popleft().value)
+        finally:
+            self._entries.entry_fault = self._nothing_asked
+            self._desk.ask(None)
+
+    def write(self, question: str) -> Written:
+        """Have a question answered in the participant's own words, and typed here."""
+        since_s = self._now_s()
+        self._show(LISTEN)
+        self._entries.entry_fault = _fault_of_text
+        shown = {"action": "write", "title": "In the participant's own words"}
+        self._desk.ask({**shown, "instruction": "", "items": [_open(question)], "current": 0})
+        try:
+            while not self._entries.entries:
+                self._entries.look()
+                self._entries.idle()
+            return Written(self._entries.entries.popleft().text, self._now_s() - since_s)
+        finally:
+            self._entries.entry_fault = self._nothing_asked
+            self._desk.ask(None)
+            self._show(None)
+
     def _show(self, words: str | None) -> None:
         if self._screen is not None:
             self._screen.rest_on(words)
@@ -210,6 +242,21 @@ def _fault_of(item: Item, entry: Any, action: str) -> str:
     if declined or (whole and item.answers.offers(entry.value)):
         return ""
     return f"{item.answers.asked_in_words} is an answer to {item.text!r}"
+
+
+def _fault_of_decision(entry: Any) -> str:
+    taken = entry.action == "decide" and entry.value in (0, 1)
+    return "" if taken else "this question takes go on (1) or stop (0)"
+
+
+def _fault_of_text(entry: Any) -> str:
+    return "" if entry.action == "write" else f"this question takes no {entry.action}"
+
+
+def _open(question: str) -> dict[str, Any]:
+    """Return a question without answers to choose from, as the page shows it."""
+    nothing: dict[str, Any] = {"values": [], "labels": [], "ends": [], "answer": None}
+    return {"name": "text", "text": question, "answered": False, **nothing}
 
 
 def _shown(item: Item, answer: float | None, *, answered: bool) -> dict[str, Any]:

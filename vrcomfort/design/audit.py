@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from vrcomfort.design.groups import margins
+from vrcomfort.design.parts import Combined
 from vrcomfort.design.pool import Design, Enrolment
 from vrcomfort.protocol import Sequence, Trial
 
@@ -107,6 +108,8 @@ def _audit_factor(
 
 def _remainder(design: Design, used: Counter[str], participants: int) -> str:
     pool = len(design.sequences)
+    if design.parts is not None:
+        return _of_parts(design.parts, list(used.elements()))
     if not pool:
         return "Each participant has a random order of their own, so no number has to divide."
     each, left = divmod(participants, pool)
@@ -123,6 +126,16 @@ def _remainder(design: Design, used: Counter[str], participants: int) -> str:
         f"{participants} participants do not divide by {pool} sequences: each has {each}, "
         f"{_some(more)} one more, and {pool - left} further {lacking} would balance them."
     )
+
+
+def _of_parts(parts: Combined, sequences: list[str]) -> str:
+    """Say how often the orders of each part are there."""
+    counts = "; ".join(
+        ", ".join(f"{name} × {count}" for name, count in each.items())
+        for each in parts.filled(sequences)
+    )
+    how = "evenly" if parts.even(sequences) else "not evenly"
+    return f"The parts' orders are dealt by themselves, {how}: {counts}."
 
 
 def _some(names: list[str], shown: int = 6) -> str:
@@ -182,7 +195,7 @@ def audit_study(design: Design, met: Iterable[Met]) -> StudyAudit:
     gone = Counter(
         e.sequence for e in enrolments if not design.counts(e) or e.status not in _STAYING
     )
-    wanted = _lacking(design, Counter(each.enrolment.sequence for each in counting))
+    wanted = _wanted(design, [each.enrolment for each in counting])
     added = [design.sequence(name) for name in wanted]
     whole = [design.sequence(each.enrolment.sequence) for each in counting]
     return StudyAudit(
@@ -197,6 +210,19 @@ def audit_study(design: Design, met: Iterable[Met]) -> StudyAudit:
 
 
 _STAYING = frozenset({"enrolled", "completed"})
+
+
+def _wanted(design: Design, counting: list[Enrolment]) -> list[str]:
+    """Return the sequences of the next participants until all orders are met alike."""
+    names = [each.sequence for each in counting]
+    if design.parts is None:
+        return _lacking(design, Counter(names))
+    wanted: list[str] = []
+    shuffled = design.assignment == "shuffled"
+    while not design.parts.even([*names, *wanted]):
+        taken = [*names, *wanted]
+        wanted.append(design.parts.next(taken, seed=design.seed, shuffled=shuffled))
+    return wanted
 
 
 def _lacking(design: Design, filled: Counter[str]) -> list[str]:

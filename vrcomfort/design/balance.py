@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections import Counter
+from math import lcm
 
+from vrcomfort.design.parts import Combined
 from vrcomfort.design.pool import Design
 
 
 def cannot_balance(design: Design, participants: int) -> str | None:
     """Say why so many people cannot fill all sequences of each group alike; None if they can."""
+    if design.parts is not None:
+        return _of_parts(design.parts, participants)
     pools = Counter(sequence.group or "" for sequence in design.sequences)
     shares = dict(design.groups.shares) if design.groups else {"": 1}
     total = sum(shares.values())
@@ -23,6 +27,18 @@ def cannot_balance(design: Design, participants: int) -> str | None:
         f"{participants} participants do not divide by {sum(pools.values())} sequences{of}, so "
         "that some orders are met by more people; choose "
         f"{_nearest(participants, step)}, or another rule"
+    )
+
+
+def _of_parts(parts: Combined, participants: int) -> str | None:
+    sizes = [len(pool) for pool in parts.pools]
+    step = lcm(*sizes)
+    if not participants % step:
+        return None
+    orders = " and ".join(map(str, sizes))
+    return (
+        f"{participants} participants do not divide by the {orders} orders of the parts, so that "
+        f"some orders are met by more people; choose {_nearest(participants, step)}"
     )
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from vrcomfort.design.block_random import Limits, block_random
 from vrcomfort.design.groups import Groups, Person
+from vrcomfort.design.parts import Combined, combined
 from vrcomfort.design.random_numbers import generator
 from vrcomfort.design.squares import all_orders, latin_square, williams
 from vrcomfort.errors import InputError
@@ -57,6 +58,8 @@ class Design:
         Group ("" without groups) → what is ordered for each of its participants.
     groups, covariates
         How people come into groups; None without groups.
+    parts
+        How the orders of parts are dealt; None where the study has no parts.
     return_places
         Whether those who withdrew or were excluded leave their places to others.
     """
@@ -70,6 +73,7 @@ class Design:
     groups: Groups | None = None
     covariates: tuple[Covariate, ...] = ()
     return_places: bool = True
+    parts: Combined | None = None
 
     def sequence(self, name: str) -> Sequence:
         """Return a sequence by name.
@@ -101,6 +105,10 @@ class Design:
         group = self._group(before, covariates or {})
         if group in self.own_orders:
             return self._own_order(group, len(before) + 1)
+        if self.parts is not None:
+            taken = [each.sequence for each in before if self.counts(each)]
+            shuffled = self.assignment == "shuffled"
+            return self.sequence(self.parts.next(taken, seed=self.seed, shuffled=shuffled))
         pool = [each for each in self.sequences if (each.group or "") == group]
         filled = Counter(each.sequence for each in before if self.counts(each))
         fewest = min(filled[sequence.name] for sequence in pool)
@@ -234,13 +242,16 @@ def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
     order = protocol.order
     sequences: tuple[Sequence, ...] = ()
     own: dict[str, OwnOrders] = {}
+    parts: Combined | None = None
+    if order.rule == "parts":
+        sequences, parts = combined(protocol, seed, _RULES)
     for number, group in enumerate(protocol.groups or (None,)):
         name, trials = group.name if group else "", trials_of(protocol, group)
         if order.rule == "random":
             own[name] = OwnOrders(trials, 1, None)
         elif order.rule == "block_random":
             own[name] = OwnOrders(trials, order.blocks, _limits(protocol, trials))
-        elif order.rule != "explicit":
+        elif order.rule in _RULES:
             rows = _RULES[order.rule](len(trials), seed, number)
             sequences += tuple(_rows(name, trials, rows, order.sessions))
     sequences = order.sequences or sequences
@@ -254,6 +265,7 @@ def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
         groups=_groups(protocol, seed) if protocol.groups else None,
         covariates=protocol.covariates,
         return_places=order.return_places,
+        parts=parts,
     )
 
 

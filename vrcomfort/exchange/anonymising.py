@@ -31,11 +31,13 @@ from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
 from vrcomfort.records.rows import (
+    BallRow,
     DialRow,
     EventRow,
     GazeValidationRow,
     ParticipantRow,
     PracticeRow,
+    ScreeningRow,
     TaskRow,
     cell_text,
     csv_line,
@@ -193,13 +195,14 @@ class _Session:
         manifest = of_manifest(read_manifest(source), self.new, self.moved)
         text = json.dumps(manifest, indent=2, ensure_ascii=False) + "\n"
         replace_text(folder / "manifest.json", text, self.access)
-        more = (TaskRow, DialRow, GazeValidationRow, PracticeRow)
+        more = (TaskRow, DialRow, ScreeningRow, GazeValidationRow, PracticeRow)
         there = [each for each in more if (source / each.FILE).exists()]
         for row_type in (*SESSION_ROWS, *there):
             name = row_type.FILE
             change = _of_frames(source, self.wishes) if row_type is FrameRow else self._of_row(name)
             _rewrite(source / name, folder / name, change, self.access)
-        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: self.wishes.keep_motion}
+        motion = self.wishes.keep_motion
+        kept = {GazeRow.FILE: self.wishes.keep_gaze, ImageRow.FILE: motion, BallRow.FILE: motion}
         for name, wished in kept.items():
             if wished and (source / name).exists():
                 _rewrite(source / name, folder / name, _in_time(source), self.access)
@@ -284,8 +287,10 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
             else f"blank: {', '.join(MOTION)}, and in tasks.csv {', '.join(_PLACES)}"
         ),
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
-        "texts": "notes, reasons and details of events that people may have typed are blank",
+        "texts": "notes, reasons and details of events that people may have typed are blank; "
+        "answers in one's own words (texts.csv) are left out",
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
+        "balls_of_tasks": "kept" if wishes.keep_motion else "left out (balls.csv)",
         "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "
         "respondents; moved-aside rows (.cut, .schemaN), Parquet files, locks, files that are not "
         "of vrcomfort's making",

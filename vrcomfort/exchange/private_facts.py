@@ -14,7 +14,7 @@ _SAFE_DETAILS = {
     "questionnaire_missed", "questionnaire_resumed", "session_resumed", "session_state",
     "recentered", "refresh_rate_changed", "window_focus", "frame_discarded", "tracking_lost",
     "tracking_found", "unfocused", "pause", "questionnaire_skipped",
-    "ratings_planned", "exposure_ended",
+    "ratings_planned", "exposure_ended", "adjusted", "free_text", "free_text_cut",
 }  # fmt: skip
 """Events whose details the program writes, and that hold no path, date or typed text."""
 

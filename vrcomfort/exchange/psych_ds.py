@@ -25,7 +25,9 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
+    TextRow,
     TrialRow,
 )
 from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
@@ -47,6 +49,9 @@ Frames, gaze and events are not in it: the study has them, and `vrcomfort export
 _OPTIONAL: Mapping[type[Row], str] = {
     TaskRow: "- `{tasks}`: a row for each target, shot and sample of a task, and for each trial\n"
     "  that had one.\n",
+    TextRow: "- `{texts}`: a row for each answer in one's own words, which may tell who gave it;\n"
+    "  in `text`, `\\n` is a line end and `\\\\` a backslash.\n",
+    ScreeningRow: "- `{screening}`: a row for each number beyond a screening rule.\n",
     DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
 """What not every study has, and what is said of it."""
@@ -77,6 +82,7 @@ _MEANINGS: Mapping[str, str] = {
     "frozen_s": "Seconds in which the picture stood still",
     "hidden_s": "Seconds in which the participant saw nothing of the frames",
     "unfocused_s": "Seconds in which a menu of the headset's was in front",
+    "part": "Part of the study, where it has parts with orders of their own",
     "timepoint": "When in the session it was asked, as the protocol names it",
     "instrument": "Questionnaire or rating scale",
     "item": "Question of the instrument",
@@ -91,8 +97,14 @@ _MEANINGS: Mapping[str, str] = {
     "kind": "Of a row of a task: target, shot, sample or (the whole) trial; of a dial: start, "
     "change, sample, confirmed or end",
     "dial": "The dial that was turned, as the protocol names it",
+    "rule": "What was beyond which bound of a screening rule",
+    "decision": "What the experimenter decided: go_on or stop",
+    "decided_s": "When it was decided on the session's clock, in seconds",
+    "question": "What was asked to be answered in one's own words, as the protocol names it",
+    "text": "The answer in one's own words, in one line; blank: nothing was said",
     "setting": "What an adjustment changes in the condition",
-    "value": "Where the dial stood from then on, in the unit of what it changes",
+    "value": "Where the dial stood from then on, in the unit of what it changes; of a screening "
+    "rule, the number that was beyond its bound",
     "number": "Counts the rows of one kind in an attempt, from 1",
     "what": "Name of the target",
     "reaction_s": "Seconds from the beginning of a target until it was met",
@@ -151,7 +163,16 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
     return [f"{file}: the study has no rows of it" for file in empty]
 
 
-_KINDS = ("participants", "trials", "questionnaires", "ratings", "tasks", "dials")
+_KINDS = (
+    "participants",
+    "trials",
+    "questionnaires",
+    "ratings",
+    "tasks",
+    "dials",
+    "texts",
+    "screening",
+)
 
 
 def _file(label: str, kind: str) -> str:

@@ -147,7 +147,7 @@ def _questionnaires(imported: Imported) -> str:
         whose += [*map(cell_text, (m.condition, m.timepoint, instrument))]
         scene = cell_text(m.scene)
         writer.writerows(
-            (*whose, item, cell_text(answer), "", "", order, "", scene)
+            (*whose, item, cell_text(answer), "", "", order, "", "", scene)
             for order, (item, answer) in enumerate(sheet.answers.items(), start=1)
         )
     return text.getvalue()

@@ -10,6 +10,7 @@ from vrcomfort.protocol.adjustments import LIVE, Adjustment, adjusted, value_of
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import NO_TASK
+from vrcomfort.protocol.parts import written_orders
 from vrcomfort.protocol.without_effect import NEEDS, idle
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, in_words, repeated
 from vrcomfort.settings.hints import fields_at
@@ -171,7 +172,14 @@ def _task_beside(protocol: Protocol, condition: Condition) -> str | None:
         for trial in session
         if trial.condition == condition.name
     )
-    named = [trial.task for trial in trials if trial.task not in (None, NO_TASK)]
+    of_parts = (
+        trial
+        for _, _, order in written_orders(protocol.parts)
+        for trial in order.trials
+        if trial.condition == condition.name
+    )
+    each_task = [trial.task for trial in (*trials, *of_parts)]
+    named = [task for task in each_task if task not in (None, NO_TASK)]
     usual = condition.task or protocol.task
     return next(iter(named), None) or (None if usual == NO_TASK else usual)
 

@@ -6,9 +6,13 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 
 from vrcomfort.protocol.adjustment_check import adjustment_problems
+from vrcomfort.protocol.breaks import break_problems
+from vrcomfort.protocol.free_texts import free_text_problems
 from vrcomfort.protocol.instructions import instruction_problems
+from vrcomfort.protocol.levels import trial_counts
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order_check import group_problems, order_problems, unknown_name
+from vrcomfort.protocol.part_check import part_problems
 from vrcomfort.protocol.practice_check import practice_problems
 from vrcomfort.protocol.view_check import view_problems
 from vrcomfort.protocol.without_effect import without_effect
@@ -32,16 +36,22 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
     yield from without_effect(protocol)
     yield from _missing_scenes(protocol)
     yield from order_problems(protocol)
+    yield from part_problems(protocol)
     yield from group_problems(protocol)
     yield from _simulation(protocol)
     yield from _ratings(protocol)
     yield from _locomotion(protocol)
     yield from instruction_problems(protocol.instructions, folder_of(protocol))
     yield from practice_problems(protocol)
+    yield from break_problems(protocol.breaks, protocol.break_s)
+    yield from _trials_that_are_not(protocol)
     if protocol.exposure_ends == "task" and not protocol.tasks:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
     yield from adjustment_problems(protocol)
+    yield from repeated(("free_texts",), [each.name for each in protocol.free_texts])
+    wordings = {language: table.free_texts for language, table in protocol.text.items()}
+    yield from free_text_problems(protocol.free_texts, protocol.languages, wordings)
     yield from _visibility(protocol)
 
 
@@ -129,6 +139,28 @@ def _locomotion(protocol: Protocol) -> Iterator[Problem]:
         if walks.mode not in _NEEDS_MODE[key]:
             message = f'`{key}` does nothing with mode = "{walks.mode}"; remove it or change that'
             yield Problem(("locomotion", key), message)
+
+
+def _trials_that_are_not(protocol: Protocol) -> Iterator[Problem]:
+    """Yield numbers of trials, and of sessions, that no participant comes to."""
+    sessions, trials = trial_counts(protocol)
+    named: list[tuple[Path, str, int, int]] = [
+        (("practice", index, "before_trial"), "trial", each.before_trial, trials)
+        for index, each in enumerate(protocol.practice)
+    ]
+    for table in ("practice", "instructions"):
+        for index, each in enumerate(getattr(protocol, table)):
+            path: Path = (table, index, "sessions")
+            named += [((*path, k), "session", n, sessions) for k, n in enumerate(each.sessions)]
+    for index, told in enumerate(protocol.instructions):
+        path = ("instructions", index, "trials")
+        named += [((*path, k), "trial", n, trials) for k, n in enumerate(told.trials)]
+    for k, number in enumerate(protocol.breaks.after_trials if protocol.breaks else ()):
+        named.append((("breaks", "after_trials", k), "trial", number, trials - 1))
+    for path, what, number, most in named:
+        if number > most >= 0:
+            last = "before another" if path[0] == "breaks" else "at all"
+            yield Problem(path, f"there is no {what} {number} {last}: at most {most} come")
 
 
 def _visibility(protocol: Protocol) -> Iterator[Problem]:

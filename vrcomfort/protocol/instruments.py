@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.model import Ask, Protocol
+from vrcomfort.protocol.screening import screening_problems
 from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
 from vrcomfort.settings import KeyPath, Problem
@@ -74,6 +75,8 @@ def instrument_problems(
         if ask.instrument in instruments:
             whens.setdefault(ask.instrument, set()).add(ask.when)
     yield from rise_problems(protocol.stop, whens, instruments)
+    at_start = {name for name, when in whens.items() if "session_start" in when}
+    yield from screening_problems(protocol.screening, at_start, instruments, protocol.covariates)
 
 
 def _compared(path: KeyPath, ask: Ask, instrument: Instrument) -> Iterator[Problem]:

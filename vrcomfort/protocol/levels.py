@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Group, Trial
+from vrcomfort.protocol.parts import Part
 
 
 def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ...]:
@@ -14,6 +17,16 @@ def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ..
         for condition in protocol.conditions
         if not wanted or condition.name in wanted
         for scene in protocol.scenes
+    )
+
+
+def part_trials(protocol: Protocol, part: Part) -> tuple[Trial, ...]:
+    """Return the condition-scene pairs of a part whose orders a rule makes."""
+    return tuple(
+        trial
+        for trial in trials_of(protocol)
+        if (not part.conditions or trial.condition in part.conditions)
+        and (not part.scenes or trial.scene in part.scenes)
     )
 
 
@@ -31,3 +44,20 @@ def level_of(protocol: Protocol, trial: Trial, factor: str) -> str:
     if factor == "trial":
         return f"{trial.condition} in {trial.scene}"
     return protocol.condition(trial.condition).levels[factor]
+
+
+def trial_counts(protocol: Protocol) -> tuple[int, int]:
+    """Return how many sessions there are, and how many trials the longest of them has."""
+    order = protocol.order
+    if order.rule == "explicit":
+        sessions = [each.sessions for each in order.sequences]
+        lengths = [len(session) for each in sessions for session in each]
+        return max(map(len, sessions), default=0), max(lengths, default=0)
+    if order.rule == "parts":
+        counts = Counter[int]()
+        for part in protocol.parts:
+            made = part.orders[0].trials if part.orders else part_trials(protocol, part)
+            counts[part.session] += len(made) * part.repeats
+        return len(counts), max(counts.values(), default=0)
+    most = max(len(trials_of(protocol, group)) for group in protocol.groups or (None,))
+    return order.sessions, most * order.blocks // order.sessions

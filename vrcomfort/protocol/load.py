@@ -102,6 +102,12 @@ def _by_name(
         for each in protocol.stop.score_rise
     )
     changes["stop"] = protocol.stop.model_copy(update={"score_rise": rises})
+    changes["screening"] = tuple(
+        each.model_copy(update={"instrument": instruments[each.instrument].name})
+        if each.instrument
+        else each
+        for each in protocol.screening
+    )
     for key in ("ratings", "sliders"):
         changes[key] = tuple(
             each.model_copy(update={"instrument": instruments[each.instrument].name})

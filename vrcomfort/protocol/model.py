@@ -13,13 +13,17 @@ from pydantic import Field, PrivateAttr, field_validator
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.adjustments import Adjustment
+from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
 from vrcomfort.protocol.factors import Factor
+from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
+from vrcomfort.protocol.parts import Part
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.screening import Screening
 from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
@@ -176,6 +180,8 @@ class Simulation(Settings):
     """Standard deviation of the logarithm of that time."""
     aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
     """Spread of where they point, along each axis."""
+    break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
+    """For how long, on average, they stay in a break that they may end."""
     eyes: SimulatedEyes | None = None
     """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
     liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
@@ -184,6 +190,8 @@ class Simulation(Settings):
     """Two that seem to differ by less are alike to them: no preference, where that may be said."""
     task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
     """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    screened_out: Probability = 0.5
+    """Chance that the experimenter stops where a screening rule is broken."""
     adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
     """Adjustment → the value that they adjust to in the median; without it, the middle of its
     range."""
@@ -215,6 +223,8 @@ class Protocol(Settings):
     """What is tried before trials of the study."""
     break_s: Rest = 0.0
     """Rest between two exposures of a session."""
+    breaks: Breaks | None = None
+    """Rests between exposures that participants end themselves, instead of `break_s`."""
     hours_between_sessions: Annotated[float, Field(ge=0, le=8760)] = 0.0
     """From the end of a participant's session to the beginning of the next, at least; `run` refuses
     to begin it sooner. Simulated participants have waited."""
@@ -236,10 +246,14 @@ class Protocol(Settings):
     """Instead of conditions: every level of each with every level of the others."""
     order: Order
     """Who meets what in which order."""
+    parts: tuple[Part, ...] = ()
+    """Parts with orders of their own, for `rule = "parts"`."""
     groups: tuple[Group, ...] = ()
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
     """What is entered of everybody who is enrolled."""
+    screening: tuple[Screening, ...] = ()
+    """Rules on whom the experimenter is told of before they are exposed."""
     allocation: Allocation | None = None
     """How people come into groups; without it, `permuted_blocks` of the whole study."""
     languages: tuple[Word, ...] = ()
@@ -251,6 +265,8 @@ class Protocol(Settings):
     """What participants are told, and when."""
     questionnaires: tuple[Ask, ...] = ()
     """What is asked, and when. A study without any has ratings or tasks."""
+    free_texts: tuple[FreeText, ...] = ()
+    """Questions that are answered in one's own words; they may tell who answers."""
     ratings: Annotated[tuple[Ratings, ...], Field(json_schema_extra=or_one_table)] = ()
     """Questions that are asked again and again during exposure, one at a time: where two are due,
     the second waits for the answer to the first."""
@@ -304,6 +320,14 @@ class Protocol(Settings):
         whole = self.instrument(ask.instrument)
         worded = whole.in_language(ask.language or self._language or whole.language) or whole
         return replace(worded, items=worded.asked)
+
+    def writes(self, when: str) -> Iterator[FreeText]:
+        """Yield the free texts of a moment, in the participant's language."""
+        table = self.text.get(self._language or "")
+        wordings = table.free_texts if table else {}
+        for each in self.free_texts:
+            if each.when == when:
+                yield each.model_copy(update={"text": wordings.get(each.name, each.text)})
 
     def task_of(self, trial: Trial) -> TaskSettings | None:
         """Return what is done in a trial: what it names itself, its condition, or the protocol."""
@@ -381,10 +405,10 @@ class Protocol(Settings):
         return self._source.text if self._source else ""
 
     @property
-    def parts(self) -> dict[str, str]:
+    def included(self) -> dict[str, str]:
         """Return file → hash of all that was put together; nothing where it is one file."""
-        parts = self._source.parts if self._source else []
-        return {str(each.file): each.sha256 for each in parts} if len(parts) > 1 else {}
+        files = self._source.parts if self._source else []
+        return {str(each.file): each.sha256 for each in files} if len(files) > 1 else {}
 
     @property
     def file(self) -> Path | None:

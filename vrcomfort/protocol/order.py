@@ -10,7 +10,9 @@ from pydantic_core import PydanticCustomError
 
 from vrcomfort.settings import Name, Settings, Word
 
-Rule = Literal["explicit", "latin_square", "williams", "all_orders", "block_random", "random"]
+Rule = Literal[
+    "explicit", "latin_square", "williams", "all_orders", "block_random", "random", "parts"
+]
 
 _FORMER_RULES = {"full": "all_orders"}
 """Words of the first version, which protocols of recorded studies have."""
@@ -31,6 +33,8 @@ class Trial(Settings):
     """Name of a condition."""
     task: Word | None = None
     """Name of what is done meanwhile; `none` for nothing, whatever the condition names."""
+    part: Word | None = None
+    """Part of the study that it belongs to: the column `part`. [[parts]] set it themselves."""
 
 
 class Sequence(Settings):
@@ -55,7 +59,8 @@ class Order(Settings):
     `explicit` takes the listed sequences; the other rules order every condition in every scene:
     `latin_square` (each at each position), `williams` (and each after each other equally often),
     `all_orders` (every order once), `block_random` (a seeded order of each participant's own, in
-    blocks) and `random` (the same, one block without limits).
+    blocks) and `random` (the same, one block without limits). `parts` has an order for each of
+    [[parts]].
     """
 
     rule: Rule

@@ -12,7 +12,7 @@ from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Group
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, repeated, reserved
 
-_MOST_TREATMENTS = {
+MOST_TREATMENTS = {
     "latin_square": 64,
     "williams": 26,
     "all_orders": 6,
@@ -23,8 +23,8 @@ OF_RULES = {
     "blocks": ("block_random",),
     "strata": ("block_random",),
     "max_run": ("block_random",),
-    "assignment": ("explicit", "latin_square", "williams", "all_orders"),
-    "sessions": tuple(_MOST_TREATMENTS),
+    "assignment": ("explicit", "latin_square", "williams", "all_orders", "parts"),
+    "sessions": tuple(MOST_TREATMENTS),
 }
 """Keys of [order] that do nothing with other rules."""
 MOST_STRATA = 1000
@@ -41,6 +41,10 @@ def order_problems(protocol: Protocol) -> Iterator[Problem]:
             yield Problem(("order", key), f"{message}; remove it or change that")
     if protocol.order.rule == "explicit":
         yield from _explicit(protocol)
+    elif protocol.order.rule == "parts":
+        if protocol.order.sequences:
+            message = "`parts` makes its own sequences; remove these or say `explicit`"
+            yield Problem(("order", "sequences"), message)
     else:
         yield from _generated(protocol)
 
@@ -86,7 +90,7 @@ def _generated(protocol: Protocol) -> Iterator[Problem]:
 
 def _dealt(protocol: Protocol, treatments: int) -> Iterator[Problem]:
     order = protocol.order
-    most = _MOST_TREATMENTS[order.rule]
+    most = MOST_TREATMENTS[order.rule]
     if treatments > most:
         message = f"`{order.rule}` takes at most {most} condition-scene pairs; there are"
         yield Problem(("order", "rule"), f"{message} {treatments}: choose another rule")

@@ -10,6 +10,7 @@ from pydantic import ValidationError
 from vrcomfort.errors import InputError
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import NO_TASK
+from vrcomfort.protocol.parts import written_orders
 from vrcomfort.settings import KeyPath, Problem, did_you_mean, problems_of, repeated
 from vrcomfort.tasks import OwnTask, TaskSettings, settings_of_file
 
@@ -60,3 +61,9 @@ def _named(protocol: Protocol) -> Iterator[tuple[KeyPath, str | None]]:
             for number, trial in enumerate(trials):
                 path = ("order", "sequences", index, "sessions", session, number, "task")
                 yield path, trial.task
+    for index, part, order in written_orders(protocol.parts):
+        for number, trial in enumerate(order.trials):
+            yield ("parts", index, "orders", part, "trials", number, "task"), trial.task
+    for index, practice in enumerate(protocol.practice):
+        for number, trial in enumerate(practice.trials):
+            yield ("practice", index, "trials", number, "task"), trial.task

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
+from vrcomfort.protocol.free_texts import Asked
 from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
@@ -46,6 +47,8 @@ class Words(Settings):
     """During a rest."""
     rest_soon: Sentence = "You may take the headset off. It goes on in less than a minute."
     """In the last minute of one."""
+    rest_ready: Sentence = "You may take the headset off. Choose Continue when you are ready."
+    """Of a rest that the participant may end."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
@@ -54,6 +57,10 @@ class Words(Settings):
     """Button: below an instruction."""
     listen_sound: Sentence = "Please listen."
     """While an instruction is heard that has nothing to see."""
+    wait_experimenter: Sentence = "Please wait. The experimenter has something to decide."
+    """While the experimenter decides whether to go on."""
+    say_aloud: Sentence = "Please tell the experimenter"
+    """Over a question that is answered in one's own words."""
 
 
 ENGLISH = Words()
@@ -71,10 +78,13 @@ GERMAN = Words(
     rest="Pause",
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
+    rest_ready="Sie dürfen das Headset abnehmen. Wählen Sie Weiter, sobald Sie bereit sind.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",
     listen_sound="Bitte hören Sie zu.",
+    wait_experimenter="Bitte warten Sie. Die Versuchsleitung hat etwas zu entscheiden.",
+    say_aloud="Bitte sagen Sie es der Versuchsleitung",
 )
 WORDS: Mapping[str, Words] = {"en": ENGLISH, "de": GERMAN}
 """Languages that are shipped."""
@@ -91,6 +101,8 @@ class LanguageTable(Settings):
     """Instrument → its instruction, labels and items, as in [translations] of an instrument."""
     instructions: dict[str, InstructionWording] = Field(default_factory=dict)
     """Name of an instruction → what is told in this language."""
+    free_texts: dict[str, Asked] = Field(default_factory=dict)
+    """Name of a free text → what is asked in this language."""
 
 
 def words_of(language: str, tables: Mapping[str, LanguageTable]) -> Words:

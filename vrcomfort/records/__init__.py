@@ -9,6 +9,7 @@ from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
 from vrcomfort.records.rows import (
     FACTS,
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
@@ -18,7 +19,9 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
 )
@@ -42,6 +45,7 @@ from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undo_withdrawal
 __all__ = [
     "ENDED_THE_STUDY",
     "FACTS",
+    "BallRow",
     "ClockRow",
     "DialRow",
     "Durability",
@@ -59,7 +63,9 @@ __all__ = [
     "RatingRow",
     "Recorder",
     "Row",
+    "ScreeningRow",
     "TaskRow",
+    "TextRow",
     "TimingRow",
     "TrialRow",
     "access_of",

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
 from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
-from vrcomfort.records.rows import Cell, FlatRow
+from vrcomfort.records.rows import BallRow, Cell, FlatRow
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""
@@ -148,6 +148,8 @@ class FrameRow:
         Its row of ``gaze.csv``, which a recorder writes with this one; None without an eye tracker.
     image
         Its row of ``images.csv``, likewise; None where the images were not hashed.
+    balls
+        Its rows of ``balls.csv``, likewise: balls of a task that are drawn otherwise from it on.
     """
 
     FILE: ClassVar[str] = "frames.csv"
@@ -178,6 +180,7 @@ class FrameRow:
     resumed: int = 0
     gaze: GazeRow | None = None
     image: ImageRow | None = None
+    balls: tuple[BallRow, ...] = ()
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:

@@ -27,7 +27,9 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
+    TextRow,
     TrialRow,
     cell_text,
     csv_line,
@@ -127,7 +129,7 @@ def take_up(folder: Path, planned: Sequence[Trial], access: Access = OWNER) -> I
     for row in trials:
         attempts[row["trial"]] = max(row["attempt"], attempts.get(row["trial"], 0))
     if begun and attempts.get(begun["trial"], 0) < begun["attempt"]:
-        _write_killed(folder, begun, frames, end_s, access)
+        _write_killed(folder, begun, frames, end_s, planned[begun["trial"] - 1].part, access)
         attempts[begun["trial"]] = begun["attempt"]
     last_trial, ended_by, code = _last_trial(trials, begun, undone_trials(manifest))
     return Interrupted(
@@ -289,6 +291,8 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
     optional: Mapping[type[Row], tuple[str, ...]] = {
         TaskRow: ("onset_s", "reaction_s"),
         DialRow: ("onset_s",),
+        TextRow: ("answered_s",),
+        ScreeningRow: ("decided_s",),
         PracticeRow: ("end_s",),
     }
     there = {each: parts for each, parts in optional.items() if (folder / each.FILE).exists()}
@@ -299,7 +303,12 @@ def _ends(folder: Path, trials: Sequence[RecordedRow], whose: Mapping[str, Any])
 
 
 def _write_killed(
-    folder: Path, begun: Mapping[str, Any], frames: _Frames, end_s: float, access: Access
+    folder: Path,
+    begun: Mapping[str, Any],
+    frames: _Frames,
+    end_s: float,
+    part: str | None,
+    access: Access,
 ) -> None:
     """Write the row of an exposure that a killed program could not write."""
     row = TrialRow(
@@ -309,6 +318,7 @@ def _write_killed(
         abort_code="killed",
         frames=frames.shown,
         dropped=frames.dropped,
+        part=part,
     )
     file = folder / TrialRow.FILE
     try:

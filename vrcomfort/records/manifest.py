@@ -163,7 +163,7 @@ class Manifest:
                 "text": protocol.toml,
                 "parts": [
                     {"file": Path(file).name, "sha256": sha256}
-                    for file, sha256 in protocol.parts.items()
+                    for file, sha256 in protocol.included.items()
                 ],
                 "media": protocol.media,
             },

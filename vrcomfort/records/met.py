@@ -38,4 +38,7 @@ def _session(file: Path) -> tuple[Trial, ...]:
     table = CsvTable.read(file, appended=True)
     table.require(("condition", "scene", "status"))
     whole = [row for row in table.dicts() if row["status"] == "completed"]
-    return tuple(Trial(scene=row["scene"], condition=row["condition"]) for row in whole)
+    return tuple(
+        Trial(scene=row["scene"], condition=row["condition"], part=row.get("part") or None)
+        for row in whole
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from types import NoneType
@@ -15,6 +15,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
 from vrcomfort.records.manifest_shape import LONGEST_S
 from vrcomfort.records.rows import Row
+from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
 
 
 class Kind(NamedTuple):
@@ -80,26 +81,59 @@ def split_line(line: bytes) -> list[str]:
         raise ValueError(str(error)) from error
 
 
-def read_rows(folder: Path, row_type: type[Row]) -> Iterator[RecordedRow]:
-    """Yield the rows of a file that has been mended.
+def read_rows(
+    folder: Path, row_type: type[Row], *, version: int = SCHEMA_VERSION, cut: bool = False
+) -> Iterator[RecordedRow]:
+    """Yield the rows of a file.
+
+    Parameters
+    ----------
+    version
+        Of the schema that it was written in; columns that came later are None.
+    cut
+        The last row may be half-written, by a program that was killed; it is left out then. Else
+        the file has been mended.
 
     Raises
     ------
     InputError
-        If a cell is not what its column holds.
+        If a line is no row, a column is missing, or a cell is not what its column holds.
     """
     file, kinds = folder / row_type.FILE, kinds_of(row_type)
+    there = columns_of_version(version, row_type.FILE, row_type.columns())
     with file.open("rb") as stream:
-        header = split_line(next(stream))
+        header = split_line(stream.readline())
+        if missing := [name for name in kinds if name in there and name not in header]:
+            message = f"the column is missing; it has: {', '.join(header)}"
+            raise InputError(message, file=file, line=1, column=missing[0])
+        known = {name: kind for name, kind in kinds.items() if name in header}
         for number, line in enumerate(stream, start=2):
-            cells = dict(zip(header, split_line(line), strict=True))
-            try:
-                values = {name: cell_value(cells[name], name, kinds[name]) for name in kinds}
-            except ValueError as error:
-                column, message = error.args
-                message = f"{message}; mend it first"
-                raise InputError(message, file=file, line=number, column=column) from None
-            yield RecordedRow(file, number, values)
+            if cut and not line.endswith(b"\n"):
+                return
+            yield RecordedRow(file, number, _values(file, number, line, header, known, kinds))
+
+
+def _values(
+    file: Path,
+    number: int,
+    line: bytes,
+    header: Sequence[str],
+    known: Mapping[str, Kind],
+    kinds: Mapping[str, Kind],
+) -> Mapping[str, Any]:
+    """Return column → value of one line."""
+    try:
+        cells = dict(zip(header, split_line(line), strict=True))
+    except ValueError as error:
+        raise InputError(f"is no row: {error}; mend it first", file=file, line=number) from None
+    values: dict[str, Any] = dict.fromkeys(kinds)
+    try:
+        values.update((name, cell_value(cells[name], name, known[name])) for name in known)
+    except ValueError as error:
+        column, message = error.args
+        message = f"{message}; mend it first"
+        raise InputError(message, file=file, line=number, column=column) from None
+    return values
 
 
 def kinds_of(row_type: type[Row]) -> Mapping[str, Kind]:

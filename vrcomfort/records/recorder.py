@@ -167,6 +167,8 @@ class Recorder:
         self._gap.end_s = row.session_s
         self._gap.rows += 1
         self.frames_not_recorded += 1
+        for ball in row.balls:  # they stand for the frames that follow, too
+            self._background.put(ball)
 
     def _tell_gap(self) -> None:
         gap, self._gap = self._gap, None

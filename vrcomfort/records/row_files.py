@@ -13,6 +13,7 @@ from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.rows import (
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
@@ -21,7 +22,9 @@ from vrcomfort.records.rows import (
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
     cell_text,
@@ -32,7 +35,8 @@ SESSION_ROWS: tuple[type[Row], ...] = (
     TrialRow, TimingRow, QuestionnaireRow, RatingRow, FrameRow, EventRow,
 )  # fmt: skip
 OPTIONAL_ROWS: tuple[type[Row], ...] = (
-    GazeRow, ImageRow, ClockRow, TaskRow, DialRow, GazeValidationRow, PracticeRow,
+    GazeRow, ImageRow, BallRow, ClockRow, TaskRow, DialRow, TextRow, ScreeningRow,
+    GazeValidationRow, PracticeRow,
 )  # fmt: skip
 """Their files appear with their first rows."""
 
@@ -42,7 +46,8 @@ SYNC_EVERY_S = 0.5
 Durability: TypeAlias = Literal["each_row", "session_end"]
 
 _SYNCED_AT_ONCE = (
-    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, PracticeRow, EventRow,
+    TrialRow, QuestionnaireRow, RatingRow, TaskRow, DialRow, TextRow, ScreeningRow, PracticeRow,
+    EventRow,
 )  # fmt: skip
 
 
@@ -225,7 +230,7 @@ def _with_others(row: Row) -> Iterable[Row]:
     """Return a row, with those of other files that a frame brings."""
     if not isinstance(row, FrameRow):
         return (row,)
-    return [each for each in (row, row.gaze, row.image) if each is not None]
+    return [each for each in (row, row.gaze, row.image, *row.balls) if each is not None]
 
 
 def _read(file: Path) -> str:

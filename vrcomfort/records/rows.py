@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import io
 import math
+import re
+import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol, TypeAlias
@@ -109,6 +111,8 @@ class TrialRow(FlatRow):
         Seconds of the trial in which frames came, in which none came, in which the participant saw
         nothing of them, and in which something of the runtime's had the input. Blank where it was
         not recorded.
+    part
+        Of the study, where it has parts.
     """
 
     FILE: ClassVar[str] = "trials.csv"
@@ -132,6 +136,7 @@ class TrialRow(FlatRow):
     frozen_s: float | None = None
     hidden_s: float | None = None
     unfocused_s: float | None = None
+    part: str | None = None
 
 
 @dataclass(frozen=True)
@@ -144,6 +149,8 @@ class QuestionnaireRow(FlatRow):
         None where the participant would rather not say.
     order
         Place in the presentation, from 1.
+    part
+        Of the study, where it has parts and all exposures that are meant belong to one.
     """
 
     FILE: ClassVar[str] = "questionnaires.csv"
@@ -160,6 +167,7 @@ class QuestionnaireRow(FlatRow):
     asked_s: float
     answered_s: float
     order: int
+    part: str | None = None
     resumed: int = 0
 
 
@@ -238,6 +246,39 @@ class TaskRow(FlatRow):
 
 
 @dataclass(frozen=True)
+class BallRow(FlatRow):
+    """A ball of a task from a frame on, where it is drawn otherwise than in the frame before.
+
+    Parameters
+    ----------
+    session_s, xr_time_ns, trial
+        Those of the frame.
+    ball
+        Counts the balls of the task from 1.
+    x_m, y_m, z_m
+        Its middle, in the world.
+    radius_m
+        0 where it is not to be seen.
+    red, green, blue
+        Its colour, linear.
+    """
+
+    FILE: ClassVar[str] = "balls.csv"
+    session_s: float
+    xr_time_ns: int
+    trial: int
+    ball: int
+    x_m: float
+    y_m: float
+    z_m: float
+    radius_m: float
+    red: float
+    green: float
+    blue: float
+    resumed: int = 0
+
+
+@dataclass(frozen=True)
 class PracticeRow(FlatRow):
     """One exposure of a block of practice, which is no trial of the study.
 
@@ -279,6 +320,86 @@ class PracticeRow(FlatRow):
     met: int | None = None
     over: int = 0
     resumed: int = 0
+
+
+@dataclass(frozen=True)
+class ScreeningRow(FlatRow):
+    """A number beyond a screening rule, and what the experimenter decided.
+
+    Parameters
+    ----------
+    rule
+        What was beyond which bound.
+    decision
+        go_on or stop.
+    """
+
+    FILE: ClassVar[str] = "screening.csv"
+    participant: str
+    session: int
+    rule: str
+    value: float
+    decision: str
+    decided_s: float
+    resumed: int = 0
+
+
+LONGEST_TEXT = 20_000
+"""Characters of an answer in one's own words, as they are written."""
+
+
+@dataclass(frozen=True)
+class TextRow(FlatRow):
+    """An answer in one's own words; `trial` and `condition` are blank where the session is meant.
+
+    Parameters
+    ----------
+    text
+        In one line (`one_line`); blank where nothing was said.
+    """
+
+    FILE: ClassVar[str] = "texts.csv"
+    participant: str
+    session: int
+    trial: int | None
+    condition: str | None
+    question: str
+    text: str
+    asked_s: float
+    answered_s: float
+    resumed: int = 0
+
+
+def one_line(text: str) -> str:
+    r"""Return a text in one line: \\ for \, \n for a line end, \uXXXX for what is no letter.
+
+    Control characters, other line ends and halves of pairs would break rows; `in_lines` turns it
+    back.
+    """
+    return "".join(map(_escaped, text.replace("\r\n", "\n").replace("\r", "\n")))
+
+
+def _escaped(letter: str) -> str:
+    if letter == "\\":
+        return "\\\\"
+    if letter == "\n":
+        return "\\n"
+    plain = unicodedata.category(letter) not in {"Cc", "Cs", "Zl", "Zp"}
+    return letter if plain else f"\\u{ord(letter):04x}"
+
+
+def in_lines(text: str) -> str:
+    """Return the text that `one_line` has written."""
+    return _ESCAPE.sub(_meant, text)
+
+
+_ESCAPE = re.compile(r"\\(?:(\\|n)|u([0-9a-f]{4}))")
+
+
+def _meant(found: re.Match[str]) -> str:
+    if found[2]:
+        return chr(int(found[2], 16))
+    return "\n" if found[1] == "n" else "\\"
 
 
 @dataclass(frozen=True)

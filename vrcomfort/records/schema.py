@@ -19,7 +19,11 @@ ADDED_COLUMNS: Mapping[int, Mapping[str, tuple[str, ...]]] = {
         "frames.csv": ("head_valid", "head_tracked", "session_state", "missed_refreshes"),
     },
     3: {"frames.csv": HANDS},
-    4: {"gaze.csv": ("hit_node", "effect_centre", *EYE_GAZES)},
+    4: {
+        "gaze.csv": ("hit_node", "effect_centre", *EYE_GAZES),
+        "trials.csv": ("part",),
+        "questionnaires.csv": ("part",),
+    },
 }
 """What each version has and the one before has not. A folder of an older version that is continued
 gets them, blank: what they say was not recorded."""

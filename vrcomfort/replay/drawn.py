@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
@@ -10,8 +11,10 @@ from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.render.photodiode import PatchLight
+from vrcomfort.replay.exposures import RecordedExposure
 from vrcomfort.replay.hashes import Comparison
-from vrcomfort.replay.recorded import RecordedExposure, RecordedSession
+from vrcomfort.replay.recorded import RecordedSession
+from vrcomfort.scene.markers import Markers
 
 
 class Drawer(Protocol):
@@ -115,12 +118,14 @@ def replay(
         last = last_wanted(session, exposure, wish)
         if last is None:
             continue
-        film = _Film(session, exposure, wish, size_px, comparison)
         scene = load_scene(exposure.scene)
+        balls = _Balls(exposure, scene) if exposure.balls else None
+        drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
-        drawer.begin(scene, wish.instead.get(name) or session.condition(name))
+        drawer.begin(drawn_scene, wish.instead.get(name) or session.condition(name))
         if second is not None and wish.beside is not None:
-            second.begin(scene, wish.beside)
+            second.begin(drawn_scene, wish.beside)
+        film = _Film(session, exposure, wish, size_px, comparison, balls)
         for drawn in film.frames(drawer, second if wish.beside else None, scene, last):
             yield replace(drawn, video_s=drawn.video_s + end_s)
         end_s += film.length_s
@@ -135,6 +140,22 @@ def last_wanted(session: RecordedSession, exposure: RecordedExposure, wish: Wish
     return None
 
 
+class _Balls:
+    """The balls of an exposure's task, drawn as they were at each time."""
+
+    def __init__(self, exposure: RecordedExposure, scene: Any) -> None:
+        colors = {ball.ball: ball.color for _, ball in exposure.balls}
+        black = 0.0, 0.0, 0.0
+        self._markers = Markers(scene, [colors.get(k, black) for k in range(1, max(colors) + 1)])
+        self._coming = deque(exposure.balls)
+        self.scene = self._markers.scene
+
+    def show(self, time_ns: int) -> None:
+        """Draw them as they were in the frame of a time, and not before it."""
+        while self._coming and self._coming[0][0] <= time_ns:
+            self._markers.show(self._coming.popleft()[1])
+
+
 @dataclass
 class _Film:
     """The frames of one exposure, and their time in the replay."""
@@ -144,6 +165,7 @@ class _Film:
     wish: Wish
     size_px: tuple[int, int]
     comparison: Comparison
+    balls: _Balls | None
     length_s: float = 0.0
     _shown_ns: int | None = None
     _focus_m: float | None = None
@@ -165,6 +187,8 @@ class _Film:
         for row, frame in enumerate(headset.frames(), start=exposure.first):
             trial = exposure.trial if row >= exposure.shown else 0
             session_s = float(session.session_s[row])
+            if self.balls is not None:
+                self.balls.show(int(session.trace.time_ns[row]))
             wanted = self.wish.wants(trial, session_s)
             video_s = self._video_s(row, frame) if wanted else 0.0
             if not session.drawn[row]:  # the picture before stood; jumps are seen with the next

@@ -1,9 +1,9 @@
-"""Reads a recorded session for its replay: frames, exposures, conditions, ratings and hashes."""
+"""Reads a recorded session for its replay: its exposures, its conditions, hashes of images."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,71 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
-from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 from vrcomfort.geometry import Array
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.records import (
-    EventRow,
+    BallRow,
     FrameRow,
     ImageRow,
-    RatingRow,
     TaskRow,
     TrialRow,
     read_manifest,
 )
-from vrcomfort.records.frame_rows import CUT
-from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.schema import SCHEMA_VERSION, check_schema_version
+from vrcomfort.replay.exposures import RecordedExposure, read_exposures
+from vrcomfort.replay.frame_facts import read_frames
+from vrcomfort.replay.session_rows import rows_of
 from vrcomfort.settings import in_words
-from vrcomfort.traces.table import Table, read_parts
-from vrcomfort.traces.trace import Trace, read_trace
-
-VALIDATION = "gaze_validation"
-"""The event of a validation of the eye tracker."""
-_EPSILON_S = 1e-6
-"""Of session times in files."""
-
-
-@dataclass(frozen=True)
-class Rating:
-    """An answer in an exposure; `response` is None where none came in time."""
-
-    onset_s: float
-    answered_s: float
-    instrument: str
-    response: int | None
-
-
-@dataclass(frozen=True)
-class RecordedExposure:
-    """One attempt at a trial, with the training before it.
-
-    Parameters
-    ----------
-    status
-        As in ``trials.csv``; blank where the program was killed in it.
-    first, shown, end
-        Rows of the session's frames: from the first (of the training, if there is one), from the
-        first of the exposure itself, to the one after the last.
-    start_s, end_s
-        Of the session's clock.
-    ratings
-        In the order of their questions.
-    """
-
-    trial: int
-    attempt: int
-    condition: str
-    scene: str
-    status: str
-    first: int
-    shown: int
-    end: int
-    start_s: float
-    end_s: float
-    ratings: tuple[Rating, ...] = ()
+from vrcomfort.traces.trace import Trace
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,11 +105,8 @@ def read_session(folder: Path) -> RecordedSession:
     require_session(folder)
     manifest = read_manifest(folder)
     check_schema_version(manifest, folder / "manifest.json")
-    frames = _Frames.read(folder / FrameRow.FILE)
-    trace = replace(read_trace(folder / FrameRow.FILE), cuts=frames.cuts)
-    attempts = list(_attempts(folder, manifest))
-    ratings = [*_ratings(folder)]
-    exposures = tuple(_exposures(attempts, frames, ratings, _validated_until_s(folder)))
+    trace, frames = read_frames(folder / FrameRow.FILE)
+    exposures = read_exposures(folder, manifest, trace, frames)
     if not exposures:
         raise InputError("no frame of an exposure is recorded here", file=folder)
     return RecordedSession(
@@ -168,7 +118,7 @@ def read_session(folder: Path) -> RecordedSession:
         frames.drawn,
         frames.missed_refreshes,
         exposures,
-        _hashes(folder),
+        _hashes(folder, manifest),
         (*_notes(folder, manifest), *trace.warnings),
     )
 
@@ -192,143 +142,9 @@ def require_session(folder: Path) -> None:
             raise InputError(f"{message}; restore it from a copy", file=folder)
 
 
-@dataclass(frozen=True, eq=False)
-class _Frames:
-    """What a trace does not keep of ``frames.csv``."""
-
-    session_s: Array
-    trial: NDArray[np.int64]
-    drawn: NDArray[np.bool_]
-    cuts: NDArray[np.bool_]
-    missed_refreshes: NDArray[np.int64]
-
-    @classmethod
-    def read(cls, file: Path) -> _Frames:
-        parts = list(read_parts(file, _require_columns))
-        joined = [np.concatenate(column) for column in zip(*map(_columns, parts), strict=True)]
-        frames = cls(*joined)
-        frames.cuts[0] = True
-        return frames
-
-
-def _require_columns(table: Table) -> None:
-    table.require(["session_s", "trial", "should_render", "discontinuity", "dropped"])
-
-
-def _columns(table: Table) -> tuple[Any, ...]:
-    dropped = table.integers("dropped")
-    if table.has(["missed_refreshes"]):
-        cells = table.text("missed_refreshes")
-        known = [int(cell) if cell.strip().isdecimal() else -1 for cell in cells]
-        missed = np.where(dropped > 0, np.array(known, dtype=np.int64), 0)
-    else:
-        missed = np.where(dropped > 0, -1, 0)
-    return (
-        table.floats(["session_s"])[:, 0],
-        table.integers("trial"),
-        table.integers("should_render") != 0,
-        # Not as a trace has it: training goes over into the first exposure without a cut.
-        table.integers("discontinuity") == CUT,
-        missed,
-    )
-
-
-def _attempts(folder: Path, manifest: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
-    """Yield the rows of ``trials.csv``, and what is known of an exposure that was cut short."""
-    table = CsvTable.read(folder / TrialRow.FILE, appended=True)
-    table.require(["trial", "attempt", "condition", "scene", "start_s", "end_s", "status"])
-    seen = set()
-    for row in table.dicts():
-        try:
-            known = {
-                **row,
-                "trial": int(row["trial"]),
-                "attempt": int(row["attempt"]),
-                "start_s": float(row["start_s"]),
-                "end_s": float(row["end_s"]),
-            }
-        except ValueError as error:
-            message = f"a trial's numbers cannot be read ({error}); `vrcomfort verify` says where"
-            raise InputError(message, file=folder / TrialRow.FILE) from error
-        seen.add((known["trial"], known["attempt"]))
-        yield known
-    begun = manifest.get("under_way")
-    if begun and (begun["trial"], begun["attempt"]) not in seen:
-        yield {**begun, "end_s": np.inf, "status": ""}
-
-
-def _validated_until_s(folder: Path) -> list[float]:
-    """Return when each validation of the eye tracker ended: its frames are of no exposure."""
-    if not (folder / EventRow.FILE).exists():
-        return []
-    return [
-        row["onset_s"] + row["duration_s"]
-        for row in _rows(folder, EventRow)
-        if row["name"] == VALIDATION
-    ]
-
-
-def _exposures(
-    attempts: Sequence[Mapping[str, Any]],
-    frames: _Frames,
-    ratings: Sequence[Rating],
-    validated_until_s: Sequence[float],
-) -> Iterator[RecordedExposure]:
-    """Yield the attempts of which a frame is recorded."""
-    before_s = -np.inf
-    for row in attempts:
-        start_s, end_s = row["start_s"] - _EPSILON_S, row["end_s"] + _EPSILON_S
-        inside = (frames.session_s >= start_s) & (frames.session_s <= end_s)
-        rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
-        if len(rows):
-            shown, end = int(rows[0]), int(rows[-1]) + 1
-            ends_s = [each - _EPSILON_S for each in validated_until_s if each <= row["start_s"]]
-            before_s = max([before_s, *ends_s])
-            trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
-            others = np.flatnonzero(~trained)
-            first = int(others[-1]) + 1 if len(others) else 0
-            told = tuple(each for each in ratings if start_s <= each.onset_s <= end_s)
-            yield RecordedExposure(
-                row["trial"],
-                row["attempt"],
-                row["condition"],
-                row["scene"],
-                row["status"],
-                first,
-                shown,
-                end,
-                row["start_s"],
-                min(row["end_s"], float(frames.session_s[end - 1])),
-                told,
-            )
-        before_s = row["end_s"] - _EPSILON_S
-
-
-def _ratings(folder: Path) -> Iterator[Rating]:
-    file = folder / RatingRow.FILE
-    if not file.exists():
-        return
-    for row in _rows(folder, RatingRow):
-        late_s = row["latency_s"]
-        answered_s = row["onset_s"] + (late_s or 0.0)
-        yield Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
-
-
-def _hashes(folder: Path) -> dict[int, tuple[str, str]]:
-    if not (folder / ImageRow.FILE).exists():
-        return {}
-    rows = _rows(folder, ImageRow)
+def _hashes(folder: Path, manifest: Mapping[str, Any]) -> dict[int, tuple[str, str]]:
+    rows = rows_of(folder, ImageRow, manifest)
     return {row["xr_time_ns"]: (row["left_hash"], row["right_hash"]) for row in rows}
-
-
-def _rows(folder: Path, row_type: Any) -> Iterator[RecordedRow]:
-    """Yield the rows of a file but for a half-written last one."""
-    try:
-        yield from read_rows(folder, row_type)
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        return  # the last row of a program that was killed
 
 
 def _conditions(folder: Path, manifest: Mapping[str, Any]) -> dict[str, Condition]:
@@ -358,7 +174,7 @@ def _notes(folder: Path, manifest: Mapping[str, Any]) -> Iterator[str]:
         )
     if lost := manifest.get("frames_not_recorded", 0):
         yield f"{folder}: {lost} frames that were shown have no row; they cannot be shown again"
-    if (folder / TaskRow.FILE).exists():
-        yield f"{folder}: balls of tasks are not drawn again; images with them are not as recorded"
+    if (folder / TaskRow.FILE).exists() and not (folder / BallRow.FILE).exists():
+        yield f"{folder}: there is no {BallRow.FILE}; balls that its tasks showed are not drawn"
     if not (folder / ImageRow.FILE).exists():
         yield f"{folder}: no images were hashed; whether they are the same cannot be told"

@@ -13,7 +13,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from vrcomfort.geometry import Array, View
 from vrcomfort.replay.drawn import DrawnFrame
-from vrcomfort.replay.recorded import Rating
+from vrcomfort.replay.exposures import Rating
 
 Rgb8: TypeAlias = NDArray[np.uint8]
 Eye: TypeAlias = Literal["left", "right"]

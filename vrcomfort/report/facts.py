@@ -37,8 +37,10 @@ class Facts:
         trials = {(t["participant"], t["session"], t["trial"]): t for t in study.trials}
         posts = [s for s in study.sheets if s.timepoint == plan.exposure_timepoint]
         conditions: dict[tuple[str, str], set[str]] = defaultdict(set)
-        for sheet in posts:
-            conditions[sheet.participant, sheet.session].add(sheet.condition)
+        met = [(t["participant"], t["session"], t["condition"]) for t in study.trials]
+        met += [(s.participant, s.session, s.condition) for s in posts if s.condition]
+        for who, session, condition in met:
+            conditions[who, session].add(condition)
         exposures = {*trials, *(moment_of(s)[:3] for s in posts)}
         exposures |= {
             (row["participant"], row.get("session", ""), row["trial"])
@@ -60,7 +62,7 @@ class Facts:
             "timepoint": sheet.timepoint,
             "condition": sheet.condition or self._only_condition(sheet),
             "scene": sheet.scene or trial.get("scene", ""),
-            "part": sheet.keys.get("part", ""),
+            "part": sheet.keys.get("part", "") or trial.get("part", ""),
             "early": int(trial.get("status", "completed") != "completed"),
             **{name: person.get(name, "") for name in BETWEEN},
         }

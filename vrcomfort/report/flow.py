@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING, Any
 
-from vrcomfort.report.withdrawals import AFTER, everybody
+from vrcomfort.report.withdrawals import AFTER, everybody, screened_out
 
 if TYPE_CHECKING:
     from vrcomfort.report.exposures import Exposures
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 
 EXCLUDED = "excluded by the experimenter"
+SCREENED = "screened out by the experimenter"
 UNFINISHED = "sessions not finished"
 NO_EXPOSURE = "no exposure on record"
 MISSING = "not every planned exposure has a score"
@@ -40,6 +41,7 @@ def participant_flow(
     met |= {*scored.table["participant"], *analysed}
     status = {p["participant"]: p["status"] for p in study.participants}
     left = {w.participant: _how(w) for w in found}
+    left |= {w.participant: SCREENED for w in found if w.participant in screened_out(study)}
     for name, state in status.items():
         if state == "excluded":
             left[name] = EXCLUDED

@@ -36,6 +36,7 @@ def notices(
     return [
         *_losses(study, tests, exclusions),
         *_ended_early(study),
+        *_screened(study),
         *_repeated(scored),
         *_suspect_names(study),
         *_coded_from_one(study, of_choices),
@@ -78,10 +79,26 @@ _BY = {
     "score": "a score",
     "participant": "the participant",
     "task": "a task that was done",
+    "screening": "the experimenter, who screened somebody out",
     "gaze": "the validation of the gaze",
     "practice": "practice that did not go well enough",
     "adjustment": "an adjustment that was confirmed",
 }
+
+
+def _screened(study: StudyData) -> list[str]:
+    """Say how many numbers were beyond a screening rule, and what was decided."""
+    rules = sorted({row["rule"] for row in study.screening})
+    found = []
+    for rule in rules:
+        rows = [row for row in study.screening if row["rule"] == rule]
+        stopped = {row["participant"] for row in rows if row["decision"] == "stop"}
+        on = len({row["participant"] for row in rows} - stopped)
+        found.append(
+            f"screening: {rule} in {len(stopped) + on} participants; the experimenter stopped "
+            f"{len(stopped)} and went on with {on}"
+        )
+    return found
 
 
 def _ended_early(study: StudyData) -> list[str]:

@@ -41,12 +41,26 @@ def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str,
         asks = any(asked.items() <= each.items() for each in settings.get("questionnaires", []))
         if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
             continue
+        if order.get("rule") == "parts":
+            return _of_parts(settings.get("parts") or [])
         if order.get("rule") != "explicit":
             return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
         trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
         alike = {c: {found[c] for found in trials} for found in trials for c in found}
         return {c: numbers.pop() for c, numbers in alike.items() if len(numbers) == 1}
     return {}
+
+
+def _of_parts(parts: list[dict[str, Any]]) -> dict[str, int]:
+    """Return the exposures per condition of written parts, whose orders have the same trials."""
+    counts: Counter[str] = Counter()
+    for part in parts:
+        for order in part.get("orders", [])[:1]:
+            for trial in order["trials"]:
+                counts[str(trial["condition"])] += int(part.get("repeats", 1))
+        if not part.get("orders"):
+            return {}
+    return dict(counts)
 
 
 def _conditions_of(sequence: dict[str, Any]) -> list[str]:

@@ -36,6 +36,7 @@ _NEEDED_ELSEWHERE = {
     "trials.csv": ("participant", "session", "trial", "condition", "scene", "status"),
     "ratings.csv": ("missed",),
     "tasks.csv": ("participant",),
+    "screening.csv": ("participant", "rule", "decision"),
     "dials.csv": ("participant", "dial", "kind", "value"),
 }
 _INSTEAD = ("tasks.csv", "dials.csv", "ratings.csv", "participants.csv")
@@ -67,6 +68,8 @@ class StudyData:
     """What the frames of each attempt at an exposure say; see `with_frames`."""
     tasks: tuple[dict[str, str], ...] = ()
     """Rows of tasks.csv: participant, trial or condition, and numbers."""
+    screening: tuple[dict[str, str], ...] = ()
+    """Rows of screening.csv."""
     dials: tuple[dict[str, str], ...] = ()
     """Rows of dials.csv."""
     source: Path = Path()
@@ -150,6 +153,7 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         warnings=tuple(warnings),
         tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
         dials=dials,
+        screening=_table(source, "screening.csv", warnings),
         source=Path(source),
     )
 
@@ -190,7 +194,15 @@ def of_one_kind(study: StudyData, *, simulated: bool) -> StudyData:
             for row in getattr(study, name)
             if kinds.get(str(row.get("participant", "")), False) == simulated
         )
-        for name in ("participants", "trials", "ratings", "manifests", "tasks", "dials")
+        for name in (
+            "participants",
+            "trials",
+            "ratings",
+            "manifests",
+            "tasks",
+            "dials",
+            "screening",
+        )
     }
     return replace(
         study,

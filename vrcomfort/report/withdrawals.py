@@ -59,6 +59,16 @@ def _comes_back(trial: Mapping[str, str]) -> bool:
     return trial.get("abort_code", "").endswith("_session")
 
 
+def screened_out(study: StudyData) -> set[str]:
+    """Return whose study an experimenter has ended by a screening rule."""
+    return {
+        str(manifest.get("participant"))
+        for manifest in study.manifests
+        if manifest.get("status") == "withdrawn"
+        and (manifest.get("ended") or {}).get("by") == "screening"
+    }
+
+
 def early_endings(study: StudyData) -> list[dict[str, Any]]:
     """Count what ended exposures, sessions and studies before their time, and by what."""
     counts: Counter[tuple[str, str]] = Counter()

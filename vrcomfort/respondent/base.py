@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol, TypeAlias
+from typing import NamedTuple, Protocol, TypeAlias, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,6 +78,35 @@ class Telling:
 Heard: TypeAlias = Callable[[str, int | None, float], None]
 """Takes (item, response, seconds it took) as soon as an answer is given; a correction of an
 earlier answer is given as a further call. None is "rather not say"."""
+
+
+class Written(NamedTuple):
+    """An answer in one's own words, and the seconds it took; blank where nothing was said."""
+
+    text: str
+    took_s: float
+
+
+@runtime_checkable
+class Writes(Protocol):
+    """Who answers in their own words: all but stand-ins of tests."""
+
+    def write(self, question: str) -> Written:
+        """Answer a question in one's own words.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops at it.
+        """
+
+
+@runtime_checkable
+class Decides(Protocol):
+    """Who can ask the experimenter: all but stand-ins of tests."""
+
+    def decide(self, question: str) -> bool:
+        """Return whether the experimenter wants to go on."""
 
 
 class Respondent(Protocol):

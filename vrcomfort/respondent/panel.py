@@ -10,8 +10,9 @@ from dataclasses import replace
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
 from vrcomfort.respondent.dwell import DWELL_S, Dwell, Progress
+from vrcomfort.respondent.lines import waiting_line
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
     Act,
@@ -48,6 +49,10 @@ class PanelRespondent:
         What stands beside questions and answers, in the participant's language.
     dwell_s
         So long a look must rest on a cell, twice, to choose it, where there is no controller.
+    waiting_line
+        Returns a line that an experimenter has typed, or None, without waiting.
+    prompt
+        Tells the experimenter what is to be typed.
     """
 
     name = "panel"
@@ -62,7 +67,10 @@ class PanelRespondent:
         keyboard: bool = False,
         words: Words = ENGLISH,
         dwell_s: float = DWELL_S,
+        waiting_line: Callable[[], str | None] = waiting_line,
+        prompt: Callable[[str], None] = lambda _: None,
     ) -> None:
+        self._waiting_line, self._prompt = waiting_line, prompt
         self._words = words
         self._screen = screen
         self._now_s = now_s
@@ -212,6 +220,57 @@ class PanelRespondent:
             while (wrong := self._review(instrument, answers)) is not None:
                 self._question(instrument, wrong, answers, heard)
         finally:  # an operator may end it anywhere
+            self._hide()
+
+    def write(self, question: str) -> Written:
+        """Have the participant tell it aloud, while an experimenter types at the terminal.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        page = Page(self._words.say_aloud, question, rest_cells(self._words))
+        self._prompt(question)
+        self._keys.forget()
+        self._dwell.forget()
+        since_s, lines = self._now_s(), list[str]()
+        try:
+            while True:
+                self._screen.allow_absence(_AWAY_S)
+                self._screen.next_frame()
+                if self._step(page, self._screen.pointing()) is not None:
+                    self._stop_if_sure("withdrew at a question")
+                typed = self._waiting_line()
+                if typed is not None and not typed.strip():
+                    return Written("\n".join(lines), self._now_s() - since_s)
+                lines += [] if typed is None else [typed.rstrip()]
+        finally:  # an operator may end it
+            self._hide()
+
+    def decide(self, question: str) -> bool:
+        """Let the participant wait, while the experimenter decides at the terminal.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops, and says so twice.
+        """
+        page = Page(self._words.rest, self._words.wait_experimenter, rest_cells(self._words))
+        self._prompt(f"{question} ({keys.YES} = go on, {keys.NO} = stop)")
+        self._keys.forget()
+        self._dwell.forget()
+        decided = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
+        try:
+            while True:
+                self._screen.allow_absence(_AWAY_S)
+                self._screen.next_frame()
+                if self._step(page, self._screen.pointing()) is not None:
+                    self._stop_if_sure("withdrew before the exposure")
+                line = (self._waiting_line() or "").strip().lower()
+                if line in decided:
+                    return decided[line]
+        finally:  # an operator may end it
             self._hide()
 
     def _question(

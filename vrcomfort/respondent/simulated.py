@@ -19,7 +19,7 @@ from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.protocol import Simulation
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.questionnaire import Instrument, Item
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
 from vrcomfort.respondent.simulated_eye_pair import EyePair
 from vrcomfort.respondent.simulated_eyes import Eyes
 from vrcomfort.respondent.simulated_hands import SimulatedHands
@@ -55,18 +55,33 @@ THRESHOLDS = (0.8, 1.7, 2.6)
 _SICKNESS_OF_RANGE = 4.0
 """Sickness at which other scales end: 5 steps of FMS per unit, 2.5 of MISC."""
 _SECONDS_PER_ANSWER = 3.0
+_SHORTEST_S = 1e-6
+"""Less is no time: clocks count nanoseconds."""
 _SECONDS_PER_WORD, _SECONDS_PER_PICTURE = 0.3, 5.0
 """Of instructions: 200 words a minute."""
 _STEPS = 1000
 _UNHEARD_OF = 1e6
 _HANDS = 4
 """Which of a trial's random streams is the hands'."""
-_EYES = 5
-"""The same of the eyes."""
+_EYES, _BREAKS = 5, 6
+"""The same of the eyes, and of how long breaks are."""
 _DIAL = 6
 """The same of what turns a dial."""
 _SLIDER = 8
 """The same of a slider."""
+_WORDS = 9
+"""The same of what they say in their own words."""
+
+_DECISION = 10
+"""The same of what an experimenter decides."""
+
+SAID = (
+    ("", "Nothing in particular.", "It looked good."),
+    ("A bit odd when I turned.", "Things at the side were blurred, weren't they?"),
+    ("My eyes are tired.\nThe near things were hard to look at.", "Warm."),
+    ('I felt "seasick".', "Too much; I'd have stopped soon."),
+)
+"""What simulated participants say, by their sickness in whole units."""
 
 
 class SimulatedRespondent:
@@ -92,6 +107,8 @@ class SimulatedRespondent:
         self._rng = self._stream(session)
         self._session = session
         self._eyes: Eyes | None = None
+        self._break: Telling | None = None
+        self._breaks = 0
         self.sickness = 0.0
         self._limit = 0.0
         self._withdraws_at_s = math.inf
@@ -132,8 +149,10 @@ class SimulatedRespondent:
 
     def start_adjustment(self, trial: int, adjustment: Adjustment) -> None:
         """Begin to adjust, with random streams of their own: that changes no answer."""
-        name = int.from_bytes(hashlib.sha256(adjustment.name.encode()).digest()[:4])
-        keys = (self._person, name, _DIAL), (self._person, self._session, trial, _DIAL)
+        keys = (
+            (self._person, _hash(adjustment.name), _DIAL),
+            (self._person, self._session, trial, _DIAL),
+        )
         person, exposure = (
             np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key)) for key in keys
         )
@@ -240,10 +259,19 @@ class SimulatedRespondent:
         """Read all words, look at a picture, hear a sound to its end; draws nothing at random."""
         takes_s = _SECONDS_PER_WORD * len(telling.text.split())
         takes_s += _SECONDS_PER_PICTURE if telling.picture is not None else 0.0
+        takes_s += self._lingers_s(telling) if telling.away else 0.0
         left_s = max(takes_s, telling.sound_s or 0.0) - elapsed_s
-        if left_s > 0:
+        if left_s > _SHORTEST_S:
             return left_s
         return None if may_go_on else math.inf
+
+    def _lingers_s(self, telling: Telling) -> float:
+        """Return for how long they stay in a break that they may end."""
+        if self._break is not telling:
+            self._break, self._breaks = telling, self._breaks + 1
+        key = (self._person, self._session, self._breaks, _BREAKS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        return self._settings.break_extra_s * float(random.standard_exponential())
 
     def leave(self) -> None:
         """Do nothing."""
@@ -262,6 +290,20 @@ class SimulatedRespondent:
                 else self._response(form.instrument, item)
             )
             heard(item.name, response, round(took_s, 2))
+
+    def write(self, question: str) -> Written:
+        """Say something that goes with how they feel; it changes no other answer."""
+        key = (self._person, self._session, _hash(question), _WORDS)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        mood = SAID[min(int(self.sickness), len(SAID) - 1)]
+        text = mood[int(random.integers(len(mood)))]
+        return Written(text, round(2.0 + 0.2 * len(text), 2))
+
+    def decide(self, question: str) -> bool:
+        """Decide for the experimenter, by the seed; it changes no answer."""
+        key = (self._person, self._session, _hash(question), _DECISION)
+        random = np.random.default_rng(np.random.SeedSequence(self._seed, spawn_key=key))
+        return bool(random.random() >= self._settings.screened_out)
 
     def _choice(self, item: Item, compared: Sequence[str]) -> int:
         """Choose what seems best now (Thurstone 1927), or nothing where two seem alike."""
@@ -292,6 +334,10 @@ class SimulatedRespondent:
 
     def _noise(self) -> float:
         return self._settings.noise_sd * float(self._rng.standard_normal())
+
+
+def _hash(text: str) -> int:
+    return int.from_bytes(hashlib.sha256(text.encode()).digest()[:4])
 
 
 def _sickness(value: object) -> float:

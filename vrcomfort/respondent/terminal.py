@@ -11,12 +11,13 @@ from rich.table import Table
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
-from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew
+from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
 from vrcomfort.respondent.lines import waiting_line
 from vrcomfort.respondent.typed_rating import TypedRating
 
 _KEYS = f"number = answer, {keys.HELP}"
 _STOP = f"{keys.STOP} + Enter = withdraw"
+_YES_OR_NO = {keys.YES: True, "yes": True, keys.NO: False, "no": False}
 _LOOKS_EVERY_S = 0.05
 """So often what is typed is looked at while something is told."""
 
@@ -190,6 +191,28 @@ class TerminalRespondent:
         self._fill(instrument, answers, heard)
         self._review(instrument, answers, heard)
 
+    def write(self, question: str) -> Written:
+        """Ask, and take lines until an empty one."""
+        self._finish_asking_whether_to_stop()
+        self._clear_typed()
+        self._console.print(question, style="bold")
+        self._console.print(f"Type the answer; an empty line ends it. {_STOP}.", style="dim")
+        since_s, lines = self._now_s(), list[str]()
+        while line := self._typed("> ").rstrip():
+            if not lines and line.strip().lower() == keys.STOP:
+                self._stop_if_sure()
+            else:
+                lines.append(line)
+        return Written("\n".join(lines), self._now_s() - since_s)
+
+    def decide(self, question: str) -> bool:
+        """Ask the experimenter, who says yes or no."""
+        self._finish_asking_whether_to_stop()
+        self._clear_typed()
+        while (line := self._read(f"{question} ({keys.YES}/{keys.NO}) ")) not in _YES_OR_NO:
+            self._tell(f"type {keys.YES} to go on, {keys.NO} to stop")
+        return _YES_OR_NO[line]
+
     def _fill(self, instrument: Instrument, answers: dict[int, int | None], heard: Heard) -> None:
         index = 0
         while index < len(instrument.items):
@@ -233,8 +256,11 @@ class TerminalRespondent:
             raise Withdrew("withdrew at a question")
 
     def _read(self, prompt: str) -> str:
+        return self._typed(prompt).strip().lower()
+
+    def _typed(self, prompt: str) -> str:
         try:
-            return self._read_line(prompt).strip().lower()
+            return self._read_line(prompt)
         except EOFError as error:
             message = "the input ended while a question was open; answers until here are kept"
             raise InputError(message) from error

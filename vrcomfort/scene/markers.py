@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +16,27 @@ PREFIX = "marker_"
 _RINGS, _SECTORS = 12, 24
 _GLOW = 0.35
 """Share of its colour that a ball has in the dark."""
+
+
+class Shown(NamedTuple):
+    """A ball as it is drawn: its number from 1, where it is in the world, radius, linear RGB.
+
+    A radius of 0 is a ball that is not to be seen.
+    """
+
+    ball: int
+    x_m: float
+    y_m: float
+    z_m: float
+    radius_m: float
+    red: float
+    green: float
+    blue: float
+
+    @property
+    def color(self) -> Rgb:
+        """Return its linear RGB."""
+        return self.red, self.green, self.blue
 
 
 class Markers:
@@ -33,8 +55,10 @@ class Markers:
 
     def __init__(self, scene: Scene, colors: Sequence[Rgb]) -> None:
         count, first = len(colors), len(scene.nodes)
+        self._colors = tuple(colors)
         self._places = [np.zeros((1, 3)) for _ in colors]
         self._sizes = [np.zeros((1, 3)) for _ in colors]
+        self._coming = [False for _ in colors]
         materials = tuple(_material(k, color) for k, color in enumerate(colors))
         balls = tuple(_ball(len(scene.materials) + k) for k in range(count))
         nodes = tuple(
@@ -66,13 +90,30 @@ class Markers:
 
     def place(self, balls: Sequence[tuple[Array, float] | None]) -> None:
         """Put each ball at a (3,) place with a radius in metres; None: it is not to be seen."""
-        for ball, place, size in zip(balls, self._places, self._sizes, strict=True):
+        for k, (ball, place, size) in enumerate(zip(balls, self._places, self._sizes, strict=True)):
+            hidden, came = size[0, 0] == 0.0, self._coming[k]
+            self._coming[k] = False
             if ball is None:
                 size[:] = 0.0
-            elif size[0, 0] == 0.0 and not np.array_equal(place[0], ball[0]):
-                place[0] = ball[0]
+            elif hidden and not came and not np.array_equal(place[0], ball[0]):
+                place[0], self._coming[k] = ball[0], True
             else:
                 place[0], size[:] = ball[0], ball[1]
+
+    def shown(self) -> tuple[Shown, ...]:
+        """Return each ball as it is drawn now."""
+        return tuple(self._one(k) for k in range(len(self._colors)))
+
+    def _one(self, index: int) -> Shown:
+        x_m, y_m, z_m = self._places[index][0].tolist()
+        return Shown(
+            index + 1, x_m, y_m, z_m, float(self._sizes[index][0, 0]), *self._colors[index]
+        )
+
+    def show(self, ball: Shown) -> None:
+        """Draw a ball from now on as it was drawn once."""
+        self._places[ball.ball - 1][0] = ball.x_m, ball.y_m, ball.z_m
+        self._sizes[ball.ball - 1][:] = ball.radius_m
 
 
 def _channel(node: int, path: str, values: Array) -> Channel:

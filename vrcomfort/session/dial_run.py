@@ -14,6 +14,7 @@ from vrcomfort.headset.inputs import Inputs
 from vrcomfort.protocol.sliders import Dial
 from vrcomfort.records import DialRow
 from vrcomfort.respondent.turning import Turn
+from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.interfaces import Doing
@@ -105,6 +106,10 @@ class DialRun(ABC):
         if not self.ended:
             self.turned(self._turn(headset, elapsed_s), elapsed_s, passed_s)
 
+    def changed(self) -> tuple[Shown, ...]:
+        """Return nothing: it shows no balls."""
+        return ()
+
     def finish(self) -> None:
         """End with the exposure, however it ended; once."""
         if self._before_s is not None and not self.ended:
@@ -179,6 +184,10 @@ class Several:
         """Take a frame before it is drawn."""
         for part in self.parts:
             part.step(frame, headset, elapsed_s, scene_time_s)
+
+    def changed(self) -> tuple[Shown, ...]:
+        """Return the balls that are drawn otherwise than at the last call."""
+        return tuple(ball for part in self.parts for ball in part.changed())
 
     def finish(self) -> None:
         """End with the exposure, however it ended."""

@@ -19,6 +19,7 @@ class TrialPlace:
     trial: int | None = None
     condition: str | None = None
     scene: str = ""
+    part: str | None = None
 
 
 @dataclass(frozen=True)

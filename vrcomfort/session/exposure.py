@@ -30,13 +30,11 @@ def collector_at_rest() -> Iterator[None]:
 
     Looking at everything takes as long as some frames; what frames make is little.
     """
-    rests = gc.get_freeze_count() > 0
     gc.freeze()
     try:
         yield
     finally:
-        if not rests:  # else it is for others to say when it is over
-            gc.unfreeze()
+        gc.unfreeze()
 
 
 Ending = Literal["completed", "task_done", "headset_ended"]
@@ -248,7 +246,13 @@ class FrameLoop:
             self._cut_unseen |= frame.discontinuity
             self._snap_unseen |= frame.snap_turn
         self.headset.submit(frame, rendered.eyes if rendered else None)
-        self.log.add(frame, rendered, trial=stimulus.trial, session_s=self.context.clock.now_s())
+        self.log.add(
+            frame,
+            rendered,
+            trial=stimulus.trial,
+            session_s=self.context.clock.now_s(),
+            balls=self._task.changed() if self._task else (),
+        )
         self.context.steering.desk.see(frame, rendered, self.log.timing)
         self._pass_on(frame, stimulus)
 

@@ -15,6 +15,7 @@ from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.frame_log import FrameLog
+from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.interview import Interview
@@ -22,12 +23,10 @@ from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
-from vrcomfort.session.steering import Skipped
+from vrcomfort.session.rests import Rests
+from vrcomfort.session.screener import Screener
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
 from vrcomfort.session.trial import TrialRunner
-
-REST_SLICE_S = 0.2
-"""So often a rest looks up."""
 
 SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]
 """`ended`: early, and the participant may come back for the next session."""
@@ -58,11 +57,14 @@ class SessionFlow:
         self._interrupted = interrupted
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
-        self._open = (
-            OpenQuestions(context, events, interrupted, self._rest) if interrupted else None
-        )
         self._instructor = Instructor(context, events)
+        self._rests = Rests(context, events, self._instructor, interrupted)
+        self._open = (
+            OpenQuestions(context, events, interrupted, self._rests.rest) if interrupted else None
+        )
         self._scores = ScoreWatch(context.protocol)
+        self._texts = FreeTexts(context, events)
+        self._screener = Screener(context, events)
         self._steering = context.steering
         self._trials = TrialRunner(
             context,
@@ -134,13 +136,13 @@ class SessionFlow:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
+            self._screener.look_at_covariates()
             self._instructor.tell("session_start", TrialPlace())
             self._ask("session_start", TrialPlace())
         for index, place in enumerate(places):
             self._manifest.boundary()
-            if index and self._context.protocol.break_s:
-                self._rest(self._context.protocol.break_s)
-            self._validate_gaze(place, first=index == 0)
+            rested = self._rests.between(place, first=index == 0)
+            self._validate_gaze(place, first=index == 0, rested=rested)
             self._practice.run(place)
             self._instructor.tell("before_trial", place)
             self._ask("before_trial", place)
@@ -149,13 +151,13 @@ class SessionFlow:
             self._ask("session_end", TrialPlace())
         else:
             self._missed(self._open.ask("session_end", TrialPlace()))
+            self._texts.ask("session_end", TrialPlace())
         self._instructor.tell("session_end", TrialPlace())
 
-    def _validate_gaze(self, place: TrialPlace, *, first: bool) -> None:
+    def _validate_gaze(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
         """Validate the eye tracker at the session's start, and after breaks."""
-        protocol = self._context.protocol
-        settings = protocol.gaze_validation
-        again = settings is not None and settings.after_breaks and protocol.break_s > 0
+        settings = self._context.protocol.gaze_validation
+        again = settings is not None and settings.after_breaks and rested
         if self._validation is None or not (first or again):
             return
         headset, standing = self._trials.stand(place)
@@ -179,6 +181,7 @@ class SessionFlow:
         ended = self._open.before.ended_by
         try:
             self._missed(self._open.ask("after_trial", place, after_withdrawal=ended is not None))
+            self._texts.ask("after_trial", place)
         except Withdrew as refusal:
             if ended is None:
                 raise
@@ -196,36 +199,13 @@ class SessionFlow:
             if not is_due(ask, place):
                 continue
             if ask.wait_s:
-                self._rest(ask.wait_s)
+                self._rests.rest(ask.wait_s)
             interview = Interview(self._context, self._events, ask, place)
             self._missed(interview.hold(after_withdrawal=after_withdrawal))
             if not after_withdrawal:
+                self._screener.hear(ask, interview.answers)
                 self._scores.hear(ask, interview.answers)
-
-    def _rest(self, duration_s: float) -> None:
-        """Wait; in slices, so that progress can be shown, and a wish to stop be heard."""
-        clock = self._context.clock
-        start_s = clock.now_s()
-        paused_s = 0.0
-        self._steering.begin("rest", f"rest of {duration_s:g} s")
-        try:
-            while (left_s := duration_s - (clock.now_s() - start_s - paused_s)) > 1e-6:
-                self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
-                paused_s += self._rest_a_moment(left_s)
-            self._respondent.rest(duration_s)
-        except Skipped:
-            self._respondent.rest(clock.now_s() - start_s)
-        finally:
-            self._events.event("rest", start_s)
-
-    def _rest_a_moment(self, left_s: float) -> float:
-        """Let a slice of a rest pass; return how much of it was paused."""
-        clock = self._context.clock
-        self._steering.look()
-        before_s, paused = clock.now_s(), self._steering.paused
-        if not self._respondent.resting(left_s):
-            clock.wait(left_s if self._context.jumps else min(left_s, REST_SLICE_S))
-        return clock.now_s() - before_s if paused else 0.0
+        self._texts.ask(when, place)
 
     def _trial(self, place: TrialPlace) -> None:
         """Expose, and ask how it was."""
@@ -258,6 +238,6 @@ def _places(sequence: Sequence, session: int) -> list[TrialPlace]:
     """Return the trials of a session; periods count over the sessions before it."""
     before = sum(len(each) for each in sequence.sessions[: session - 1])
     return [
-        TrialPlace(before + number, 1, number, trial.condition, trial.scene)
+        TrialPlace(before + number, 1, number, trial.condition, trial.scene, trial.part)
         for number, trial in enumerate(sequence.sessions[session - 1], start=1)
     ]

@@ -9,7 +9,8 @@ from functools import partial
 from typing import NamedTuple, Protocol
 
 from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
-from vrcomfort.records import FrameRow, GazeRow, ImageRow, Row
+from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row
+from vrcomfort.scene.markers import Shown
 from vrcomfort.session.interfaces import RenderedFrame
 from vrcomfort.session.timing import TrialTiming, missed_refreshes
 
@@ -82,9 +83,18 @@ class FrameLog:
         self._shown_ns: int | None = None
 
     def add(
-        self, frame: Frame, rendered: RenderedFrame | None, *, trial: int, session_s: float
+        self,
+        frame: Frame,
+        rendered: RenderedFrame | None,
+        *,
+        trial: int,
+        session_s: float,
+        balls: Iterable[Shown] = (),
     ) -> None:
-        """Take a frame, and whatever focus and GPU times arrived with it."""
+        """Take a frame, and whatever focus and GPU times arrived with it.
+
+        `balls` are those that are drawn otherwise from this frame on.
+        """
         missed, time_ns = self._count(frame), self._continuous_ns(frame)
         row = partial(
             FrameRow,
@@ -107,13 +117,12 @@ class FrameLog:
             missed_refreshes=missed,
             discontinuity=frame.discontinuity,
             snap_turn=frame.snap_turn,
+            balls=tuple(BallRow(session_s, time_ns, trial, *ball) for ball in balls),
         )
-        centre = None if rendered is None else rendered.effect_centre
-        gaze = (
-            None
-            if frame.gaze is None
-            else GazeRow(session_s, time_ns, frame.gaze, effect_centre=centre)
-        )
+        gaze = None
+        if frame.gaze is not None:
+            centre = None if rendered is None else rendered.effect_centre
+            gaze = GazeRow(session_s, time_ns, frame.gaze, effect_centre=centre)
         seeks_gaze = rendered is not None and rendered.seeks_gaze
         hashed = rendered is not None and rendered.hashed
         image = partial(ImageRow, session_s, time_ns, trial) if hashed else None

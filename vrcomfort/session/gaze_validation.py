@@ -14,7 +14,7 @@ from vrcomfort.protocol import Condition
 from vrcomfort.protocol.gaze_validation import GazeValidation, Point
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene
-from vrcomfort.scene.markers import Markers
+from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
 from vrcomfort.session.exposure import FrameLoop, Stimulus
@@ -116,6 +116,10 @@ class PointsRun:
         if elapsed_s < point.since_s + self._settings.settle_s:
             return
         point.add(frame.gaze)
+
+    def changed(self) -> tuple[Shown, ...]:
+        """Return nothing: its frames are of no exposure, and are not shown again."""
+        return ()
 
     def finish(self) -> None:
         """End with the exposure; nothing is open."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -117,6 +118,34 @@ class Instructor:
             self._clear()
         self._respondent.leave()
         return ended
+
+    def tell_until(
+        self, telling: Telling, late_s: float | None, tell_late: Callable[[], None]
+    ) -> str:
+        """Tell something until the participant or the experimenter goes on; return which.
+
+        Parameters
+        ----------
+        late_s
+            Time of the session at which `tell_late` is called, once.
+        """
+        clock, start_s = self._context.clock, self._context.clock.now_s()
+        try:
+            while True:
+                now_s = clock.now_s()
+                if late_s is not None and now_s >= late_s - 1e-6:
+                    late_s = None
+                    tell_late()
+                self._steering.look()
+                self._show_beside(telling)
+                idle_s = self._respondent.read(telling, now_s - start_s, may_go_on=True)
+                if idle_s is None:
+                    return "participant"
+                self._pass(min(idle_s, math.inf if late_s is None else late_s - now_s))
+        except Skipped:
+            return "experimenter"
+        finally:
+            self._clear()
 
     def _clear(self) -> None:
         """Take away what was shown beside a respondent who does not show it."""

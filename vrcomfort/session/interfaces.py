@@ -12,6 +12,7 @@ from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
+from vrcomfort.scene.markers import Shown
 from vrcomfort.tasks import Demand
 
 
@@ -109,6 +110,9 @@ class Doing(Protocol):
 
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
+
+    def changed(self) -> Sequence[Shown]:
+        """Return the balls that are drawn otherwise than at the last call, for the record."""
 
     def finish(self) -> None:
         """End with the exposure, however it ended."""

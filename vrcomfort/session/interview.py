@@ -137,7 +137,14 @@ class Interview:
             asked_s=asked_s,
             answered_s=answered_s,
             order=self._order[item],
+            part=self._place.part if self._place.trial else self._part_of_session(),
         )
+
+    def _part_of_session(self) -> str | None:
+        """Return the part of the session's exposures, if all belong to one."""
+        trials = self._context.sequence.sessions[self._events.session - 1]
+        parts = {trial.part for trial in trials}
+        return parts.pop() if len(parts) == 1 else None
 
     def _tell(self) -> None:
         done, total = len(self._rows), len(self._instrument.items)

@@ -41,13 +41,15 @@ ALLOWED: Mapping[StepKind, frozenset[str]] = {
     "ready": frozenset(_ALWAYS | {"start", "recentre"}),
     "training": frozenset(_TIMED | {"redo"}),
     "exposure": frozenset(_TIMED | {"redo", "rate"}),
-    "questionnaire": frozenset(_ALWAYS | {"skip", "redo", "recentre", "answer", "confirm"}),
+    "questionnaire": frozenset(
+        _ALWAYS | {"skip", "redo", "recentre", "answer", "confirm", "write", "decide"}
+    ),
     "rest": frozenset(_TIMED),
     "instruction": frozenset(_ALWAYS | {"skip", "redo", "recentre"}),
 }
 """What can be asked for in which step."""
 
-_ENTRIES = {"answer", "confirm", "rate"}
+_ENTRIES = {"answer", "confirm", "rate", "write", "decide"}
 
 NEEDS_TEXT = {"note": "a note", "abort": "the reason"}
 
@@ -222,8 +224,8 @@ class Steering:
             detail = f"{words}, {command.action}: {refusal}"
             self._write("operator_refused", detail=detail)
             return
-        said = command.text
-        if command.action in {"answer", "rate"}:
+        said = command.text if command.action != "write" else f"{len(command.text)} characters"
+        if command.action in {"answer", "rate", "decide"}:
             value = "rather not say" if command.value is None else f"{command.value:g}"
             said = f"{said} {value}".strip()
         detail = f"{words}: {said}" if said else words
@@ -260,7 +262,7 @@ class Steering:
                 self._leaving = False
                 self.desk.ask_whether_to_withdraw(asked=False)
                 raise Withdrew(f"withdrawn by {command.operator}{said}")
-            case "answer" | "confirm" | "rate":
+            case "answer" | "confirm" | "rate" | "write" | "decide":
                 self.entries.append(command)
 
     def _end_pause(self) -> None:

@@ -16,7 +16,7 @@ from vrcomfort.headset.inputs import Inputs
 from vrcomfort.records import TaskRow
 from vrcomfort.scene.boxes import node_box
 from vrcomfort.scene.data import Scene
-from vrcomfort.scene.markers import Markers
+from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.scene.ray_cast import RayCaster
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
@@ -81,6 +81,7 @@ class TaskRun:
         self._markers = (
             Markers(self.scene, self._task.looks) if self.scene and self._task.looks else None
         )
+        self._shown = self._markers.shown() if self._markers else ()
         self._began_s: float | None = None
         self._wanted: str | None = None
 
@@ -127,6 +128,16 @@ class TaskRun:
         if wanted != self._wanted:
             self._wanted = wanted
             self.events.event_soon("task_target", detail=wanted or "")
+
+    def changed(self) -> tuple[Shown, ...]:
+        """Return the balls that are drawn otherwise than at the last call, for the record.
+
+        Nothing where nothing is drawn.
+        """
+        if self._markers is None or self.context.jumps:
+            return ()
+        before, self._shown = self._shown, self._markers.shown()
+        return tuple(now for now, was in zip(self._shown, before, strict=True) if now != was)
 
     def finish(self) -> None:
         """End with the exposure, however it ended; once."""

@@ -327,6 +327,7 @@ class TrialRunner:
             dropped=self._log.dropped,
             missed_refreshes=self._log.timing.missed_refreshes,
             **self._log.timing.seen.cells(),
+            part=place.part,
         )
         flags = trial_flags(self._log.timing, self._context.protocol.max_dropped_percent)
         self._events.recorder.write(timing_row(trial, self._log.timing, flags), trial)

@@ -11,7 +11,7 @@ on vertical head and body movements during locomotion", Exp. Brain Res. 127 (199
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import TypeAlias
 
@@ -112,6 +112,49 @@ def synthesize(
         avatar=_rounded(avatar),
         cuts=cuts,
     )
+
+
+def with_hands(
+    trace: Trace, *, before_m: Point = (0.17, -0.33, -0.42), swing_m: float = 0.05
+) -> Trace:
+    """Return the trace of somebody who holds something before the chest with each hand.
+
+    The hands go with the head as it turns and moves, a quarter of a second of it averaged, as with
+    somebody who carries what they look past; while walking, they swing, one forwards as the other
+    comes back.
+
+    Parameters
+    ----------
+    trace
+        With an avatar, whose way says when somebody walks.
+    before_m
+        Of the right hand, to the right of, above and behind the head; the left one is its mirror
+        image.
+    swing_m
+        How far each hand swings to either side, at 1.4 m/s.
+
+    Raises
+    ------
+    ValueError
+        If the trace has no avatar.
+    """
+    if trace.avatar is None:
+        raise ValueError("a trace without an avatar does not say when somebody walks")
+    gait, rate_hz = Gait(), 1e9 / trace.median_period_ns
+    path = trace.avatar.positions[:, [0, 2]]
+    moved = np.linalg.norm(np.diff(path, axis=0, prepend=path[:1]), axis=1)
+    swing = np.sin(2 * np.pi * np.cumsum(moved) / gait.stride_m) * moved * rate_hz / gait.speed_m_s
+    ahead = rotate(trace.head.orientations, np.array([[0.0, 0.0, -1.0]]))
+    yaw = smooth(np.unwrap(_yaw(ahead))[:, None], 0.25 * rate_hz)[:, 0]
+    at = smooth(trace.head.positions, 0.25 * rate_hz)
+    upright = axis_angle(np.array([[0.0, 1.0, 0.0]]), yaw)
+
+    def hand(side: float) -> PoseTrack:
+        place = np.tile(before_m, (len(trace), 1)) * (side, 1.0, 1.0)
+        place[:, 2] -= side * swing_m * swing
+        return _rounded(PoseTrack(at + rotate(upright, place), upright))
+
+    return replace(trace, left_hand=hand(-1.0), right_hand=hand(1.0))
 
 
 def smooth(values: Array, window: float) -> Array:

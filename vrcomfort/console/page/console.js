@@ -3,6 +3,7 @@
 
 const at = (id) => document.getElementById(id);
 const RECONNECT_MS = 700;
+const LONGEST_TEXT = 1900; // of an answer in one's own words: a message has 4096 characters
 const BUTTONS_AT_MOST = 25; // a finer scale is typed
 let socket = null;
 let state = null;
@@ -171,7 +172,7 @@ function showItem(question, item, place) {
   }
   put(at("item"), question.items.length > 1 ? `${place + 1}. ${item.text}` : item.text);
   const give = (value) => { correcting = null; send(question.action, { text: item.name, value }); };
-  const parts = item.values.length <= BUTTONS_AT_MOST ? item.values.map((value, index) => {
+  const parts = question.action === "write" ? written(item) : item.values.length <= BUTTONS_AT_MOST ? item.values.map((value, index) => {
     const label = item.labels[index] || "";
     const button = make("button", `${value} ${label}`.trim(), { "data-value": value });
     button.onclick = () => give(value);
@@ -187,9 +188,16 @@ function showItem(question, item, place) {
     parts.push(declined);
   }
   group.replaceChildren(...parts);
-  const first = group.querySelector("button, input");
-  const busy = at("ask").open || !at("withdrawing").hidden || document.activeElement.tagName === "INPUT";
+  const first = group.querySelector("textarea, button, input");
+  const busy = at("ask").open || !at("withdrawing").hidden || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName);
   if (first && !busy) first.focus();
+}
+
+function written(item) {
+  const area = make("textarea", "", { rows: 4, maxlength: LONGEST_TEXT, "aria-label": item.text });
+  const button = make("button", "Enter");
+  button.onclick = () => send("write", { text: area.value });
+  return [area, button];
 }
 
 function typed(item, give) {

@@ -118,3 +118,27 @@ def check_places(
         elif row["timepoint"] in after and row["answered_s"] + _EPSILON_S < attempts[0]["end_s"]:
             message = f"was answered before exposure {row['trial']} ended"
             found.fault(row.file, f"{message}; restore the file that was changed", row.line)
+
+
+def check_texts(
+    texts: Sequence[RecordedRow],
+    trials: Mapping[int, Sequence[RecordedRow]],
+    found: Verified,
+) -> None:
+    """Check that answers in one's own words tell of an exposure that was, with its condition."""
+    for row in texts:
+        if row["answered_s"] + _EPSILON_S < row["asked_s"]:
+            found.fault(row.file, "was answered before it was asked; restore the file", row.line)
+        attempts = trials.get(row["trial"], ()) if row["trial"] is not None else ()
+        if attempts and row["condition"] != attempts[0]["condition"]:
+            message = f"condition is {row['condition']!r}, and trials.csv says of trial"
+            message = f"{message} {row['trial']} {attempts[0]['condition']!r}"
+            found.fault(row.file, f"{message}; restore the file that was changed", row.line)
+
+
+def check_decisions(rows: Sequence[RecordedRow], found: Verified) -> None:
+    """Check that each decision on a screening rule is one."""
+    for row in rows:
+        if row["decision"] not in {"go_on", "stop"}:
+            message = f"the decision is {row['decision']!r}, and can be go_on or stop"
+            found.fault(row.file, f"{message}; restore the file", row.line)

@@ -9,7 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from vrcomfort.errors import InputError
-from vrcomfort.exchange.verifying.answers import check_answers, check_places
+from vrcomfort.exchange.verifying.answers import (
+    check_answers,
+    check_decisions,
+    check_places,
+    check_texts,
+)
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
 from vrcomfort.exchange.verifying.rows import read
@@ -20,13 +25,16 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.records.rows import (
     OVER,
+    BallRow,
     ClockRow,
     DialRow,
     EventRow,
     QuestionnaireRow,
     RatingRow,
     Row,
+    ScreeningRow,
     TaskRow,
+    TextRow,
     TimingRow,
     TrialRow,
 )
@@ -73,6 +81,10 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         "earlier_runs"
     )
     check_answers(recorded.answers, recorded.events, recorded.trials, found, whole=whole)
+    if (folder / ScreeningRow.FILE).exists():
+        check_decisions(list(read(folder, ScreeningRow, version, found)), found)
+    if (folder / TextRow.FILE).exists():
+        check_texts(list(read(folder, TextRow, version, found)), recorded.attempts, found)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
     frames = read_frames(rows, recorded.attempts, manifest.get("under_way"), found)
@@ -82,6 +94,9 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_times(read(folder, GazeRow, version, found), frames, found, every_frame=alone)
     if (folder / ImageRow.FILE).exists():
         check_times(read(folder, ImageRow, version, found), frames, found)
+    if (folder / BallRow.FILE).exists():
+        gaps = _not_recorded(recorded.events) > 0
+        check_times(read(folder, BallRow, version, found), frames, found, gaps=gaps)
     if (folder / ClockRow.FILE).exists():
         check_clocks(read(folder, ClockRow, version, found), found)
     check_checksums(folder, found, ended=manifest["status"] != "running")

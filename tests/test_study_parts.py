@@ -1,0 +1,202 @@
+"""Parts of a study: orders that do not depend on each other, and a column in what is recorded."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pytest
+
+from tests.support.resume import go, rows
+from tests.support.study import PROTOCOL, Scripted, tiny_protocol
+from vrcomfort.design import Enrolment, audit, audit_study, build_design
+from vrcomfort.design.audit import Met
+from vrcomfort.design.balance import cannot_balance
+from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.protocol import load_protocol
+from vrcomfort.records.rows import TrialRow
+from vrcomfort.records.schema import columns_of_version
+from vrcomfort.report.facts import Facts
+from vrcomfort.report.plan import Plan
+from vrcomfort.report.planned import planned_exposures
+from vrcomfort.report.study_data import read_study
+
+PLAN = Plan(name="usual", title="Usual")
+A = '{ scene = "room.glb", condition = "plain" }'
+B = '{ scene = "room.glb", condition = "blur" }'
+ORDERS = f"""
+[[parts.orders]]
+name = "ab"
+trials = [{A}, {B}]
+[[parts.orders]]
+name = "ba"
+trials = [{B}, {A}]
+"""
+PARTS = f"""
+[[parts]]
+name = "single"
+{ORDERS}
+[[parts]]
+name = "in_turn"
+repeats = 2
+{ORDERS}
+"""
+_start, _end = PROTOCOL.index("[order]"), PROTOCOL.index("[[questionnaires]]")
+TEXT = f'{PROTOCOL[:_start]}[order]\nrule = "parts"\nassignment = "shuffled"\n{PROTOCOL[_end:]}'
+
+
+def in_parts(folder, more=PARTS):
+    return tiny_protocol(folder, TEXT + more)
+
+
+def test_each_part_is_balanced_and_says_nothing_of_the_other(tmp_path):
+    design = build_design(in_parts(tmp_path), seed=4)
+    plan = design.plan(400)
+    for start in range(0, 400, 2):  # as soon as it can be
+        pair = plan[start : start + 2]
+        for first in (0, 2):
+            assert {each.trials[first].condition for each in pair} == {"plain", "blur"}
+    crossed = Counter((each.trials[0].condition, each.trials[2].condition) for each in plan)
+    assert len(crossed) == 4
+    assert all(abs(count - 100) < 40 for count in crossed.values())  # 4 standard deviations
+    whole = [trial.condition for trial in plan[0].trials]
+    assert whole[2:4] == whole[4:6]  # met twice, one after the other
+    assert [trial.part for trial in plan[0].trials] == ["single"] * 2 + ["in_turn"] * 4
+
+
+def test_the_next_participant_fills_what_a_withdrawn_one_left(tmp_path):
+    design = build_design(in_parts(tmp_path), seed=1)
+    before = [Enrolment("ab-ab", "withdrawn"), Enrolment("ba-ab"), Enrolment("ab-ba")]
+    assert design.assign(before).name in {"ab-ab", "ba-ba", "ab-ba", "ba-ab"}
+    alone = design.assign([Enrolment("ab-ab", "withdrawn"), Enrolment("ba-ab")])
+    assert alone.name == "ab-ba"
+
+
+def test_the_balance_is_that_of_each_part(tmp_path):
+    design = build_design(in_parts(tmp_path))
+    assert cannot_balance(design, 30) is None  # 30 do not divide by four combinations
+    assert cannot_balance(design, 31) == (
+        "31 participants do not divide by the 2 and 2 orders of the parts, so that some orders "
+        "are met by more people; choose 30 or 32"
+    )
+    found = audit(design, design.plan(6))
+    assert found.remainder == (
+        "The parts' orders are dealt by themselves, evenly: ab × 3, ba × 3; ab × 3, ba × 3."
+    )
+    people = [Met("P01", Enrolment("ab-ab"), design.sequence("ab-ab"))]
+    assert audit_study(design, people).next_orders == ("ba-ba",)
+
+
+def test_rules_make_orders_and_parts_may_be_in_different_sessions(tmp_path):
+    made = '\n[[parts]]\nname = "a"\nrule = "all_orders"\n'
+    late = '\n[[parts]]\nname = "b"\nsession = 2\nrule = "latin_square"\nconditions = ["blur"]\n'
+    protocol = in_parts(tmp_path, made + late)
+    design = build_design(protocol)
+    assert [each.name for each in design.sequences] == ["a_1-b_1", "a_2-b_1"]
+    first, second = design.sequences[0].sessions
+    assert [trial.part for trial in (*first, *second)] == ["a", "a", "b"]
+
+
+def test_files_have_the_part_of_each_exposure(tmp_path):
+    protocol = in_parts(tmp_path)
+    assert go(tmp_path, Scripted(), protocol=protocol).status == "completed"
+    assert [row["part"] for row in rows(tmp_path, "trials")] == ["single"] * 2 + ["in_turn"] * 4
+    answers = rows(tmp_path, "questionnaires")
+    assert {row["part"] for row in answers if row["trial"] in {"1", "2"}} == {"single"}
+    assert {row["part"] for row in answers if row["trial"] == "5"} == {"in_turn"}
+    assert {row["part"] for row in answers if not row["trial"]} == {""}  # of both
+    assert not verify_study(tmp_path / "S").faults
+    study = read_study(tmp_path / "S")
+    posts = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
+    facts = Facts.of(study, PLAN)
+    assert [facts.row(sheet)["part"] for sheet in posts] == ["single"] * 2 + ["in_turn"] * 4
+
+
+def test_answers_about_a_session_of_one_part_have_it(tmp_path):
+    only = PARTS[: PARTS.index('[[parts]]\nname = "in_turn"')]
+    go(tmp_path, Scripted(), protocol=in_parts(tmp_path, only))
+    assert {row["part"] for row in rows(tmp_path, "questionnaires")} == {"single"}
+
+
+def test_an_interrupted_session_keeps_its_parts(tmp_path):
+    protocol = in_parts(tmp_path)
+    go(tmp_path, Scripted(), protocol=protocol, interrupt=(4, 20))
+    go(tmp_path, Scripted(), protocol=protocol, resume=True)
+    told = [(row["trial"], row["status"], row["part"]) for row in rows(tmp_path, "trials")]
+    assert told[3:5] == [("4", "aborted", "in_turn"), ("4", "completed", "in_turn")]
+    assert not verify_study(tmp_path / "S").faults
+
+
+def test_trials_that_are_written_down_may_name_their_part(tmp_path):
+    text = PROTOCOL.replace('condition = "plain" }', 'condition = "plain", part = "calm" }')
+    go(tmp_path, Scripted(), protocol=tiny_protocol(tmp_path, text))
+    assert [row["part"] for row in rows(tmp_path, "trials")] == ["calm", ""]
+
+
+def test_studies_of_older_versions_lack_the_column():
+    columns = TrialRow.columns()
+    assert set(columns) - set(columns_of_version(3, "trials.csv", columns)) == {"part"}
+
+
+def test_the_report_plans_the_exposures_of_all_parts(tmp_path):
+    protocol = in_parts(tmp_path)
+    go(tmp_path, Scripted(), protocol=protocol)
+    study = read_study(tmp_path / "S")
+    posts = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
+    few = posts[:2]  # of whoever stopped early
+    assert planned_exposures(study, PLAN, few, "ssq") == {"plain": 3, "blur": 3}
+
+
+def test_hillaires_parts_are_those_of_the_paper():
+    protocol = load_protocol("hillaire_2008")
+    plan = build_design(protocol, seed=7).plan(30)
+    for each in plan:
+        assert [trial.part for trial in each.trials] == ["single"] * 2 + ["in_turn"] * 6
+    crossed = Counter((each.trials[0].condition, each.trials[2].condition) for each in plan)
+    assert len(crossed) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (TEXT, "there are none; add them"),
+        (PROTOCOL + PARTS, '[[parts]] do nothing with rule = "explicit"'),
+        (TEXT + PARTS.replace(', condition = "blur"', ', condition = "blurr"', 1), "blurr"),
+        (TEXT + PARTS.replace("in_turn", "single"), "`single` is there twice"),
+        (TEXT + PARTS.replace('"ba"', '"ab"', 1), "`ab` is there twice"),
+        (TEXT + PARTS.replace(f"[{B}, {A}]", f"[{B}]", 1), "are not of the same length"),
+        (TEXT + PARTS.replace("repeats = 2", "session = 3"), "count sessions from 1, without gaps"),
+        (TEXT + '\n[[parts]]\nname = "a"\n', "`explicit` needs at least one [[parts.orders]]"),
+        (TEXT + PARTS + 'rule = "williams"\n', None),
+        (TEXT + '\n[[parts]]\nname = "a"\nrule = "williams"\n' + ORDERS, "makes its own orders"),
+        (TEXT + PARTS.replace("repeats = 2", 'scenes = ["room.glb"]'), "`scenes` does nothing"),
+        (TEXT + PARTS + '\n[[groups]]\nname = "a"\n[[groups]]\nname = "b"\n', "exclude each other"),
+    ],
+)
+def test_parts_that_cannot_be_met_are_refused(tmp_path, text, says):
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, text)
+    assert says is None or any(
+        says in str(each) for each in (caught.value.alone, *caught.value.others)
+    )
+
+
+def ends_with(folder, first, second):
+    """Run two sessions, each asked about as a whole alone; return session → the condition found."""
+    start, end = PROTOCOL.index("sessions = ["), PROTOCOL.index("[[questionnaires]]")
+    text = f"{PROTOCOL[:start]}sessions = [[{first}], [{second}]]\n{PROTOCOL[end:]}"
+    text = text.replace('when = "after_trial"', 'when = "session_end"')
+    go(folder, Scripted(), protocol=tiny_protocol(folder, text), sessions=[1, 2])
+    study = read_study(folder / "S")
+    facts = Facts.of(study, PLAN)
+    asked = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
+    assert {sheet.condition for sheet in asked} == {""}
+    return {sheet.session: facts.row(sheet)["condition"] for sheet in asked}
+
+
+def test_a_session_questionnaire_inherits_the_condition_that_all_its_trials_share(tmp_path):
+    assert ends_with(tmp_path, f"{A}, {A}", B) == {"1": "plain", "2": "blur"}
+
+
+def test_a_session_questionnaire_of_several_conditions_has_none(tmp_path):
+    assert ends_with(tmp_path, f"{A}, {B}", f"{B}, {B}") == {"1": "", "2": "blur"}

@@ -1,0 +1,162 @@
+"""Reads the exposures of a recorded session: their frames, their ratings, the balls of tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vrcomfort.records import BallRow, EventRow, PracticeRow, RatingRow, TrialRow
+from vrcomfort.records.recorded_rows import RecordedRow
+from vrcomfort.replay.frame_facts import FrameFacts
+from vrcomfort.replay.session_rows import rows_of
+from vrcomfort.scene.markers import Shown
+from vrcomfort.traces.trace import Trace
+
+VALIDATION = "gaze_validation"
+"""The event of a validation of the eye tracker."""
+_EPSILON_S = 1e-6
+"""Of session times in files."""
+
+
+@dataclass(frozen=True)
+class Rating:
+    """An answer in an exposure; `response` is None where none came in time."""
+
+    onset_s: float
+    answered_s: float
+    instrument: str
+    response: int | None
+
+
+@dataclass(frozen=True)
+class RecordedExposure:
+    """One attempt at a trial, with the training before it.
+
+    Parameters
+    ----------
+    status
+        As in ``trials.csv``; blank where the program was killed in it.
+    first, shown, end
+        Rows of the session's frames: from the first (of the training, if there is one), from the
+        first of the exposure itself, to the one after the last.
+    start_s, end_s
+        Of the session's clock.
+    ratings
+        In the order of their questions.
+    balls
+        (`xr_time_ns`, ball) from which frame on each ball of its task is drawn so, in order.
+    """
+
+    trial: int
+    attempt: int
+    condition: str
+    scene: str
+    status: str
+    first: int
+    shown: int
+    end: int
+    start_s: float
+    end_s: float
+    ratings: tuple[Rating, ...] = ()
+    balls: tuple[tuple[int, Shown], ...] = ()
+
+
+def read_exposures(
+    folder: Path, manifest: Mapping[str, Any], trace: Trace, frames: FrameFacts
+) -> tuple[RecordedExposure, ...]:
+    """Return the attempts of which a frame is recorded, in order.
+
+    Raises
+    ------
+    InputError
+        If a file of the session's is damaged.
+    """
+    return tuple(
+        _exposures(
+            _attempts(rows_of(folder, TrialRow, manifest), manifest),
+            trace.time_ns,
+            frames,
+            [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
+            [_ball(row) for row in rows_of(folder, BallRow, manifest)],
+            _others_until_s(folder, manifest),
+        )
+    )
+
+
+def _attempts(
+    trials: Iterable[RecordedRow], manifest: Mapping[str, Any]
+) -> Iterator[Mapping[str, Any] | RecordedRow]:
+    """Yield the rows of ``trials.csv``, and what is known of an exposure that was cut short."""
+    seen = set()
+    for row in trials:
+        seen.add((row["trial"], row["attempt"]))
+        yield row
+    begun = manifest.get("under_way")
+    if begun and (begun["trial"], begun["attempt"]) not in seen:
+        yield {**begun, "end_s": np.inf, "status": ""}
+
+
+def _others_until_s(folder: Path, manifest: Mapping[str, Any]) -> list[float]:
+    """Return when each practice and each validation of the eye tracker ended.
+
+    Their frames are of no exposure, and have its number of training.
+    """
+    validations = (e for e in rows_of(folder, EventRow, manifest) if e["name"] == VALIDATION)
+    return [
+        *(row["end_s"] for row in rows_of(folder, PracticeRow, manifest)),
+        *(row["onset_s"] + row["duration_s"] for row in validations),
+    ]
+
+
+def _exposures(
+    attempts: Iterable[Mapping[str, Any] | RecordedRow],
+    times_ns: NDArray[np.int64],
+    frames: FrameFacts,
+    ratings: Sequence[Rating],
+    balls: Sequence[tuple[int, Shown]],
+    others_until_s: Sequence[float],
+) -> Iterator[RecordedExposure]:
+    """Yield the attempts of which a frame is recorded."""
+    before_s = -np.inf
+    for row in attempts:
+        start_s, end_s = row["start_s"] - _EPSILON_S, row["end_s"] + _EPSILON_S
+        inside = (frames.session_s >= start_s) & (frames.session_s <= end_s)
+        rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
+        if len(rows):
+            shown, end = int(rows[0]), int(rows[-1]) + 1
+            ends_s = [each - _EPSILON_S for each in others_until_s if each <= row["start_s"]]
+            before_s = max([before_s, *ends_s])
+            trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
+            others = np.flatnonzero(~trained)
+            first = int(others[-1]) + 1 if len(others) else 0
+            told = tuple(each for each in ratings if start_s <= each.onset_s <= end_s)
+            from_ns, to_ns = times_ns[shown], times_ns[end - 1]
+            yield RecordedExposure(
+                row["trial"],
+                row["attempt"],
+                row["condition"],
+                row["scene"],
+                row["status"],
+                first,
+                shown,
+                end,
+                row["start_s"],
+                min(row["end_s"], float(frames.session_s[end - 1])),
+                told,
+                tuple(each for each in balls if from_ns <= each[0] <= to_ns),
+            )
+        before_s = row["end_s"] - _EPSILON_S
+
+
+def _rating(row: RecordedRow) -> Rating:
+    answered_s = row["onset_s"] + (row["latency_s"] or 0.0)
+    return Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
+
+
+def _ball(row: RecordedRow) -> tuple[int, Shown]:
+    return row["xr_time_ns"], Shown(*(row[name] for name in Shown._fields))
