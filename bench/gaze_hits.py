@@ -19,8 +19,8 @@ from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.scene.load import load_scene
 from vrcomfort.scene.ray_cast import RayCaster
-from vrcomfort.tradeoff.walk import SCENES
 from vrcomfort.traces.trace import read_trace
+from vrcomfort.tradeoff.walk import SCENES
 
 SIZE_PX = 640, 800
 SPREAD_DEG = 10.0
@@ -32,8 +32,8 @@ def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
     notes = [
         f"Medians of {rounds} frames of the walk, {SIZE_PX[0]}×{SIZE_PX[1]} pixels per eye; "
         "processor time of the whole process. `look` is a texel drawn along the gaze and read "
-        "four frames later, to the end of its drawing; `call` is the part of it before that, which "
-        "the frame's thread spends whatever draws; `ray` is the same by a ray cast on the CPU.",
+        "four frames later, to the end of its drawing; `call` is what the frame's thread spends of it "
+        "(on a rasteriser its vertices, too); `ray` is the same by a ray cast on the CPU.",
         f"Renderer: {ctx.info['GL_RENDERER']}.",
     ]
     return Result("What the gaze meets", rows, notes)
