@@ -15,6 +15,7 @@ _SAFE_DETAILS = {
     "recentered", "refresh_rate_changed", "window_focus", "frame_discarded", "tracking_lost",
     "tracking_found", "unfocused", "pause", "questionnaire_skipped",
     "ratings_planned", "exposure_ended", "adjusted", "free_text", "free_text_cut",
+    "practice", "practice_not_met", "rest", "break_cut_short", "break_too_long",
 }  # fmt: skip
 """Events whose details the program writes, and that hold no path, date or typed text."""
 
@@ -57,6 +58,9 @@ def of_manifest(manifest: dict[str, Any], participant: str, moved: Moved) -> dic
     found["participant"] = participant
     found["earlier_runs"] = [_of_run(run, moved) for run in manifest.get("earlier_runs", [])]
     found["memory"] = None
+    found["eye_heights"] = [
+        {**each, "measured_m": None, "offset_m": None} for each in manifest.get("eye_heights", [])
+    ]
     if ended := manifest.get("exposure_ended"):
         found["exposure_ended"] = {**ended, "at": moved(ended["at"])}
     if early := manifest.get("ended"):

@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.protocol.consent import Consent
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
@@ -22,6 +23,7 @@ from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.parts import Part
 from vrcomfort.protocol.photodiode import Photodiode
+from vrcomfort.protocol.posture import Posture
 from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.screening import Screening
 from vrcomfort.protocol.sliders import Slider
@@ -252,6 +254,8 @@ class Protocol(Settings):
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
     """What is entered of everybody who is enrolled."""
+    consent: Consent | None = None
+    """What participants must have consented to; nothing is asked for without it."""
     screening: tuple[Screening, ...] = ()
     """Rules on whom the experimenter is told of before they are exposed."""
     allocation: Allocation | None = None
@@ -293,6 +297,8 @@ class Protocol(Settings):
     """A patch by which a photodiode sees when frames are seen; none without it."""
     visibility: Visibility = Visibility()
     """What need not be seen or told apart."""
+    posture: Posture | None = None
+    """Seated or standing, with the height of the eyes measured; not at all without it."""
     locomotion: Locomotion = Locomotion()
     """How participants move."""
     simulation: Simulation = Simulation()

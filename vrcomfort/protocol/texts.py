@@ -49,6 +49,10 @@ class Words(Settings):
     """In the last minute of one."""
     rest_ready: Sentence = "You may take the headset off. Choose Continue when you are ready."
     """Of a rest that the participant may end."""
+    sit_up: Sentence = "Please sit up straight and look ahead."
+    """While the height of the eyes is measured."""
+    stand_up: Sentence = "Please stand up straight and look ahead."
+    """The same."""
     no_controller: Sentence = "No controller is seen: switch one on, or ask for help"
     """Where there is nothing to point with."""
     look_twice: Sentence = "Look at an answer, look away, and look at it again"
@@ -79,6 +83,8 @@ GERMAN = Words(
     rest_minutes="Sie dürfen das Headset abnehmen. Es geht in {minutes} Minuten weiter.",
     rest_soon="Sie dürfen das Headset abnehmen. Es geht in weniger als einer Minute weiter.",
     rest_ready="Sie dürfen das Headset abnehmen. Wählen Sie Weiter, sobald Sie bereit sind.",
+    sit_up="Bitte setzen Sie sich aufrecht hin und blicken Sie geradeaus.",
+    stand_up="Bitte stellen Sie sich aufrecht hin und blicken Sie geradeaus.",
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",

@@ -78,6 +78,9 @@ class Manifest:
     ended
         What ended the session before its time (``by``: participant, rating, score, gaze,
         practice), whether the session or the study (``ends``), and the ``reason``; else None.
+    eye_heights
+        Each measurement: ``before_trial``, ``measured_m`` over the participant's floor, and
+        ``offset_m``, how much higher they were in the scene.
     """
 
     participant: str
@@ -104,6 +107,7 @@ class Manifest:
     withdrawals_undone: list[dict[str, Any]] = field(default_factory=list)
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
+    eye_heights: list[dict[str, Any]] = field(default_factory=list)
 
     def write(self, folder: Path, access: Access = OWNER, *, sync: bool = True) -> None:
         """Write ``manifest.json`` as a whole; it is on the disk at return, if `sync`.
@@ -149,6 +153,7 @@ class Manifest:
             "withdrawals_undone": self.withdrawals_undone,
             "memory": self.memory,
             "ended": self.ended,
+            "eye_heights": self.eye_heights,
         }
 
     @cached_property
@@ -175,7 +180,7 @@ _OF_THE_SESSION = (
     "schema_version",
     "participant", "session", "sequence", "seed", "exposure_s", "exposure_override_s", "protocol",
     "settings", "timing_flags", "earlier_runs", "under_way", "exposure_ended", "missed_questions",
-    "withdrawals_undone", "memory", "ended", "language", "wordings",
+    "withdrawals_undone", "memory", "ended", "language", "wordings", "eye_heights",
 )  # fmt: skip
 
 

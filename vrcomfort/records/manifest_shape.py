@@ -117,6 +117,7 @@ class ManifestShape(_Part):
     withdrawals_undone: list[WithdrawalUndone] = []
     memory: dict[str, Any] | None = None
     ended: dict[str, str] | None = None
+    eye_heights: list[dict[str, Any]] = []
 
 
 class DescriptionShape(_Part):

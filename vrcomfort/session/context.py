@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.headset.sound import Speaker
@@ -20,6 +20,19 @@ from vrcomfort.session.interfaces import (
 )
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.steering import Steering
+
+
+@dataclass
+class Floor:
+    """Where the scene's floor is.
+
+    Parameters
+    ----------
+    offset_m
+        How much higher in the scene everybody is than over their own floor.
+    """
+
+    offset_m: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +65,8 @@ class SessionContext:
         Other devices that are told what happens.
     speaker
         Plays the sounds of instructions; None where nothing can be heard.
+    floor
+        Moves as the height of the eyes is measured.
     """
 
     protocol: Protocol
@@ -75,6 +90,7 @@ class SessionContext:
     steering: Steering
     relay: Relay
     speaker: Speaker | None
+    floor: Floor = field(default_factory=Floor)
 
     @property
     def stretch(self) -> float:

@@ -8,6 +8,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from vrcomfort.frame import Frame, GpuTime
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.base import Headset
@@ -251,7 +253,7 @@ class FrameLoop:
             rendered,
             trial=stimulus.trial,
             session_s=self.context.clock.now_s(),
-            balls=self._task.changed() if self._task else (),
+            balls=self._task.changed() if self._task and stimulus.trial else (),
         )
         self.context.steering.desk.see(frame, rendered, self.log.timing)
         self._pass_on(frame, stimulus)
@@ -281,6 +283,9 @@ class FrameLoop:
 
     def _carried(self, frame: Frame) -> Frame:
         """Return a frame where the path has taken the participant, by shown time."""
+        if offset_m := self.context.floor.offset_m:
+            lifted = Pose(np.array([0.0, offset_m, 0.0])) @ frame.avatar_pose
+            frame = replace(frame, avatar_pose=lifted)
         if self.path is None:
             return self._with_eyes(frame)
         jump, self._back_at_start = self._back_at_start, False

@@ -14,6 +14,7 @@ from vrcomfort.scene.data import Scene
 from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
@@ -116,6 +117,7 @@ class SessionFlow:
 
     def _begin(self) -> None:
         before = self._interrupted
+        self._context.floor.offset_m = 0.0
         self._context.clock.start(before.session_s if before else 0.0)
         if before:
             self._events.event("session_resumed", detail=f"after exposure {before.done}")
@@ -142,6 +144,7 @@ class SessionFlow:
         for index, place in enumerate(places):
             self._manifest.boundary()
             rested = self._rests.between(place, first=index == 0)
+            self._measure_height(place, first=index == 0, rested=rested)
             self._validate_gaze(place, first=index == 0, rested=rested)
             self._practice.run(place)
             self._instructor.tell("before_trial", place)
@@ -153,6 +156,15 @@ class SessionFlow:
             self._missed(self._open.ask("session_end", TrialPlace()))
             self._texts.ask("session_end", TrialPlace())
         self._instructor.tell("session_end", TrialPlace())
+
+    def _measure_height(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
+        """Measure the height of the eyes at the session's start, and after breaks."""
+        posture = self._context.protocol.posture
+        if posture is None or not (first or (rested and posture.after_breaks)):
+            return
+        headset, _ = self._trials.stand(place)
+        measuring = EyeHeight(self._context, self._events, self._log, self._manifest, posture)
+        measuring.measure(place, headset)
 
     def _validate_gaze(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
         """Validate the eye tracker at the session's start, and after breaks."""

@@ -60,6 +60,11 @@ class ManifestWriter:
         self._manifest.exposure_ended = {"trial": trial, "at": now()}
         self.boundary()
 
+    def note_eye_height(self, fact: dict[str, Any]) -> None:
+        """Note a measurement of the height of the eyes, and what came of it."""
+        self._manifest.eye_heights.append(fact)
+        self._write()
+
     def miss(self, sentence: str) -> None:
         """Note a questionnaire that was not asked in time; a later sentence says it again."""
         what = sentence.partition(":")[0]

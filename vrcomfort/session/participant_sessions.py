@@ -166,6 +166,7 @@ class ParticipantSessions:
             withdrawals_undone=list(then.get("withdrawals_undone", [])),
             ipd_measured_m=context.ipd_measured_m or then.get("ipd_measured_m"),
             memory=then.get("memory"),
+            eye_heights=list(then.get("eye_heights", [])),
         )
 
     def _look_at(self, number: int, manifest: Manifest, before: Interrupted | None) -> None:
