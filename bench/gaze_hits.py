@@ -31,8 +31,8 @@ def measure(ctx: moderngl.Context, *, rounds: int) -> Result:
     rows = [_row(ctx, name, rounds) for name in SCENES]
     notes = [
         f"Medians of {rounds} frames of the walk, {SIZE_PX[0]}×{SIZE_PX[1]} pixels per eye; "
-        "processor time of the whole process. `look` is a texel drawn along the gaze and read "
-        "four frames later, to the end of its drawing; `call` is what the frame's thread spends of it "
+        "processor time of the whole process. `look` is a texel drawn along the gaze and read four "
+        "frames later, to the end of its drawing; `call` is what the frame's thread spends of it "
         "(on a rasteriser its vertices, too); `ray` is the same by a ray cast on the CPU.",
         f"Renderer: {ctx.info['GL_RENDERER']}.",
     ]
