@@ -329,6 +329,10 @@ class PracticeRow(FlatRow):
     resumed: int = 0
 
 
+IPD_RULE = "distance between pupils in mm"
+"""What the rule is called that a headset's fit makes."""
+
+
 @dataclass(frozen=True)
 class ScreeningRow(FlatRow):
     """A number beyond a screening rule, and what the experimenter decided.
@@ -337,6 +341,8 @@ class ScreeningRow(FlatRow):
     ----------
     rule
         What was beyond which bound.
+    value
+        The number; blank in anonymous copies where it is of the body.
     decision
         go_on or stop.
     """
@@ -345,7 +351,7 @@ class ScreeningRow(FlatRow):
     participant: str
     session: int
     rule: str
-    value: float
+    value: float | None
     decision: str
     decided_s: float
     resumed: int = 0
