@@ -10,11 +10,15 @@ from typing import Any, Protocol
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
+from vrcomfort.protocol.adjustments import adjusted
 from vrcomfort.render.photodiode import PatchLight
-from vrcomfort.replay.exposures import RecordedExposure
+from vrcomfort.replay.exposures import Adjusted, RecordedExposure
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession
 from vrcomfort.scene.markers import Markers
+
+_EPSILON_S = 1e-6
+"""Of session times in files."""
 
 
 class Drawer(Protocol):
@@ -22,6 +26,9 @@ class Drawer(Protocol):
 
     def begin(self, scene: Any, condition: Condition) -> None:
         """Prepare a scene and a condition."""
+
+    def adjust(self, condition: Condition) -> None:
+        """Change settings of the present condition between two frames."""
 
     def render(self, frame: Frame, scene_time_s: float) -> Any:
         """Draw both eyes."""
@@ -122,10 +129,12 @@ def replay(
         balls = _Balls(exposure, scene) if exposure.balls else None
         drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
-        drawer.begin(drawn_scene, wish.instead.get(name) or session.condition(name))
+        condition = wish.instead.get(name) or session.condition(name)
+        dial = _Dial(exposure, condition) if exposure.adjusted and condition.name == name else None
+        drawer.begin(drawn_scene, condition if dial is None else dial.built_for)
         if second is not None and wish.beside is not None:
             second.begin(drawn_scene, wish.beside)
-        film = _Film(session, exposure, wish, size_px, comparison, balls)
+        film = _Film(session, exposure, wish, size_px, comparison, balls, dial)
         for drawn in film.frames(drawer, second if wish.beside else None, scene, last):
             yield replace(drawn, video_s=drawn.video_s + end_s)
         end_s += film.length_s
@@ -156,6 +165,27 @@ class _Balls:
             self._markers.show(self._coming.popleft()[1])
 
 
+class _Dial:
+    """What a participant adjusted the condition of an exposure to, frame by frame."""
+
+    def __init__(self, exposure: RecordedExposure, condition: Condition) -> None:
+        self._condition = condition
+        self._coming = deque(exposure.adjusted)
+        most = max(exposure.adjusted, key=lambda each: abs(each.value))
+        self.built_for = self._with(most)  # at 0, passes may be missing
+
+    def show(self, session_s: float, drawer: Drawer, *, at_once: bool) -> None:
+        """Draw by what was so at a time; before all frames, by what it began with."""
+        last = self._coming.popleft() if at_once else None
+        while self._coming and self._coming[0].onset_s <= session_s + _EPSILON_S:
+            last = self._coming.popleft()
+        if last is not None:
+            drawer.adjust(self._with(last))
+
+    def _with(self, last: Adjusted) -> Condition:
+        return adjusted(self._condition, last.setting, last.value)
+
+
 @dataclass
 class _Film:
     """The frames of one exposure, and their time in the replay."""
@@ -166,6 +196,7 @@ class _Film:
     size_px: tuple[int, int]
     comparison: Comparison
     balls: _Balls | None
+    dial: _Dial | None
     length_s: float = 0.0
     _shown_ns: int | None = None
     _focus_m: float | None = None
@@ -189,6 +220,8 @@ class _Film:
             session_s = float(session.session_s[row])
             if self.balls is not None:
                 self.balls.show(int(session.trace.time_ns[row]))
+            if self.dial is not None:
+                self.dial.show(session_s, drawer, at_once=row == exposure.first)
             wanted = self.wish.wants(trial, session_s)
             video_s = self._video_s(row, frame) if wanted else 0.0
             if not session.drawn[row]:  # the picture before stood; jumps are seen with the next

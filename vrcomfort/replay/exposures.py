@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, EventRow, RatingRow, TrialRow
+from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, TrialRow
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.replay.session_rows import rows_of
@@ -33,6 +33,14 @@ class Rating:
     response: int | None
 
 
+class Adjusted(NamedTuple):
+    """From when on a setting of the condition had a value."""
+
+    onset_s: float
+    setting: str
+    value: float
+
+
 @dataclass(frozen=True)
 class RecordedExposure:
     """One attempt at a trial, with the training before it.
@@ -50,6 +58,8 @@ class RecordedExposure:
         In the order of their questions.
     balls
         (`xr_time_ns`, ball) from which frame on each ball of its task is drawn so, in order.
+    adjusted
+        What the participant adjusted the condition to, in order; first what it began with.
     """
 
     trial: int
@@ -64,6 +74,7 @@ class RecordedExposure:
     end_s: float
     ratings: tuple[Rating, ...] = ()
     balls: tuple[tuple[int, Shown], ...] = ()
+    adjusted: tuple[Adjusted, ...] = ()
 
 
 def read_exposures(
@@ -83,6 +94,7 @@ def read_exposures(
             frames,
             [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
             [_ball(row) for row in rows_of(folder, BallRow, manifest)],
+            list(rows_of(folder, DialRow, manifest)),
             _trained_from_s(folder, manifest),
         )
     )
@@ -117,6 +129,7 @@ def _exposures(
     frames: FrameFacts,
     ratings: Sequence[Rating],
     balls: Sequence[tuple[int, Shown]],
+    dials: Sequence[RecordedRow],
     trained_from_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
@@ -147,6 +160,7 @@ def _exposures(
                 min(row["end_s"], float(frames.session_s[end - 1])),
                 told,
                 tuple(each for each in balls if from_ns <= each[0] <= to_ns),
+                tuple(_adjusted(dials, row["trial"], row["attempt"])),
             )
         before_s = row["end_s"] - _EPSILON_S
 
@@ -154,6 +168,13 @@ def _exposures(
 def _rating(row: RecordedRow) -> Rating:
     answered_s = row["onset_s"] + (row["latency_s"] or 0.0)
     return Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
+
+
+def _adjusted(dials: Iterable[RecordedRow], trial: int, attempt: int) -> Iterator[Adjusted]:
+    for row in dials:
+        of_this = (row["trial"], row["attempt"]) == (trial, attempt)
+        if of_this and row["setting"] and row["kind"] in {"start", "change"}:
+            yield Adjusted(row["onset_s"], row["setting"], row["value"])
 
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:
