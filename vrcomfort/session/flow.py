@@ -129,7 +129,7 @@ class SessionFlow:
             self._events.event("session_start")
         self._respondent.start_session(self._events.session)
         self._manifest.open()
-        self._steering.attach(self._events, self._context.screen)
+        self._steering.attach(self._events, self._context.screen, self._context.protocol.words)
         shown = tuple((place.scene, place.condition or "") for place in self._places)
         name, who = self._context.sequence.name, self._context.participant
         self._steering.desk.open(SessionOrder(who, self._events.session, name, shown))
