@@ -46,6 +46,7 @@ from vrcomfort.protocol import Protocol, load_protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
+    from vrcomfort.records.consents import Given
     from vrcomfort.session import Outcome
     from vrcomfort.session.rehearsal import Rehearsal
 
@@ -111,6 +112,13 @@ def run(
         typer.Option(metavar="PORT", help="A byte to this serial port as exposures begin and end."),
     ] = None,
     covariate: CovariateOption = None,
+    consent: Annotated[
+        str | None,
+        typer.Option(metavar="VERSION", help="The participant has consented to this version."),
+    ] = None,
+    consented_on: Annotated[
+        str | None, typer.Option(metavar="DAY", help="Day of the consent; today without it.")
+    ] = None,
     language: LanguageOption = None,
     group_readable: GroupReadable = False,
     quiet: Quiet = False,
@@ -162,6 +170,7 @@ def run(
                 kind,
                 resume=resume,
                 covariates=parse_covariates(covariate),
+                consent=_consent_of(consent, consented_on),
             )
         )
         _tell_of_the_other_kind(out, kind)
@@ -191,6 +200,14 @@ def run(
     if outcome.status == "aborted":
         warn(how_to_go_on(ctx))
         raise KeyboardInterrupt  # as the session has heard it, which then closed its files
+
+
+def _consent_of(version: str | None, day: str | None) -> Given | None:
+    from vrcomfort.records.consents import Given
+
+    if version is None and day is not None:
+        raise InputError("--consented-on needs --consent VERSION: what was consented to")
+    return None if version is None else Given(version, day)
 
 
 def _language_of(protocol: Protocol, study: Path, participant: str) -> str | None:

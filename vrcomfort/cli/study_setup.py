@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from vrcomfort.cli.run_console import OperatorsConsole
     from vrcomfort.headset.sound import Speaker
     from vrcomfort.records import Durability, Machine
+    from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
@@ -88,6 +89,7 @@ class StudySetup:
         *,
         resume: bool = False,
         covariates: Mapping[str, str] | None = None,
+        consent: Given | None = None,
     ) -> AbstractContextManager[Enrolment]:
         """Return a participant who can be run; see `session.open_enrolment`."""
         from vrcomfort.session import open_enrolment
@@ -103,6 +105,7 @@ class StudySetup:
             resume=resume,
             group_readable=self._group_readable,
             covariates=covariates,
+            consent=consent,
         )
 
     def run(

@@ -289,6 +289,7 @@ def _record(rows: Sequence[ParticipantRow], wishes: Wishes) -> dict[str, Any]:
         "gaze": "kept" if wishes.keep_gaze else "left out (gaze.csv)",
         "texts": "notes, reasons and details of events that people may have typed are blank; "
         "answers in one's own words (texts.csv) are left out",
+        "consents": "left out (consents.csv): days would tell",
         "images": "hashes kept" if wishes.keep_motion else "hashes left out (images.csv)",
         "balls_of_tasks": "kept" if wishes.keep_motion else "left out (balls.csv)",
         "left_out": "distances between pupils; readings of clocks (clocks.csv); memory of "

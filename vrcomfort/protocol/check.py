@@ -49,6 +49,7 @@ def problems(protocol: Protocol) -> Iterator[Problem]:
         message = "no exposure has a task that could end it; add [[tasks]], or remove this"
         yield Problem(("exposure_ends",), message)
     yield from adjustment_problems(protocol)
+    yield from _consent(protocol)
     yield from repeated(("free_texts",), [each.name for each in protocol.free_texts])
     wordings = {language: table.free_texts for language, table in protocol.text.items()}
     yield from free_text_problems(protocol.free_texts, protocol.languages, wordings)
@@ -80,6 +81,13 @@ def _missing_scenes(protocol: Protocol) -> Iterator[Problem]:
                 yield Problem(path, f"there is no scene file {where}")
         elif scene not in known:
             yield Problem(path, f"there is no scene `{scene}`; {did_you_mean(scene, known)}")
+
+
+def _consent(protocol: Protocol) -> Iterator[Problem]:
+    named = protocol.consent.file if protocol.consent else ""
+    if named and protocol.file and not (protocol.file.parent / named).is_file():
+        message = f"there is no file {protocol.file.parent / named}; write the text there"
+        yield Problem(("consent", "file"), message)
 
 
 def _conditions(protocol: Protocol) -> list[str]:

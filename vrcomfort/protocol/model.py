@@ -15,6 +15,7 @@ from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.adjustments import Adjustment
 from vrcomfort.protocol.breaks import Breaks
 from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.protocol.consent import Consent
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
@@ -253,6 +254,8 @@ class Protocol(Settings):
     """Levels of a between-subject factor."""
     covariates: tuple[Covariate, ...] = ()
     """What is entered of everybody who is enrolled."""
+    consent: Consent | None = None
+    """What participants must have consented to; nothing is asked for without it."""
     screening: tuple[Screening, ...] = ()
     """Rules on whom the experimenter is told of before they are exposed."""
     allocation: Allocation | None = None

@@ -258,7 +258,7 @@ def enrol(
         withdrawn or been excluded, or a covariate is missing, unknown, impossible or another.
     """
     check_participant(participant)
-    with _changing_participants(study):
+    with changing_participants(study):
         check_case(participant, (row.participant for row in read_participants(study)))
         there = enrolled(study, participant)
         known = entered(design, there, covariates or {})
@@ -298,7 +298,7 @@ def entered(
     return there.covariates
 
 
-def _changing_participants(study: Path) -> AbstractContextManager[None]:
+def changing_participants(study: Path) -> AbstractContextManager[None]:
     """Two participants may be run at once; their rows are written one after the other."""
     file = study / ".participants.lock"
     refuse_links(study, file)
@@ -307,7 +307,7 @@ def _changing_participants(study: Path) -> AbstractContextManager[None]:
 
 def set_status(study: Path, participant: str, status: str, note: str = "") -> None:
     """Change a participant's status; notes are added to those before."""
-    with _changing_participants(study):
+    with changing_participants(study):
         rows = read_participants(study)
         changed = [
             replace(row, status=status, note="; ".join(filter(None, [row.note, note])))
@@ -320,7 +320,7 @@ def set_status(study: Path, participant: str, status: str, note: str = "") -> No
 
 def set_fact(study: Path, participant: str, name: str, value: str) -> None:
     """Write down in the list of participants what a session has found out of somebody."""
-    with _changing_participants(study):
+    with changing_participants(study):
         rows = read_participants(study)
         changed = [
             replace(row, others=tuple({**dict(row.others), name: value}.items()))

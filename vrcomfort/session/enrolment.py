@@ -10,6 +10,7 @@ from pathlib import Path
 from vrcomfort.design import Design, build_design
 from vrcomfort.protocol import Protocol
 from vrcomfort.records import enrolled, entered, note_withdrawal, only_run, open_study
+from vrcomfort.records.consents import ConsentRow, Given, required_consent
 from vrcomfort.session.resume import InterruptedSessions, choose_sessions, require_rest
 
 
@@ -27,6 +28,8 @@ class Enrolment:
         What is recorded of those among them that go on.
     covariates
         Of the participant, as the protocol declares them; checked.
+    consent
+        What is to be entered before the first of the sessions; None where nothing is.
     """
 
     protocol: Protocol
@@ -37,6 +40,7 @@ class Enrolment:
     numbers: Sequence[int]
     interrupted: InterruptedSessions
     covariates: Mapping[str, str] = field(default_factory=dict)
+    consent: ConsentRow | None = None
 
 
 @contextmanager
@@ -52,6 +56,7 @@ def open_enrolment(
     resume: bool = False,
     group_readable: bool = False,
     covariates: Mapping[str, str] | None = None,
+    consent: Given | None = None,
 ) -> Iterator[Enrolment]:
     """Make sure that a participant can be run, and keep every other program from it.
 
@@ -76,6 +81,8 @@ def open_enrolment(
         A new study's files are for the owner's group as well; see `open_study`.
     covariates
         What the protocol wants to know of everybody who is enrolled.
+    consent
+        What the participant has given; simulated ones consent to anything.
 
     Raises
     ------
@@ -91,8 +98,10 @@ def open_enrolment(
         note_withdrawal(study, participant)
         row = enrolled(study, participant)
         known = entered(design, row, covariates or {})
+        simulated = respondent == "simulated"
+        agreed = required_consent(protocol, study, participant, consent, simulated=simulated)
         chosen = choose_sessions(study, participant, design.sessions, sessions, resume)
-        if respondent != "simulated":
+        if not simulated:
             require_rest(protocol, study, participant, chosen)
         interrupted = InterruptedSessions(study, participant, chosen.unfinished)
         sequence = row.sequence if row else ""
@@ -106,4 +115,5 @@ def open_enrolment(
             numbers=chosen.numbers,
             interrupted=interrupted,
             covariates=known,
+            consent=agreed,
         )

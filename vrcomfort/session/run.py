@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from vrcomfort.headset.sound import Speaker
 from vrcomfort.records import Durability, Machine, enrol
+from vrcomfort.records.consents import note_consent
 from vrcomfort.respondent import Respondent
 from vrcomfort.session.clock import Clock, VirtualClock
 from vrcomfort.session.context import SessionContext
@@ -82,6 +83,8 @@ def run(
     row = enrol(
         enrolment.study, enrolment.design, enrolment.participant, dict(enrolment.covariates)
     )
+    if enrolment.consent is not None:
+        note_consent(enrolment.study, enrolment.consent)
     context = SessionContext(
         protocol=enrolment.protocol,
         study=enrolment.study,

@@ -13,6 +13,7 @@ from vrcomfort.exchange.designs import design_of
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
 from vrcomfort.records.checksums import sha256_of
+from vrcomfort.records.consents import ConsentRow, read_consents
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescriptionShape, ImportShape
 from vrcomfort.records.recorder import is_begun
@@ -20,7 +21,11 @@ from vrcomfort.records.rows import ParticipantRow, QuestionnaireRow, RatingRow, 
 from vrcomfort.records.study import DESCRIPTION, read_participants
 
 IMPORT = "import.json"
-_OWN = {DESCRIPTION, ParticipantRow.FILE, "instruments", ".participants.lock", "anonymised.json"}
+_ANONYMISED = "anonymised.json"
+_OWN = {
+    DESCRIPTION, ParticipantRow.FILE, ConsentRow.FILE, "instruments", ".participants.lock",
+    _ANONYMISED,
+}  # fmt: skip
 
 
 def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Verified:
@@ -50,10 +55,36 @@ def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Veri
         name: _sessions(study / f"sub-{name}", found, told)
         for name in _folders(study) | set(people)
     }
+    _consents(study, people, manifests, found)
     for name, sessions in sorted(manifests.items()):
         if name in people:
             _agree(study, people[name], sessions, seed, found)
     return found
+
+
+def _consents(
+    study: Path,
+    people: Mapping[str, ParticipantRow],
+    manifests: Mapping[str, Mapping[int, Mapping[str, Any] | None]],
+    found: Verified,
+) -> None:
+    """Check that everybody whose session asked for consent has given it; copies leave it out."""
+    file = study / ConsentRow.FILE
+    if (study / _ANONYMISED).exists():
+        return
+    try:
+        given = {(row.participant, row.version) for row in read_consents(study)}
+    except InputError as error:
+        found.refusal(error, file)
+        return
+    for who in sorted({name for name, _ in given} - set(people)):
+        found.fault(file, f"{who} is not in {ParticipantRow.FILE}; restore the changed file")
+    for name, sessions in sorted(manifests.items()):
+        for number, manifest in sorted(sessions.items()):
+            asked = ((manifest or {}).get("settings") or {}).get("consent") or {}
+            if asked and (name, asked.get("version")) not in given:
+                message = f"session {number} of {name} asked for consent `{asked.get('version')}`"
+                found.fault(file, f"{message}, which is not here; restore it from a copy")
 
 
 def session_folders(study: Path) -> list[Path]:
