@@ -37,6 +37,8 @@ def steered(tmp_path_factory: pytest.TempPathFactory, browser: str) -> RunningSe
     ):
         first.open(session.next_address(1))
         first.until_step("waiting for the start")
+        # 3 × 16 items of 4 s, two exposures of 4 s, a training of 0.5 s
+        assert first.text("session-left") == "About 3 min left of the session (an estimate)."
         first.press_button("Start")
         first.until_step("questionnaire ssq (baseline)")
         first.answer(*"10230123")
@@ -84,6 +86,7 @@ def steered(tmp_path_factory: pytest.TempPathFactory, browser: str) -> RunningSe
         second.press_button("Skip")
         for page in (first, second):
             page.until(lambda page=page: "has ended: withdrawn" in page.text("step"))
+            assert page.text("session-left") == ""
         assert session.ended() == 0
         return session
 

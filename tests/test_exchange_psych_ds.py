@@ -1,26 +1,23 @@
 """`vrcomfort export --format psych-ds`: the tables are the study's, and the schema's rules hold.
 
-The rules are those of Psych-DS' published schema 1.5.1 that are errors, checked here one by one.
+The rules (tests/support/psych_ds.py) are those of Psych-DS' published schema 1.5.1 that are errors.
 """
 
 from __future__ import annotations
 
 import csv
 import json
-import re
+import shutil
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.support.exchange import with_gaze
+from tests.support.psych_ds import CODES, errors
 from tests.support.resume import go
 from tests.support.study import Scripted
 from vrcomfort.exchange.psych_ds import export_psych_ds
-
-NAME = re.compile(r"([a-z]+-[a-zA-Z0-9]+)(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
-KEYWORDS = {
-    "study", "site", "subject", "session", "task", "condition", "trial", "stimulus", "description",
-}  # fmt: skip
 
 
 def table(file: Path) -> tuple[list[str], list[list[str]]]:
@@ -45,24 +42,75 @@ def dataset(study: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_every_rule_of_the_schema_that_is_an_error_holds(dataset: Path) -> None:
+    assert errors(dataset) == set()
     said = json.loads((dataset / "dataset_description.json").read_text(encoding="utf-8"))
-    assert (said["@context"], said["@type"]) == ("https://schema.org/", "Dataset")
-    assert said["name"]
-    assert said["description"]
     variables = [each["name"] for each in said["variableMeasured"]]
     assert len(variables) == len(set(variables))
     assert all(each["@type"] == "PropertyValue" for each in said["variableMeasured"])
-    columns: set[str] = set()
-    for file in (dataset / "data").iterdir():
-        assert NAME.fullmatch(file.name)
-        assert {part.split("-")[0] for part in file.name.split("_")[:-1]} <= KEYWORDS
-        header, rows = table(file)
-        assert rows
-        assert len(header) == len(set(header)) > 0
-        assert {len(row) for row in rows} == {len(header)}
-        columns |= set(header)
-    assert columns == set(variables)
+    tables = [table(file) for file in (dataset / "data").iterdir()]
+    assert all(rows for _, rows in tables)
+    assert all(len(header) == len(set(header)) for header, _ in tables)
+    assert {column for header, _ in tables for column in header} == set(variables)
     assert (dataset / "README.md").stat().st_size
+
+
+Change = Callable[[Path], object]
+TRIALS = "data/study-tiny_description-trials_data.csv"
+DESCRIPTION = "dataset_description.json"
+
+
+def written(name: str, text: str) -> Change:
+    return lambda place: (place / name).write_text(text)
+
+
+def renamed(name: str) -> Change:
+    return lambda place: (place / TRIALS).rename(place / "data" / name)
+
+
+def described(**changes: object) -> Change:
+    def change(place: Path) -> None:
+        content = json.loads((place / DESCRIPTION).read_text(encoding="utf-8"))
+        content.update({key.replace("at_", "@"): value for key, value in changes.items()})
+        kept = {key: value for key, value in content.items() if value is not None}
+        (place / DESCRIPTION).write_text(json.dumps(kept))
+
+    return change
+
+
+def with_row_ids(place: Path) -> None:
+    written(TRIALS, "row_id\n1\n1\n")(place)
+    described(variableMeasured=[{"name": "row_id"}])(place)
+    for file in (place / "data").iterdir():
+        if file != place / TRIALS:
+            file.unlink()
+
+
+BROKEN: dict[str, Change] = {
+    "MISSING_DATASET_DESCRIPTION": lambda place: (place / DESCRIPTION).unlink(),
+    "MISSING_DATA_DIRECTORY": lambda place: shutil.rmtree(place / "data"),
+    "MISSING_DATAFILE": lambda place: [each.unlink() for each in (place / "data").iterdir()],
+    "JSON_INVALID": written(DESCRIPTION, "{"),
+    "JSON_ENCODING_ERROR": lambda place: (place / DESCRIPTION).write_bytes(b'{"name": "\xff"}'),
+    "JSON_KEY_REQUIRED": described(description=""),
+    "INVALID_JSONLD_FORMATTING": described(at_context=None),
+    "MISSING_DATASET_TYPE": described(at_type=None),
+    "INCORRECT_DATASET_TYPE": described(at_type="Thing"),
+    "FILENAME_KEYWORD_FORMATTING_ERROR": renamed("Trials_data.csv"),
+    "FILENAME_UNOFFICIAL_KEYWORD_ERROR": renamed("study-tiny_kind-trials_data.csv"),
+    "EXTENSION_MISMATCH": renamed("study-tiny_data.tsv"),
+    "CSV_HEADER_MISSING": written(TRIALS, ""),
+    "CSV_FORMATTING_ERROR": written(TRIALS, 'trial\n"1"2\n'),
+    "CSV_HEADER_LENGTH_MISMATCH": written(TRIALS, "trial,condition\n1\n"),
+    "ROWID_VALUES_NOT_UNIQUE": with_row_ids,
+    "CSV_COLUMN_MISSING_FROM_METADATA": written(TRIALS, "trial,weather\n1,dull\n"),
+}
+
+
+@pytest.mark.parametrize("code", sorted(CODES))
+def test_each_rule_finds_a_dataset_that_breaks_it(dataset: Path, tmp_path: Path, code: str) -> None:
+    broken = Path(shutil.copytree(dataset, tmp_path / "broken"))
+    BROKEN[code](broken)
+    assert errors(broken) == {code}
 
 
 def test_the_tables_are_those_of_the_study(study: Path, dataset: Path) -> None:

@@ -154,7 +154,7 @@ def test_what_stands_there_without_a_question_is_in_the_participants_language(dr
     desk = ScriptedDesk([Wanted("ready", "start"), Wanted("exposure", "pause")],
                         starts_sessions=True)  # fmt: skip
     steering = Steering(desk)
-    steering.attach(Events(), screen, XX)
+    steering.attach(Events(), screen, words=XX)
     steering.await_start()
     steering.begin("exposure", "exposure 1 of 1")
     for _ in range(5):
@@ -166,7 +166,7 @@ def test_what_is_asked_aloud_is_told_in_the_participants_language(drawn):
     screen = PanelScreen(WornHeadset(), words=XX)
     desk = Experimenter()
     steering = Steering(desk)
-    steering.attach(Events(), screen, XX)
+    steering.attach(Events(), screen, words=XX)
     clock = iter(range(10**6))
     person = VerbalRespondent(desk, steering, screen, words=XX, now_s=lambda: float(next(clock)))
     steering.begin("questionnaire", "questionnaire fms (post)")

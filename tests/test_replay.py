@@ -467,9 +467,11 @@ def test_an_exposure_that_was_cut_short_by_a_kill_is_shown_too(study: Path) -> N
     assert killed.end - killed.shown == int(rows[1]["frames"])
 
 
-def test_a_validation_of_the_eye_tracker_is_no_part_of_an_exposure(tmp_path: Path) -> None:
+def test_what_is_measured_and_practised_before_is_no_part_of_an_exposure(tmp_path: Path) -> None:
     """Its frames are no trial's, as those of training are."""
     table = "[gaze_validation]\npoints = [[0.0, 0.0, 1.0], [9.0, 0.0, 1.0], [0.0, 9.0, 2.0]]\n\n"
+    table += '[posture]\nmode = "standing"\n\n[[practice]]\nname = "try"\nexposure_s = 2.0\n'
+    table += 'trials = [{ scene = "room.glb", condition = "plain" }]\n\n'
     text = TINY.replace("[[conditions]]", table + "[[conditions]]", 1)
     go(tmp_path, protocol=tiny_protocol(tmp_path, text))
 
@@ -479,6 +481,6 @@ def test_a_validation_of_the_eye_tracker_is_no_part_of_an_exposure(tmp_path: Pat
     before = [row for row in rows if row["trial"] == "0"]
     first = session.exposures[0]
     assert first.shown - first.first == 10  # a second of training
-    assert len(before) > 10
+    assert len(before) > 10 + 20 + 10  # 2 s of practice, and a validation
     assert first.first == len(before) - 10
     assert [each.first == each.shown for each in session.exposures[1:]] == [True]

@@ -99,6 +99,7 @@ def openxr_setup(
             on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
             hash_every=HASH_EVERY,
             photodiode=protocol.photodiode,
+            finds_hits=True,
         )
         owned.callback(renderer.release)
         machine = replace(

@@ -66,6 +66,10 @@ class Order(Protocol):
     def trials(self) -> tuple[tuple[str, str], ...]:
         """Return scene and condition of each exposure."""
 
+    @property
+    def remaining_s(self) -> Callable[[], float]:
+        """Return what estimates how much time the session will still take."""
+
 
 class Rendered(Protocol):
     """What was drawn; `session.interfaces.RenderedFrame`."""
@@ -138,11 +142,13 @@ class ConsoleDesk:
         self._lines: deque[str] = deque(maxlen=LINES)
         self._replies: deque[tuple[str, str]] = deque(maxlen=REPLIES)
         self._focus_m: float | None = None
+        self._remaining_s: Callable[[], float] | None = None
         self._paused = self._leaving = False
         self._next_s = self._next_picture_s = 0.0
 
     def open(self, order: Order) -> None:
         """Take note of a session that begins; its first step shows it."""
+        self._remaining_s = order.remaining_s
         self._state |= {
             "participant": order.participant,
             "session": order.session,
@@ -254,6 +260,8 @@ class ConsoleDesk:
         self._next_s = self._now_s() + STATE_EVERY_S
         state = dict(self._state)
         state |= {"paused": self._paused, "withdrawing": self._leaving}
+        if self._remaining_s is not None:
+            state["remaining_s"] = round(self._remaining_s(), 1)
         state |= {"ratings": tuple(self._ratings), "lines": tuple(self._lines)}
         state["replies"] = tuple(self._replies)
         self._server.show(state)

@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, EventRow, PracticeRow, RatingRow, TrialRow
+from vrcomfort.records import BallRow, EventRow, RatingRow, TrialRow
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.replay.session_rows import rows_of
 from vrcomfort.scene.markers import Shown
 from vrcomfort.traces.trace import Trace
 
-VALIDATION = "gaze_validation"
-"""The event of a validation of the eye tracker."""
+TRAINING = "training"
+"""The event of it, before the first exposure."""
 _EPSILON_S = 1e-6
 """Of session times in files."""
 
@@ -83,7 +83,7 @@ def read_exposures(
             frames,
             [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
             [_ball(row) for row in rows_of(folder, BallRow, manifest)],
-            _others_until_s(folder, manifest),
+            _trained_from_s(folder, manifest),
         )
     )
 
@@ -101,16 +101,14 @@ def _attempts(
         yield {**begun, "end_s": np.inf, "status": ""}
 
 
-def _others_until_s(folder: Path, manifest: Mapping[str, Any]) -> list[float]:
-    """Return when each practice and each validation of the eye tracker ended.
+def _trained_from_s(folder: Path, manifest: Mapping[str, Any]) -> list[float]:
+    """Return when each training began.
 
-    Their frames are of no exposure, and have its number of training.
+    Other frames that are no trial's (of practice, or of what is measured before a trial) are not
+    shown again.
     """
-    validations = (e for e in rows_of(folder, EventRow, manifest) if e["name"] == VALIDATION)
-    return [
-        *(row["end_s"] for row in rows_of(folder, PracticeRow, manifest)),
-        *(row["onset_s"] + row["duration_s"] for row in validations),
-    ]
+    events = rows_of(folder, EventRow, manifest)
+    return [event["onset_s"] for event in events if event["name"] == TRAINING]
 
 
 def _exposures(
@@ -119,7 +117,7 @@ def _exposures(
     frames: FrameFacts,
     ratings: Sequence[Rating],
     balls: Sequence[tuple[int, Shown]],
-    others_until_s: Sequence[float],
+    trained_from_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
     before_s = -np.inf
@@ -129,9 +127,9 @@ def _exposures(
         rows = np.flatnonzero(inside & (frames.trial == row["trial"]))
         if len(rows):
             shown, end = int(rows[0]), int(rows[-1]) + 1
-            ends_s = [each - _EPSILON_S for each in others_until_s if each <= row["start_s"]]
-            before_s = max([before_s, *ends_s])
-            trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= before_s)
+            began_s = [each for each in trained_from_s if before_s <= each <= row["start_s"]]
+            since_s = min(began_s, default=np.inf) - _EPSILON_S
+            trained = (frames.trial[:shown] == 0) & (frames.session_s[:shown] >= since_s)
             others = np.flatnonzero(~trained)
             first = int(others[-1]) + 1 if len(others) else 0
             told = tuple(each for each in ratings if start_s <= each.onset_s <= end_s)

@@ -61,6 +61,7 @@ class EventLog:
         self, step: Step, place: TrialPlace, done: float, total: float, text: str = ""
     ) -> None:
         """Tell how far a step has come."""
+        self.context.steering.come(done, total)  # a notice has no total
         trial, condition = place.trial or 0, place.condition or ""
         self.context.progress(
             Progress(

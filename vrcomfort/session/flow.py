@@ -24,6 +24,7 @@ from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
+from vrcomfort.session.remaining import SessionTime, planned_steps
 from vrcomfort.session.rests import Rests
 from vrcomfort.session.screener import Screener
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
@@ -129,15 +130,21 @@ class SessionFlow:
             self._events.event("session_start")
         self._respondent.start_session(self._events.session)
         self._manifest.open()
-        self._steering.attach(self._events, self._context.screen, self._context.protocol.words)
+        left = self._places[before.done if before else 0 :]
+        steps = tuple(planned_steps(self._context, left, self._events.session))
+        time = SessionTime(steps, self._events.now_s)
+        words = self._context.protocol.words
+        self._steering.attach(self._events, self._context.screen, words=words, time=time)
         shown = tuple((place.scene, place.condition or "") for place in self._places)
         name, who = self._context.sequence.name, self._context.participant
-        self._steering.desk.open(SessionOrder(who, self._events.session, name, shown))
+        order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)
+        self._steering.desk.open(order)
 
     def _everything(self) -> None:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
+            self._screener.look_at_ipd()
             self._screener.look_at_covariates()
             self._instructor.tell("session_start", TrialPlace())
             self._ask("session_start", TrialPlace())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -30,12 +31,15 @@ class SessionOrder:
     ----------
     trials
         Scene and condition of each exposure of the session.
+    remaining_s
+        Returns how much time the session is expected to take still.
     """
 
     participant: str
     session: int
     sequence: str
     trials: tuple[tuple[str, str], ...]
+    remaining_s: Callable[[], float]
 
 
 class Command(Protocol):

@@ -69,6 +69,24 @@ class Events(Protocol):
         """Write an event that ends now, without waiting."""
 
 
+class Time(Protocol):
+    """Follows a session through its planned steps; `remaining.SessionTime`."""
+
+    def begin(
+        self, kind: StepKind, words: str, *, again: bool = False, cut_short: bool = False
+    ) -> None:
+        """Take note that a step begins."""
+
+    def come(self, share: float) -> None:
+        """Take note of how much of the step is done, 0 to 1."""
+
+    def pause(self) -> None:
+        """Stop to count the step's time."""
+
+    def end_pause(self) -> None:
+        """Go on."""
+
+
 class Idle(Protocol):
     """Shows words while nothing else is shown."""
 
@@ -117,6 +135,8 @@ class Steering:
         self._paused_at_s: float | None = None
         self._leaving = self._started = False
         self._words = ENGLISH
+        self._time: Time | None = None
+        self._ended_by = ""
 
     @property
     def paused(self) -> bool:
@@ -128,9 +148,25 @@ class Steering:
         """Whether a withdrawal was asked for, and not yet whether it is meant."""
         return self._leaving
 
-    def attach(self, events: Events, screen: Idle | None = None, words: Words = ENGLISH) -> None:
-        """Steer this session from now on, with a participant who reads these words."""
-        self._events, self._screen, self._words = events, screen, words
+    def attach(
+        self,
+        events: Events,
+        screen: Idle | None = None,
+        *,
+        words: Words = ENGLISH,
+        time: Time | None = None,
+    ) -> None:
+        """Steer this session from now on.
+
+        Parameters
+        ----------
+        words
+            In the participant's language.
+        time
+            Is told how far the session has come.
+        """
+        self._events, self._screen = events, screen
+        self._words, self._time = words, time
         self._headset, self._started, self._leaving = None, False, False
 
     def use(self, headset: object) -> None:
@@ -141,8 +177,17 @@ class Steering:
         """Take note that a step begins: what was meant for the one before is stale now."""
         self._end_pause()
         self.entries.clear()
+        ended_by, self._ended_by = self._ended_by, ""
+        if self._time is not None:
+            again = ended_by == "redo" and kind == self.step.kind
+            self._time.begin(kind, words, again=again, cut_short=bool(ended_by))
         self.step = OperatedStep(self.step.number + 1, kind, words)
         self.desk.begin(self.step)
+
+    def come(self, done: float, total: float) -> None:
+        """Take note of how much of the step is done."""
+        if self._time is not None and total > 0:
+            self._time.come(min(max(done / total, 0.0), 1.0))
 
     def await_start(self) -> None:
         """Wait until an operator starts the session, where operators do.
@@ -242,11 +287,15 @@ class Steering:
             case "pause":
                 self._paused_at_s = self._events.now_s() if self._events else 0.0
                 self._rest_on(self._words.paused)
+                if self._time is not None:
+                    self._time.pause()
             case "go_on":
                 self._end_pause()
             case "skip":
+                self._ended_by = "skip"
                 raise Skipped
             case "redo":
+                self._ended_by = "redo"
                 raise Redone
             case "recentre":
                 if isinstance(self._headset, Recentring):
@@ -266,6 +315,8 @@ class Steering:
     def _end_pause(self) -> None:
         began_s, self._paused_at_s = self._paused_at_s, None
         if began_s is not None:
+            if self._time is not None:
+                self._time.end_pause()
             self._rest_on(None)
             self._write("pause", began_s, detail=self.step.words)
 

@@ -10,6 +10,7 @@ let state = null;
 let shownQuestion = "";
 let correcting = null; // name of the item that is asked again
 let pictureUrl = null;
+let arrivedMs = 0; // when the state came
 let pageId = 0;
 const mine = new Set(); // ids of messages whose answer has not come
 const prefix = Math.random().toString(36).slice(2);
@@ -68,9 +69,11 @@ function showPicture(blob) {
 
 function show(now) {
   state = now;
+  arrivedMs = performance.now();
   if (state.step) {
     put(at("who"), `${state.participant}, session ${state.session}, order ${state.sequence}`);
     showStep();
+    showSessionLeft();
     showEyes();
     showQuestion(state.question || null);
     showRatings();
@@ -113,6 +116,20 @@ function showStep() {
     at("withdrawing").hidden = !asks;
     if (asks) at("withdrawing-why").focus();
   }
+}
+
+// A question may stand for long without news: meanwhile the page counts by itself.
+function showSessionLeft() {
+  if (!state || !state.step) return;
+  const stands = state.paused || state.step.kind === "ready";
+  const since = stands ? 0 : (performance.now() - arrivedMs) / 1000;
+  const left = about(Math.max(state.remaining_s - since, 0));
+  put(at("session-left"), state.ended ? "" : `About ${left} left of the session (an estimate).`);
+}
+
+function about(seconds) {
+  if (seconds >= 90) return `${Math.round(seconds / 60)} min`;
+  return `${Math.max(Math.round(seconds / 10) * 10, 10)} s`;
 }
 
 // Between exposures, and in a pause, the last picture would be one of what is gone.
@@ -337,4 +354,5 @@ at("look").addEventListener("change", () => {
   watch();
 });
 document.addEventListener("visibilitychange", watch);
+setInterval(showSessionLeft, 1000);
 connect();
