@@ -13,6 +13,7 @@ import moderngl
 
 from bench import (
     effects,
+    gaze_hits,
     image_hash,
     many_answers,
     mask,
@@ -52,6 +53,7 @@ BENCHMARKS: dict[str, Callable[[moderngl.Context, argparse.Namespace], Result]] 
     ),
     "answers": lambda _, options: many_answers.measure(options.people),
     "recordings": lambda _, options: recordings.measure(options.frame_rows),
+    "gaze_hits": lambda ctx, options: gaze_hits.measure(ctx, rounds=options.rounds),
     "image_hash": lambda ctx, options: image_hash.measure(ctx, rounds=options.rounds),
     "simulated": lambda _, options: simulated.measure(options.simulated),
     "mask": lambda ctx, options: mask.measure(ctx, rounds=options.rounds),

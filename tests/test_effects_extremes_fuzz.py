@@ -73,7 +73,9 @@ def test_whole_frames(ctx, cases):
         renderer.begin(scene(rng), condition)
         samples = []
         # Without an eye tracker, some settings refuse to go on.
-        tracked = condition.focus.without_gaze == "stop" or rng.random() < 0.5
+        centre = condition.gaze_centre
+        stops = centre is not None and centre.without_gaze == "stop"
+        tracked = condition.focus.without_gaze == "stop" or stops or rng.random() < 0.5
         for frame in frames(rng, tracked=tracked):
             rendered = renderer.render(
                 frame,

@@ -23,6 +23,7 @@ from vrcomfort.cli import main
 from vrcomfort.cli.gaze_check import require_recorded_gaze
 from vrcomfort.cli.playback import open_trace
 from vrcomfort.errors import InputError
+from vrcomfort.frame import GazeHit
 from vrcomfort.geometry import Gaze, Pose, normalize, rotate, turn_to, yaw_pitch_roll
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
@@ -153,17 +154,38 @@ def test_a_window_cannot_show_what_follows_the_gaze(tmp_path, monkeypatch, capsy
     assert not out.exists()
 
 
-def test_hits_are_written_where_focus_follows_the_gaze(tmp_path):
+class LateHits(LateFocus):
+    """Tells three frames late what a valid gaze meets: a chair, or sky."""
+
+    def render(self, frame, scene_time_s):
+        picture = super().render(frame, scene_time_s)
+        hits = self.__dict__.setdefault("hits", [])
+        if frame.gaze.valid:
+            met = (None, "") if frame.index == 3 else (2.5, "chair")
+            hits.append(GazeHit(frame.index, *met))
+        due, hits[:] = hits[:-3], hits[-3:]
+        centre = "gaze" if frame.gaze.valid else "held"
+        return replace(
+            picture, seeks_gaze=frame.gaze.valid, gaze_hits=tuple(due), effect_centre=centre
+        )
+
+    def drain_gaze_hits(self):
+        return tuple(self.hits)
+
+
+@pytest.mark.parametrize("blurs", [True, False])
+def test_what_the_gaze_meets_is_written_in_every_condition(tmp_path, blurs):
     with Recorder(tmp_path, "P1", 1) as recorder:
-        log, renderer = FrameLog(recorder), LateFocus()
-        renderer.begin(None, Condition(name="blur", depth_of_field={}))
-        log.focus_follows_gaze = True
+        log, renderer = FrameLog(recorder), LateHits()
+        renderer.begin(None, Condition(name="any", depth_of_field={} if blurs else None))
         for index in range(6):
             shown = replace(frame(index), gaze=looking(index))
             log.add(shown, renderer.render(shown, 0.0), trial=1, session_s=0.1 * index)
-        log.finish(renderer.drain())
+        log.finish(renderer.drain(), hits=renderer.drain_gaze_hits())
     rows = read_rows(recorder.folder / "gaze.csv")
-    assert [row["hit_m"] for row in rows] == ["3.5"] * 4 + [""] + ["3.5"]  # a blink hits nothing
+    assert [row["hit_m"] for row in rows] == ["2.5"] * 3 + ["", "", "2.5"]  # sky, and a blink
+    assert [row["hit_node"] for row in rows] == ["chair"] * 3 + ["", "", "chair"]
+    assert [row["effect_centre"] for row in rows] == ["gaze"] * 4 + ["held", "gaze"]
 
 
 def test_a_resumed_session_goes_on_in_the_same_file(tmp_path):

@@ -54,7 +54,9 @@ class FlatRenderer:
         self.focus_samples: tuple[Any, ...] = ()
         self.hashed = False
         self.image_hashes: tuple[Any, ...] = ()
-        self.max_blur_px = self.cpu_ms = self.gpu_times = None
+        self.max_blur_px = self.cpu_ms = self.gpu_times = self.effect_centre = None
+        self.seeks_gaze = False
+        self.gaze_hits: tuple[Any, ...] = ()
 
     def begin(self, scene: object, condition: object) -> None:
         """Draw the same whatever is asked for."""
@@ -66,6 +68,9 @@ class FlatRenderer:
         return ()
 
     def drain_hashes(self) -> tuple[Any, ...]:
+        return ()
+
+    def drain_gaze_hits(self) -> tuple[Any, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

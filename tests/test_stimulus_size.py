@@ -11,7 +11,8 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose, View, focal_length_px, yaw_pitch_roll
 from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
-from vrcomfort.protocol.conditions import SpeedBlur, TurnRamp
+from vrcomfort.protocol.conditions import Peripheral, SpeedBlur, TurnRamp
+from vrcomfort.protocol.gaze_centre import GazeCentre
 from vrcomfort.protocol.model import Visibility
 from vrcomfort.render.stimulus_size import StimulusSize, measure
 from vrcomfort.render.visibility import faults, needlessly_meant, seen
@@ -171,6 +172,19 @@ def test_effects_that_are_not_measured_may_tell_conditions_apart():
     ]
     protocol = protocol.model_copy(update={"conditions": (none, *blurred)})
     assert list(faults(protocol, FOUND)) == []
+
+
+def test_what_follows_the_gaze_is_another_condition_and_can_be_unseen():
+    """With the same blur: sizes are those of a gaze straight ahead."""
+    protocol = study()
+    none, a, b, c = protocol.conditions
+    shape = a.depth_of_field.model_copy(update={"peripheral": Peripheral()})
+    a, b, c = (each.model_copy(update={"depth_of_field": shape}) for each in (a, b, c))
+    followed = c.model_copy(update={"gaze_centre": GazeCentre(of=["peripheral"])})
+    protocol = protocol.model_copy(update={"conditions": (none, a, b, followed)})
+    assert [fault.conditions for fault in faults(protocol, FOUND)] == [("a",)]
+    weak = {"room": {**FOUND["room"], "c": sizes(WEAK)}}
+    assert [fault.conditions for fault in faults(protocol, weak)] == [("a",), ("c",)]
 
 
 def test_two_conditions_without_anything_are_told():

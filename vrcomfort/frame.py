@@ -123,6 +123,22 @@ class FocusSample:
     used: NDArray[np.bool_]
 
 
+class GazeHit(NamedTuple):
+    """What the line of sight of a frame (`Frame.index`) meets.
+
+    Parameters
+    ----------
+    hit_m
+        How far away, measured as the focus is; None where it meets nothing.
+    node
+        Name of the node in the scene; empty where it meets nothing.
+    """
+
+    frame_index: int
+    hit_m: float | None
+    node: str
+
+
 class ImageHash(NamedTuple):
     """What the images of a frame (`Frame.index`) were: 16 hexadecimal digits of each eye's."""
 

@@ -52,7 +52,7 @@ float lens_focus_m(float focus_m, float focal_length_m, float infinity_m) {
 
 // Peripheral blur on top of a signed radius (Hillaire et al. 2008, Eq. 5 and 6): it makes discs
 // wider and changes neither their sign nor their order in depth. cos_angle: between the pixel and
-// the head's forward axis; unit_px: radius where 1 / cos_angle - 1 is 1.
+// the axis that it is centred on; unit_px: radius where 1 / cos_angle - 1 is 1.
 float add_peripheral_px(float radius_px, float cos_angle, float unit_px, float exponent,
                         float radius_limit_px) {
     const float LEAST = 1e-3;  // 90 degrees and beyond: the radius is at its limit long before

@@ -20,6 +20,7 @@ uniform float focal_length_m;
 uniform float distance_offset_m;    // added to the distances of focus and point alike
 #endif
 #ifdef PERIPHERAL
+uniform vec3 peripheral_axis_in_view;  // what it is centred on: the head's forward axis, or the gaze
 uniform float peripheral_px;
 uniform float peripheral_exponent;
 #endif
@@ -65,7 +66,7 @@ float radius_within(float limit_px, float z, vec2 uv) {
     float radius = clamp(unlimited_radius_at(z, uv), -limit_px, limit_px);
 #ifdef PERIPHERAL
     vec2 tangent = mix(tangents.xw, tangents.yz, uv);
-    float cos_angle = head_depth_slope(tangents, head_forward_in_view, uv)
+    float cos_angle = head_depth_slope(tangents, peripheral_axis_in_view, uv)
                     * inversesqrt(1.0 + dot(tangent, tangent));
     radius = add_peripheral_px(radius, cos_angle, peripheral_px, peripheral_exponent, limit_px);
 #endif

@@ -1,15 +1,16 @@
 #version 450 core
-// A field-of-view restrictor: covers the image outside a clear field round the head's forward axis.
+// A field-of-view restrictor: covers the image outside a clear field round an axis, which is the
+// head's forward axis or the gaze.
 //
-// Input:  image (linear HDR); tangents of the frustum: left, right, up, down; head_from_eye
-//         (rotation); clear_rad, the RADIUS of the clear field, and feather_rad, the width of the
-//         border in which the cover begins, both as angles from the head's forward axis; mean, 1x1,
-//         with MEAN_COLOUR.
+// Input:  image (linear HDR); tangents of the frustum: left, right, up, down; centre_from_eye
+//         (rotation; the axis is its -Z); clear_rad, the RADIUS of the clear field, and feather_rad,
+//         the width of the border in which the cover begins, both as angles from the axis; mean,
+//         1x1, with MEAN_COLOUR.
 // Output: image, or the cover: black, or the mean colour.
 // NumPy twin: tests/oracles/vignette.py. Source: Fernandes & Feiner 2016.
 uniform sampler2D image;
 uniform vec4 tangents;
-uniform mat3 head_from_eye;
+uniform mat3 centre_from_eye;
 uniform float clear_rad;
 uniform float feather_rad;
 #ifdef MEAN_COLOUR
@@ -20,7 +21,7 @@ out vec4 restricted;
 
 void main() {
     vec2 uv = gl_FragCoord.xy / vec2(textureSize(image, 0));
-    vec3 ray = head_from_eye * vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
+    vec3 ray = centre_from_eye * vec3(mix(tangents.xw, tangents.yz, uv), -1.0);
     float angle_rad = atan(length(ray.xy), -ray.z);
     float cover = smoothstep(0.0, 1.0, (angle_rad - clear_rad) / feather_rad);
     vec4 colour = texelFetch(image, ivec2(gl_FragCoord.xy), 0);

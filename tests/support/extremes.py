@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Fov, Gaze, Pose, View, axis_angle
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.gaze_centre import CentredEffect
 from vrcomfort.scene.animation import Animation, Channel
 from vrcomfort.scene.data import (
     DirectionalLight,
@@ -95,6 +96,8 @@ def _values(model, rng, fixed):
             values[name] = value
     if values.get("method") == "scripted":
         values["script"] = sorted({0.0: 0.05, float(rng.random()): 3e4}.items())
+    if "of" in model.model_fields:
+        values["of"] = typing.get_args(CentredEffect)
     if "foreground" in model.model_fields:
         values["foreground"] = [str(rng.choice(["*", "held", "[fl]*"]))]
     return values

@@ -157,6 +157,9 @@ class Picture:
     hashed: bool = False
     image_hashes: tuple[Any, ...] = ()
     cpu_ms: float | None = None
+    seeks_gaze: bool = False
+    gaze_hits: tuple[Any, ...] = ()
+    effect_centre: str | None = None
 
 
 @dataclass
@@ -183,6 +186,9 @@ class LateFocus:
         return late
 
     def drain_hashes(self) -> tuple[Any, ...]:
+        return ()
+
+    def drain_gaze_hits(self) -> tuple[Any, ...]:
         return ()
 
     def clamps(self) -> tuple[str, ...]:

@@ -15,14 +15,20 @@ if TYPE_CHECKING:
 
 
 def make_renderer(
-    size_px: tuple[int, int], *, hash_every: int = 0, photodiode: Photodiode | None = None
+    size_px: tuple[int, int],
+    *,
+    hash_every: int = 0,
+    photodiode: Photodiode | None = None,
+    finds_hits: bool = False,
 ) -> StereoRenderer:
     """Return a renderer on a context of its own, without a window."""
     from vrcomfort.gpu.gl import create_context
     from vrcomfort.render.pipeline import StereoRenderer
 
     ctx = create_context()
-    return StereoRenderer(ctx, size_px, hash_every=hash_every, photodiode=photodiode)
+    return StereoRenderer(
+        ctx, size_px, hash_every=hash_every, photodiode=photodiode, finds_hits=finds_hits
+    )
 
 
 def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:

@@ -13,12 +13,14 @@ from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
 from vrcomfort.cli.terminal import ask_to_type
 from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.model import Answering
 
 if TYPE_CHECKING:
     import moderngl
 
     from vrcomfort.headset.mirror import Mirror
     from vrcomfort.headset.watchdog import Watchdog
+    from vrcomfort.respondent.dwell import LookDown
     from vrcomfort.respondent.panel import PanelRespondent
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.rehearsal import Rehearsal
@@ -97,6 +99,7 @@ def openxr_setup(
             on_eye=lambda eye, images: headset.take_depth(eye, images.depth, images.camera.near_m),
             hash_every=HASH_EVERY,
             photodiode=protocol.photodiode,
+            finds_hits=True,
         )
         owned.callback(renderer.release)
         machine = replace(
@@ -117,6 +120,13 @@ def open_mirror(owned: ExitStack) -> tuple[Mirror, moderngl.Context]:
     return Mirror(ctx, window), ctx
 
 
+def look_down_of(wish: Answering) -> LookDown | None:
+    """Return how whoever has no button asks to stop an exposure; None where nobody can."""
+    from vrcomfort.respondent.dwell import LookDown
+
+    return LookDown(wish.stop_down_deg, wish.stop_down_s) if wish.stop_by_looks else None
+
+
 def _person(
     protocol: Protocol, screen: PanelScreen, rehearsal: Rehearsal | None, *, keyboard: bool
 ) -> PanelRespondent:
@@ -130,6 +140,7 @@ def _person(
             screen,
             keyboard=keyboard,
             dwell_s=dwell_s,
+            look_down=look_down_of(protocol.answering),
             words=protocol.words,
             prompt=ask_to_type,
         )

@@ -166,6 +166,7 @@ class StudySetup:
                 self._playback.size_px,
                 hash_every=HASH_EVERY,
                 photodiode=self._protocol.photodiode,
+                finds_hits=True,
             )
             self._rendering = renderer, describe_machine(renderer, self._protocol)
         return self._rendering

@@ -31,6 +31,7 @@ from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
 from vrcomfort.records.rows import (
+    IPD_RULE,
     BallRow,
     DialRow,
     EventRow,
@@ -213,6 +214,8 @@ class _Session:
         def change(row: dict[str, str]) -> dict[str, str]:
             if "participant" in row:
                 row["participant"] = self.new
+            if name == ScreeningRow.FILE and row["rule"].startswith(IPD_RULE):
+                row["value"] = ""
             if name == TaskRow.FILE and not self.wishes.keep_motion:
                 row.update(dict.fromkeys(_PLACES, ""))
             return of_event(row) if name == EventRow.FILE else row

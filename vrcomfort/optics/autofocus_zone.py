@@ -47,6 +47,25 @@ class ZoneSettings(Protocol):
         """Return the distance taken for the sky."""
 
 
+def kept_within(
+    centre: tuple[float, float], screen: tuple[float, float], ratio: float
+) -> tuple[float, float]:
+    """Return the middle of a zone, moved so that all of the zone is in the image.
+
+    Parameters
+    ----------
+    centre
+        Tangents (right, up) of where the middle is to be.
+    screen
+        Half width and half height of the image as tangents.
+    ratio
+        The zone's sides over the image's.
+    """
+    (x, y), (width, height) = centre, screen
+    reach_x, reach_y = width * (1 - ratio), height * (1 - ratio)
+    return max(-reach_x, min(x, reach_x)), max(-reach_y, min(y, reach_y))
+
+
 def halvings(size_px: tuple[int, int]) -> list[tuple[int, int]]:
     """Return the sizes from a zone to one texel: each half of the one before, rounded up."""
     sizes = [size_px]
@@ -79,6 +98,7 @@ def zone_depth(
     settings: ZoneSettings,
     /,
     half_tangents: tuple[float, float] | None = None,
+    centre: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """Return (h, w) ``near_m / distance``, at least that of `infinity_m`.
 
@@ -88,11 +108,14 @@ def zone_depth(
         (h, w) ``near_m / distance`` along the head's forward axis, 0 for the sky.
     half_tangents
         Half width and half height of the zone, where distances are those along each pixel's ray.
+    centre
+        Tangents (right, up) of the zone's middle from the head's forward axis.
     """
     z = np.asarray(depth, dtype=np.float64)
     if half_tangents is not None:
         x, y = _half_sides((z.shape[1], z.shape[0]))
-        z = z / np.sqrt(1 + (x * half_tangents[0]) ** 2 + (y * half_tangents[1]) ** 2)
+        right, up = centre[0] + x * half_tangents[0], centre[1] + y * half_tangents[1]
+        z = z / np.sqrt(1 + right**2 + up**2)
     return np.maximum(z, near_m / settings.infinity_m)
 
 
@@ -103,6 +126,7 @@ def reduced(
     settings: ZoneSettings,
     /,
     half_tangents: tuple[float, float] | None = None,
+    centre: tuple[float, float] = (0.0, 0.0),
 ) -> Array:
     """Return the (2,) numbers from which ``focus_zone.frag`` takes the focus.
 
@@ -111,12 +135,12 @@ def reduced(
 
     Parameters
     ----------
-    depth, half_tangents
+    depth, half_tangents, centre
         Those of :func:`zone_depth`.
     semantic_weight
         (h, w) of what is seen there.
     """
-    z = zone_depth(depth, near_m, settings, half_tangents)
+    z = zone_depth(depth, near_m, settings, half_tangents, centre)
     if settings.zone_statistic == "mean":
         mean: Array = weighted(z, semantic_weight, near_m, settings).mean(axis=(0, 1))
         return mean

@@ -34,15 +34,15 @@ def clear_deg(open_deg: float, restricted_deg: float, strength: float) -> float:
     return open_deg + (restricted_deg - open_deg) * strength
 
 
-def widest_angle_deg(fov: Fov, head_from_eye: Pose) -> float:
-    """Return the largest angle from the head's forward axis in an eye's image: a corner's.
+def widest_angle_deg(fov: Fov, centre_from_eye: Pose) -> float:
+    """Return the largest angle from the field's axis in an eye's image: a corner's.
 
     Parameters
     ----------
-    head_from_eye
-        Only its rotation counts: canted displays look past the head's axis.
+    centre_from_eye
+        The axis is its −Z. Only its rotation counts: canted displays look past the head's axis.
     """
     left, right, up, down = fov.tangents
     rays = np.array([(x, y, -1.0) for x in (left, right) for y in (up, down)])
-    x, y, z = head_from_eye.matrix()[:3, :3] @ rays.T
+    x, y, z = centre_from_eye.matrix()[:3, :3] @ rays.T
     return float(np.degrees(np.arctan2(np.hypot(x, y), -z)).max())

@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 from pydantic import Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
+from vrcomfort.protocol.gaze_centre import CentredEffect, GazeCentre
 from vrcomfort.protocol.quality_levels import Quality, filled, with_level
 from vrcomfort.settings import Name, Settings, Word
 
@@ -437,6 +438,8 @@ class Condition(Settings):
     """Blur of the whole image after a cut; none without it."""
     vignette: Vignette | None = None
     """A field of view that closes with speed; none without it."""
+    gaze_centre: GazeCentre | None = None
+    """What is centred on the gaze; nothing without it."""
     effect_order: tuple[EffectName, ...] = EFFECTS
     """Which effect comes first; those that are not named come last, in their usual order."""
 
@@ -462,6 +465,19 @@ class Condition(Settings):
     def at_level(self, level: Quality) -> Condition:
         """Return the same condition, sampled as a level of `quality` says."""
         return Condition.model_validate(with_level(self.model_dump(), level))
+
+    @property
+    def centred_on_gaze(self) -> tuple[CentredEffect, ...]:
+        """Return what the condition has of what is to be centred on the gaze."""
+        if self.gaze_centre is None:
+            return ()
+        blur = self.depth_of_field
+        there: dict[CentredEffect, bool] = {
+            "autofocus_zone": blur is not None and self.focus.method == "autofocus_zone",
+            "peripheral": blur is not None and blur.peripheral is not None,
+            "vignette": self.vignette is not None,
+        }
+        return tuple(name for name in self.gaze_centre.of if there[name])
 
     @property
     def effects(self) -> dict[EffectName, Settings]:

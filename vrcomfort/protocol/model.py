@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, TypeAlias
 
 from pydantic import Field, PrivateAttr, field_validator
+from pydantic_core import PydanticCustomError
 
 from vrcomfort.errors import InputError
 from vrcomfort.frame import MEAN_IPD_M
@@ -43,6 +44,7 @@ Coefficient = Annotated[float, Field(ge=0, le=1e6)]
 PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
 
 
+Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
 PixelCount = Annotated[int, Field(ge=16, le=8192)]
 
 
@@ -56,8 +58,18 @@ class Headset(Settings):
     was shown in is recorded from the headset itself."""
     refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
     """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
-    ipd_m: Annotated[float, Field(ge=0.04, le=0.08)] = MEAN_IPD_M
+    ipd_m: Ipd = MEAN_IPD_M
     """Distance between the eyes, where no headset says it."""
+    ipd_range_m: tuple[Ipd, Ipd] | None = None
+    """Least and greatest distance between pupils that the headset can be fitted to. Whoever is
+    outside of it (`run --ipd-mm`) is told to the experimenter before the exposure, who decides."""
+
+    @field_validator("ipd_range_m")
+    @classmethod
+    def _range_rises(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is not None and value[0] >= value[1]:
+            raise PydanticCustomError("ipd_range", "must rise: the least distance first")
+        return value
 
 
 class Answering(Settings):
@@ -67,6 +79,13 @@ class Answering(Settings):
     """So long a look must rest on an answer, twice, where there is no button to press."""
     head: bool = True
     """Without controllers and an eye tracker, the middle of the head's view points."""
+    stop_by_looks: bool = True
+    """Who has no button asks to stop an exposure by a look down; the panel then asks whether they
+    are sure."""
+    stop_down_deg: Annotated[float, Field(ge=20, le=85)] = 60.0
+    """So far below the horizon, at least, they look then."""
+    stop_down_s: Annotated[float, Field(ge=0.5, le=30)] = 2.0
+    """For so long, at least."""
 
 
 class Visibility(Settings):

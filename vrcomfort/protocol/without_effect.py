@@ -66,6 +66,14 @@ NEEDS: dict[str, dict[str, Needs]] = {
 """What each setting needs to do anything, by effect; a setting that is not here always does."""
 
 
+_ADD = {
+    "autofocus_zone": 'write method = "autofocus_zone" under focus, beside depth_of_field,',
+    "peripheral": "write a table depth_of_field.peripheral",
+    "vignette": "write a table vignette",
+}
+"""What a condition needs so that it can be centred on the gaze."""
+
+
 def without_effect(protocol: Protocol) -> Iterator[Problem]:
     """Yield a problem for each setting in the protocol's text that does nothing there.
 
@@ -77,6 +85,10 @@ def without_effect(protocol: Protocol) -> Iterator[Problem]:
         if table.get("quality") and not any(map(_has_dials, conditions)):
             message = "`quality` does nothing without depth_of_field or motion_blur; remove it"
             yield Problem((*path, "quality"), message)
+        for index, name in enumerate(table.get("gaze_centre", {}).get("of", ())):
+            if not any(name in each.centred_on_gaze for each in conditions):
+                message = f"`gaze_centre` centres `{name}`, which is not there; {_ADD[name]}"
+                yield Problem((*path, "gaze_centre", "of", index), f"{message} or leave it out")
         for effect, needs in NEEDS.items():
             for key in needs.keys() & table.get(effect, {}).keys():
                 reasons = [idle(getattr(each, effect), needs[key]) for each in conditions]

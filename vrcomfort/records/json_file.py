@@ -20,6 +20,7 @@ from vrcomfort.settings import in_words, read_text
 
 KeyPath: TypeAlias = tuple[str | int, ...]
 
+_ENCODER = json.JSONEncoder(ensure_ascii=False)
 _SPACE = re.compile(r"[ \t\r\n]*")
 
 
@@ -58,11 +59,14 @@ def indented(content: Mapping[str, Any]) -> str:
     A manifest is written a dozen times in a session, and most of it is what it was.
     """
     parts = (
-        f"  {json.dumps(key, ensure_ascii=False)}: "
-        f"{_indented(json.dumps(value, ensure_ascii=False))}"
-        for key, value in content.items()
+        f"  {_key(key)}: {_indented(_ENCODER.encode(value))}" for key, value in content.items()
     )
     return "{\n" + ",\n".join(parts) + "\n}"
+
+
+@lru_cache(maxsize=256)
+def _key(name: str) -> str:
+    return _ENCODER.encode(name)
 
 
 @lru_cache(maxsize=256)

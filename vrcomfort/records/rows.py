@@ -9,7 +9,8 @@ import re
 import unicodedata
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, fields
-from typing import ClassVar, Protocol, TypeAlias
+from functools import cache
+from typing import Any, ClassVar, Protocol, TypeAlias
 
 Cell: TypeAlias = str | int | float | None
 
@@ -30,13 +31,19 @@ class Row(Protocol):
         """Return the values in the order of the header; None is missing."""
 
 
+@cache
+def _names(row_type: Any) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields: they are asked for with every row."""
+    return tuple(field.name for field in fields(row_type))
+
+
 class FlatRow:
     """A row whose dataclass fields are its columns."""
 
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the header."""
-        return tuple(field.name for field in fields(cls))  # type: ignore[arg-type]
+        return _names(cls)  # type: ignore[arg-type]
 
     def cells(self) -> Sequence[Cell]:
         """Return the values in the order of the header."""
@@ -68,7 +75,7 @@ class ParticipantRow(FlatRow):
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the columns that every study has."""
-        return tuple(name for name in super().columns() if name != "others")
+        return _names(cls)[:-1]  # type: ignore[arg-type]
 
     @property
     def group(self) -> str | None:
@@ -322,6 +329,10 @@ class PracticeRow(FlatRow):
     resumed: int = 0
 
 
+IPD_RULE = "distance between pupils in mm"
+"""What the rule is called that a headset's fit makes."""
+
+
 @dataclass(frozen=True)
 class ScreeningRow(FlatRow):
     """A number beyond a screening rule, and what the experimenter decided.
@@ -330,6 +341,8 @@ class ScreeningRow(FlatRow):
     ----------
     rule
         What was beyond which bound.
+    value
+        The number; blank in anonymous copies where it is of the body.
     decision
         go_on or stop.
     """
@@ -338,7 +351,7 @@ class ScreeningRow(FlatRow):
     participant: str
     session: int
     rule: str
-    value: float
+    value: float | None
     decision: str
     decided_s: float
     resumed: int = 0

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import lru_cache
 from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
@@ -169,6 +170,13 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     file = study / ParticipantRow.FILE
     if not file.exists():
         return []
+    now = file.stat()
+    return list(_participants(file, (now.st_ino, now.st_size, now.st_mtime_ns)))
+
+
+@lru_cache(maxsize=1)
+def _participants(file: Path, _version: tuple[int, int, int]) -> tuple[ParticipantRow, ...]:
+    """Read the list anew where the file has changed: each session looks into it several times."""
     found = CsvTable.read(file, appended=True)
     if found.warnings:  # going on would enrol somebody twice
         last = len(found.rows) + 2
@@ -178,7 +186,7 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     if found.rows and not set(own) <= set(found.header):
         raise InputError(f"the columns must be {', '.join(own)}", file=file, line=1)
     _check_participants(found)
-    return [_participant(row) for row in found.dicts()]
+    return tuple(_participant(row) for row in found.dicts())
 
 
 def _participant(row: dict[str, str]) -> ParticipantRow:
@@ -397,3 +405,4 @@ def _write_participants(study: Path, rows: list[ParticipantRow]) -> None:
         more = [dict(row.others).get(name, "") for name in others]
         lines.append(csv_line(map(cell_text, (*row.cells(), *more))))
     replace_text(study / ParticipantRow.FILE, "".join(lines), access_of(study))
+    _participants.cache_clear()

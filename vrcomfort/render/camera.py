@@ -57,6 +57,9 @@ class EyeCamera:
         where it is None.
     lens
         A point of the lens other than the pinhole. A renderer built for lenses needs one.
+    peripheral_axis, vignette_axis
+        (3,) in the head's frame: what peripheral blur and the vignette are centred on, where that
+        is not the head's forward axis.
     """
 
     world_from_eye: Pose
@@ -64,6 +67,8 @@ class EyeCamera:
     near_m: float = NEAR_M
     world_from_head: Pose | None = None
     lens: Lens | None = None
+    peripheral_axis: Array | None = None
+    vignette_axis: Array | None = None
 
     @property
     def head(self) -> Pose:

@@ -8,9 +8,12 @@ from typing import TypeAlias
 
 import moderngl
 
-from vrcomfort.frame import FocusSample, Frame
-from vrcomfort.geometry import Pose
+from vrcomfort.errors import InputError
+from vrcomfort.frame import FocusSample, Frame, GazeHit
+from vrcomfort.geometry import Array, Pose
+from vrcomfort.optics.gaze_centre import Centre, GazeCentre
 from vrcomfort.protocol.conditions import Condition
+from vrcomfort.protocol.gaze_centre import CentredEffect
 from vrcomfort.render.camera import Lens, PreviousCamera
 from vrcomfort.render.effects.depth_of_field.lens_views import LensViews
 from vrcomfort.render.effects.effect import Adjustable, Effect, EffectInputs, EffectKind, EyeFrame
@@ -19,6 +22,7 @@ from vrcomfort.render.focus.autofocus_zone import screen_tangents
 from vrcomfort.render.focus.rule import FocusPass, Sight
 from vrcomfort.render.focus.rules import make_focus_pass
 from vrcomfort.render.frames import EyeImages, head_from_gaze
+from vrcomfort.render.gaze_hit import GazeHits
 from vrcomfort.render.plan import plan_passes
 from vrcomfort.render.resolve import ResolvePass
 from vrcomfort.render.scene_pass import ScenePass
@@ -28,6 +32,10 @@ from vrcomfort.scene.data import Scene
 Drawn: TypeAlias = Effect | LensViews | ScenePass | ResolvePass | ToneMapPass | FocusPass
 """What has a `render`."""
 
+NO_EYE_TRACKER = (
+    "effects are centred on the gaze (gaze_centre), and this headset has no eye tracker; use one "
+    'that has, or write without_gaze = "head" under [conditions.gaze_centre]'
+)
 RESOLVE = "resolve"
 """Name of the part of a frame that makes one sample of several: effects may add to it."""
 
@@ -74,6 +82,15 @@ class ConditionPasses:
             self.focus = make_focus_pass(
                 ctx, self.scene.gpu, condition.focus, near_m=near_m, along_ray=along_ray
             )
+        self._centred = condition.centred_on_gaze
+        self._centre: GazeCentre | None = None
+        if condition.gaze_centre is not None and self._centred:
+            self._centre = GazeCentre(condition.gaze_centre.hold_s)
+            self._needs_gaze = condition.gaze_centre.without_gaze == "stop"
+        self._sees_along_ray = blur is not None and blur.distance_along == "ray"
+        self._near_m = near_m
+        self.gaze_hits: GazeHits | None = None
+        """Made when the first gaze is to be looked along."""
         self.triangles = 0
         """Of the eye that was drawn last, in all its views."""
         self.colour = self.scene.colour
@@ -164,6 +181,41 @@ class ConditionPasses:
         """Count no frame so far among those that :meth:`clamps` tells of."""
         for effect in self._effects:
             effect.forget()
+        if self._centre is not None:
+            self._centre.forget()
+
+    def centre(self, frame: Frame) -> Centre | None:
+        """Return what effects of a frame are centred on; None where none follows the gaze.
+
+        Raises
+        ------
+        InputError
+            Without an eye tracker, where the condition needs one.
+        """
+        if self._centre is None:
+            return None
+        if frame.gaze is None and self._needs_gaze:
+            raise InputError(NO_EYE_TRACKER)
+        return self._centre.at(head_from_gaze(frame), frame.predicted_display_time_ns)
+
+    def axis(self, name: CentredEffect, centre: Centre | None) -> Array | None:
+        """Return the direction that an effect is centred on; None: the head's forward axis."""
+        return centre.direction if centre is not None and name in self._centred else None
+
+    def look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
+        """Look what the gaze of a frame meets.
+
+        Return whether it is known where it looks, and the hits of earlier frames that have arrived.
+        """
+        gaze = head_from_gaze(frame)
+        if gaze is None:
+            return False, ()
+        if self.gaze_hits is None:
+            self.gaze_hits = GazeHits(
+                self._ctx, self.scene.gpu, near_m=self._near_m, along_ray=self._sees_along_ray
+            )
+        hits = self.gaze_hits.look(frame.index, gaze, world_from_head)
+        return self.gaze_hits.sought, hits
 
     def adjust(self, condition: Condition) -> None:
         """Draw by other settings from now on: those that can change while passes are there."""
@@ -175,7 +227,7 @@ class ConditionPasses:
             focus.adjust(condition.focus)
 
     def find_focus(
-        self, frame: Frame, world_from_head: Pose, scene_time_s: float
+        self, frame: Frame, world_from_head: Pose, scene_time_s: float, centre: Centre | None = None
     ) -> tuple[FocusSample, ...]:
         """Decide the focus of both eyes, and return the samples that have arrived."""
         if self.focus is None:
@@ -188,6 +240,7 @@ class ConditionPasses:
             screen_tangents(frame.views),
             head_from_gaze(frame),
             scene_time_s,
+            centre.tangents if centre and "autofocus_zone" in self._centred else (0.0, 0.0),
         )
         return self.focus.render(sight)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import moderngl
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Gaze
 from vrcomfort.render.camera import EyeCamera, PreviousCamera
 
@@ -61,6 +61,13 @@ class RenderedFrame:
         Whether its images are being hashed.
     image_hashes
         Those of earlier frames that have arrived, where images are hashed.
+    seeks_gaze
+        Whether it is being found out what the gaze of this frame meets.
+    gaze_hits
+        Of earlier frames that have arrived, what their gaze meets.
+    effect_centre
+        What effects that are centred on the gaze are centred on: ``gaze``, ``held`` or ``head``;
+        None where the condition has none.
     """
 
     eyes: tuple[moderngl.Texture, moderngl.Texture]
@@ -73,3 +80,6 @@ class RenderedFrame:
     gpu_times: tuple[GpuTime, ...] | None = None
     hashed: bool = False
     image_hashes: tuple[ImageHash, ...] = ()
+    seeks_gaze: bool = False
+    gaze_hits: tuple[GazeHit, ...] = ()
+    effect_centre: str | None = None

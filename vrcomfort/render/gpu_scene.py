@@ -270,6 +270,23 @@ class GpuScene:
             rows, clip_from_relative, origin_m, self._semantic_surfaces, cull=True
         )
 
+    def draw_node_numbers(self, clip_from_relative: Array, origin_m: Array) -> int:
+        """Draw depth as `draw_depth` does and, as colour, the number of the node that is seen.
+
+        Numbers count from 1, in the order of `Scene.nodes`.
+        """
+        if self._semantic_surfaces is None:
+            self._semantic_surfaces = self._semantic()
+        rows = self._seen_from(culling.planes(clip_from_relative), origin_m)
+        return self._draw_depth_rows(
+            rows,
+            clip_from_relative,
+            origin_m,
+            self._semantic_surfaces,
+            cull=True,
+            numbered=True,
+        )
+
     def _seen_from(self, planes: Array, origin_m: Array) -> Rows:
         """Return what writes depth within planes around a point."""
         rows: Rows = self._rows.in_use[self._rows.seen(planes[None], origin_m[None])[0]]
@@ -283,12 +300,13 @@ class GpuScene:
         surfaces: list[Surface],
         *,
         cull: bool,
+        numbered: bool = False,
     ) -> int:
         if not len(rows):
             return 0
         key = self._list.depth_key[rows]
         order = np.argsort(key, kind="stable")
-        self._rows.write(self._depth_rows, rows[order], origin_m)
+        self._rows.write(self._depth_rows, rows[order], origin_m, numbered=numbered)
         self._clips.write(clip_from_relative[None])
         self._clips.bind(0)
         drawn = batches(key[order])

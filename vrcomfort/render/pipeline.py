@@ -18,11 +18,12 @@ from typing import Literal, NamedTuple
 
 import moderngl
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Pose
 from vrcomfort.gpu import gl
 from vrcomfort.gpu import memory as gpu_memory
 from vrcomfort.gpu.timer import GpuTimer, make_gpu_timer
+from vrcomfort.optics.gaze_centre import Centre
 from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.render.camera import NEAR_M, EyeCamera, PreviousCamera
@@ -78,6 +79,8 @@ class StereoRenderer:
         none.
     photodiode
         The patch that frames with a `Frame.patch` have.
+    finds_hits
+        Find out what the gaze of frames meets, where they have one.
     """
 
     def __init__(
@@ -91,11 +94,13 @@ class StereoRenderer:
         on_eye: Callable[[int, EyeImages], None] | None = None,
         hash_every: int = 0,
         photodiode: Photodiode | None = None,
+        finds_hits: bool = False,
     ) -> None:
         self.size_px = size_px
         self._hash_every = hash_every
         self._hasher: ImageHasher | None = None
         self._drawn = 0
+        self._finds_hits, self._has_tracker = finds_hits, False
         self._photodiode = photodiode
         self._patch: PatchPainter | None = None
         self._eyes = eyes
@@ -118,6 +123,7 @@ class StereoRenderer:
             self._draw(frame, 0.0, None)
         passes.warm_up()
         self.drain()
+        self.drain_gaze_hits()
         passes.forget()
         self._before = None
         self._drawn = 0
@@ -192,6 +198,19 @@ class StereoRenderer:
             rendered = self._draw(frame, scene_time_s, on_eye)
         return self._hashed(frame, replace(rendered, gpu_times=self._timer.arrived()))
 
+    def _look_along(self, frame: Frame, world_from_head: Pose) -> tuple[bool, tuple[GazeHit, ...]]:
+        """Look what the gaze meets; return whether it is sought, and the hits that have arrived.
+
+        Frames that nobody sees look as well once an eye tracker has been seen: without one, nothing
+        is made for it.
+        """
+        if not self._finds_hits or frame.gaze is None:
+            return False, ()
+        self._has_tracker |= frame.index >= 0
+        if not self._has_tracker:
+            return False, ()
+        return self._built().look_along(frame, world_from_head)
+
     def _hashed(self, frame: Frame, rendered: RenderedFrame) -> RenderedFrame:
         """Begin to hash a frame's images if it is its turn; add the hashes that have arrived."""
         if not self._hash_every:
@@ -224,10 +243,14 @@ class StereoRenderer:
         before_s = scene_time_s if before is None else before.scene_time_s
         if self._has_hands:
             self._place_hands(frame, before)
-        eyes = [self._eye(index, frame, world_from_head, before) for index in range(self._eyes)]
+        centre = passes.centre(frame)
+        eyes = [
+            self._eye(index, frame, world_from_head, before, centre) for index in range(self._eyes)
+        ]
         passes.scene.update(scene_time_s, world_from_head, before_s, [eye.camera for eye in eyes])
-        samples = passes.find_focus(frame, world_from_head, scene_time_s)
+        samples = passes.find_focus(frame, world_from_head, scene_time_s, centre)
         triangles = passes.focus.triangles if passes.focus else 0
+        seeks_gaze, hits = self._look_along(frame, world_from_head)
         for index, eye in enumerate(eyes):
             images = passes.render_eye(eye, scene_time_s, before_s)
             triangles += passes.triangles
@@ -249,6 +272,9 @@ class StereoRenderer:
             draws=passes.scene.gpu.draws,
             triangles=triangles,
             passes=passes.names,
+            seeks_gaze=seeks_gaze,
+            gaze_hits=hits,
+            effect_centre=None if centre is None else centre.source,
             cpu_ms=(time.perf_counter() - start_s) * 1e3,
         )
 
@@ -260,6 +286,11 @@ class StereoRenderer:
     def clamps(self) -> tuple[str, ...]:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""
         return self._built().clamps()
+
+    def drain_gaze_hits(self) -> tuple[GazeHit, ...]:
+        """Return what the gaze of frames meets that is still on its way (waits for the GPU)."""
+        hits = None if self._passes is None else self._passes.gaze_hits
+        return () if hits is None else hits.drain()
 
     def drain_times(self) -> tuple[GpuTime, ...]:
         """Return the GPU times that are still on their way (this waits for the GPU)."""
@@ -306,13 +337,26 @@ class StereoRenderer:
         gpu.place_hands(hands, counted, with_head=carried == "with_head")
 
     def _eye(
-        self, index: int, frame: Frame, world_from_head: Pose, before: _Before | None
+        self,
+        index: int,
+        frame: Frame,
+        world_from_head: Pose,
+        before: _Before | None,
+        centre: Centre | None,
     ) -> EyeFrame:
         view, time_ns = frame.views[index], frame.predicted_display_time_ns
         head_from_eye = frame.head_pose.inverse() @ view.pose
         # Composed as `previous_eye_pose` does, so that a head that rests gives equal bits.
         world_from_eye = world_from_head @ head_from_eye
-        camera = EyeCamera(world_from_eye, view.fov, self._near_m, world_from_head)
+        passes = self._built()
+        camera = EyeCamera(
+            world_from_eye,
+            view.fov,
+            self._near_m,
+            world_from_head,
+            peripheral_axis=passes.axis("peripheral", centre),
+            vignette_axis=passes.axis("vignette", centre),
+        )
         if before is None:
             return EyeFrame(index, time_ns, head_from_eye, camera)
         step = _step(before, frame)

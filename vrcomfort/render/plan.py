@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from vrcomfort.protocol.conditions import Condition, EffectName
 from vrcomfort.render import background_blur
 from vrcomfort.render.effects.kinds import EFFECTS, in_order
@@ -54,7 +56,10 @@ def focus(scene: Scene, condition: Condition) -> PlannedPass:
     """Plan the search for the focus."""
     if not _readers("focus", scene, condition):
         return PlannedPass("focus", False, "nothing is out of focus without depth of field")
-    return RULES[condition.focus.method].plan(condition.focus)
+    planned = RULES[condition.focus.method].plan(condition.focus)
+    if "autofocus_zone" in condition.centred_on_gaze:
+        return replace(planned, reason=f"{planned.reason}; centred on the gaze")
+    return planned
 
 
 def velocity(scene: Scene, condition: Condition) -> PlannedPass:

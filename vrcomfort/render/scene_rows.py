@@ -214,7 +214,9 @@ class SceneRows:
         seen: Rows = rows[culling.visible(around_head[0], self._from_head[:, rows])]
         return seen
 
-    def write(self, buffers: RowBuffers, order: Rows, origin_m: Array) -> None:
+    def write(
+        self, buffers: RowBuffers, order: Rows, origin_m: Array, *, numbered: bool = False
+    ) -> None:
         """Write things in drawing order.
 
         Parameters
@@ -223,12 +225,16 @@ class SceneRows:
             Rows; a thing that is drawn in several views is there several times.
         origin_m
             (3,), or (len(order), 3): the viewpoint that each is drawn from.
+        numbered
+            With the numbers of nodes, from 1, in the place of semantic weights.
         """
         if not len(order):
             return
         nodes = self._list.node[order]
         rows = self._rows[order]
         rows[:, :_MATRIX] = relative_rows(self._world, nodes, origin_m).reshape(-1, _MATRIX)
+        if numbered:
+            rows[:, _MATRIX + 3] = nodes + 1
         before = None
         if buffers.previous is not None:
             before = relative_rows(self._previous_world, nodes, origin_m).astype(np.float32)

@@ -121,7 +121,7 @@ def faults(protocol: Protocol, sizes: Mapping[str, Mapping[str, StimulusSize]]) 
             yield Fault((name,), tuple(scenes), largest)
     meant = {frozenset(pair) for pair in protocol.visibility.alike}
     for a, b in combinations(protocol.conditions, 2):
-        if frozenset((a.name, b.name)) not in meant and _others(a) == _others(b):
+        if frozenset((a.name, b.name)) not in meant and _unmeasured(a) == _unmeasured(b):
             yield from _alike(a, b, sizes, unseen)
 
 
@@ -155,6 +155,12 @@ def _others(condition: Condition) -> dict[str, Any]:
     if condition.background_blur is not None:
         found["background_blur"] = condition.background_blur
     return found
+
+
+def _unmeasured(condition: Condition) -> dict[str, Any]:
+    """Return that, and what is centred on the gaze: sizes are those of a gaze straight ahead."""
+    centred = condition.centred_on_gaze
+    return {**_others(condition), **({"gaze_centre": centred} if centred else {})}
 
 
 def _p90(size: StimulusSize) -> float:

@@ -13,6 +13,8 @@ from vrcomfort.respondent.panel_layout import Cell
 
 DWELL_S = 1.2
 """So long a look rests without another wish of the protocol."""
+DOWN_DEG, DOWN_S = 60.0, 2.0
+"""A look down that asks to stop, without another wish of the protocol."""
 AWAY_S = 0.25
 """A look that is elsewhere for less, in a blink or at a rim, has not left."""
 STEPS = 8
@@ -92,3 +94,43 @@ class Dwell:
         if self._away_since_s is None:
             self._away_since_s = now_s
         return now_s - self._away_since_s >= AWAY_S
+
+
+class LookDown:
+    """A look far down that rests: how somebody without a button asks to stop an exposure.
+
+    Parameters
+    ----------
+    least_deg
+        So far below the horizon, where nothing of a scene is looked at for long.
+    least_s
+        For so long.
+    """
+
+    def __init__(self, least_deg: float = DOWN_DEG, least_s: float = DOWN_S) -> None:
+        self._least_deg, self._least_s = least_deg, least_s
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin an exposure."""
+        self._since_s: float | None = None
+        self._away_since_s: float | None = None
+        self._asked = False
+
+    def update(self, down_deg: float | None, now_s: float) -> bool:
+        """Take where somebody looks now; return whether they have just asked to stop.
+
+        A look ends with one elsewhere, but for a blink, and asks once.
+        """
+        if down_deg is not None and down_deg >= self._least_deg:
+            self._away_since_s = None
+            self._since_s = now_s if self._since_s is None else self._since_s
+        elif self._away_since_s is None:
+            self._away_since_s = now_s
+        elif now_s - self._away_since_s >= AWAY_S:
+            self.forget()
+        rested = self._since_s is not None and now_s - self._since_s >= self._least_s
+        if self._asked or not rested or self._away_since_s is not None:
+            return False
+        self._asked = True
+        return True

@@ -11,7 +11,7 @@ from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
-from vrcomfort.respondent.dwell import DWELL_S, Dwell, Progress
+from vrcomfort.respondent.dwell import DWELL_S, Dwell, LookDown, Progress
 from vrcomfort.respondent.lines import waiting_line
 from vrcomfort.respondent.panel_keys import KeyChoice, by_button
 from vrcomfort.respondent.panel_layout import (
@@ -49,6 +49,8 @@ class PanelRespondent:
         What stands beside questions and answers, in the participant's language.
     dwell_s
         So long a look must rest on a cell, twice, to choose it, where there is no controller.
+    look_down
+        How somebody without a button asks to stop an exposure; None: they cannot.
     waiting_line
         Returns a line that an experimenter has typed, or None, without waiting.
     prompt
@@ -67,10 +69,12 @@ class PanelRespondent:
         keyboard: bool = False,
         words: Words = ENGLISH,
         dwell_s: float = DWELL_S,
+        look_down: LookDown | None = None,
         waiting_line: Callable[[], str | None] = waiting_line,
         prompt: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._waiting_line, self._prompt = waiting_line, prompt
+        self._look_down = look_down
         self._words = words
         self._screen = screen
         self._now_s = now_s
@@ -95,14 +99,20 @@ class PanelRespondent:
     def start_exposure(self, exposure: Exposure) -> None:  # noqa: ARG002 - the panel is gone then
         """Clear the view."""
         self._hide()
+        if self._look_down is not None:
+            self._look_down.forget()
 
     def endure(self, elapsed_s: float) -> None:
-        """Take the stop button, and the rating that was asked for; a late one cannot be given.
+        """Take a wish to stop, and the rating that was asked for; a late one cannot be given.
 
         A wish to stop is asked once more, in the scene: the exposure goes on until it is confirmed.
         """
         pointing = self._screen.pointing()
-        if self._stopping is None and (pointing.stop or keys.STOP in pointing.letters):
+        looked = self._look_down is not None and self._look_down.update(
+            pointing.down_deg, self._now_s()
+        )
+        asked = looked or pointing.stop or keys.STOP in pointing.letters
+        if self._stopping is None and asked:
             self._stopping = stop_page(self._words)
             self._keys.forget()
             self._dwell.forget()

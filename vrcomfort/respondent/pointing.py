@@ -24,6 +24,8 @@ class Pointing:
         True where they point with their eyes or their head and have no button.
     unable
         True where nothing is seen that could point.
+    down_deg
+        How far below the horizon somebody looks who has no button; None of others.
     hand
         Which controller points (0 left, 1 right).
     arrow, digits, letters, enter
@@ -37,6 +39,7 @@ class Pointing:
     held: bool = False
     dwelling: bool = False
     unable: bool = False
+    down_deg: float | None = None
     hand: int = 1
     arrow: tuple[int, int] = (0, 0)
     digits: str = ""

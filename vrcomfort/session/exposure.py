@@ -129,7 +129,8 @@ class FrameLoop:
             try:
                 renderer = self.context.renderer
                 hashes = renderer.drain_hashes()
-                self.log.finish(renderer.drain(), self._late_times(), hashes)
+                hits = renderer.drain_gaze_hits()
+                self.log.finish(renderer.drain(), self._late_times(), hashes, hits)
             finally:  # a disk that refuses a frame may yet take a rating
                 self._close_rating()
                 self._finish_task()

@@ -130,7 +130,6 @@ class EyeHeight:
         )
         context.steering.begin("training", f"height of the eyes, attempt {attempt}")
         context.renderer.begin(Scene(NAME, (), (), (), environment=grey), Condition(name=NAME))
-        self._log.focus_follows_gaze = False
         loop = FrameLoop(context, headset, self._events, self._log, None)
         tell = partial(self._events.tell, "training", place, total=duration_s)
         try:

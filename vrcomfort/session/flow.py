@@ -143,6 +143,7 @@ class SessionFlow:
         places = self._places[self._interrupted.done if self._interrupted else 0 :]
         self._ask_what_was_open()
         if places:  # else only the end is left, and nothing to be a baseline of
+            self._screener.look_at_ipd()
             self._screener.look_at_covariates()
             self._instructor.tell("session_start", TrialPlace())
             self._ask("session_start", TrialPlace())

@@ -8,7 +8,7 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.interfaces import RenderedFrame
@@ -23,6 +23,7 @@ class _Waiting(NamedTuple):
 
     row: partial[FrameRow]
     gaze: GazeRow | None
+    seeks_gaze: bool
     image: partial[ImageRow] | None
 
 
@@ -47,8 +48,6 @@ class FrameLog:
         Of the trial since `start_trial`.
     times_gpu
         Whether the renderer times the GPU.
-    focus_follows_gaze
-        Whether the distance before the refocus law is that of what the gaze meets.
     """
 
     def __init__(self, recorder: RowWriter, *, last_ns: int | None = None) -> None:
@@ -57,9 +56,10 @@ class FrameLog:
         self._focus: dict[int, FocusSample] = {}
         self._gpu_ms: dict[int, float] = {}
         self._hashes: dict[int, ImageHash] = {}
+        self._hits: dict[int, GazeHit] = {}
         self._offset_ns = 0
         self._last_ns = last_ns
-        self.times_gpu = self.focus_follows_gaze = False
+        self.times_gpu = False
         self.start_trial()
 
     @property
@@ -119,17 +119,26 @@ class FrameLog:
             snap_turn=frame.snap_turn,
             balls=tuple(BallRow(session_s, time_ns, trial, *ball) for ball in balls),
         )
-        gaze = None if frame.gaze is None else GazeRow(session_s, time_ns, frame.gaze)
+        gaze = None
+        if frame.gaze is not None:
+            centre = None if rendered is None else rendered.effect_centre
+            gaze = GazeRow(session_s, time_ns, frame.gaze, effect_centre=centre)
+        seeks_gaze = rendered is not None and rendered.seeks_gaze
         hashed = rendered is not None and rendered.hashed
         image = partial(ImageRow, session_s, time_ns, trial) if hashed else None
-        self._waiting[frame.index] = _Waiting(row, gaze, image)
+        self._waiting[frame.index] = _Waiting(row, gaze, seeks_gaze, image)
         if rendered is None:
             self.take(())
             return
         if rendered.cpu_ms is not None:
             self.timing.cpu.add(rendered.cpu_ms)
         self.times_gpu = rendered.gpu_times is not None
-        self.take(rendered.focus_samples, rendered.gpu_times or (), rendered.image_hashes)
+        self.take(
+            rendered.focus_samples,
+            rendered.gpu_times or (),
+            rendered.image_hashes,
+            rendered.gaze_hits,
+        )
 
     def add_hidden(self, frame: Frame) -> None:
         """Take a frame that nobody sees: it has no row, and its time is no exposure."""
@@ -165,9 +174,11 @@ class FrameLog:
         samples: Iterable[FocusSample],
         times: Iterable[GpuTime] = (),
         hashes: Iterable[ImageHash] = (),
+        hits: Iterable[GazeHit] = (),
     ) -> None:
         """Give what arrived to its rows and write every row that need not wait longer."""
         self._hashes.update((each.frame_index, each) for each in hashes)
+        self._hits.update((each.frame_index, each) for each in hits)
         self._focus.update((sample.frame_index, sample) for sample in samples)
         for time in times:
             self._gpu_ms[time.frame_index] = time.gpu_ms
@@ -181,6 +192,8 @@ class FrameLog:
     def _is_whole(self, index: int) -> bool:
         if self._waiting[index].image is not None and index not in self._hashes:
             return False
+        if self._waiting[index].seeks_gaze and index not in self._hits:
+            return False
         return index in self._focus and (not self.times_gpu or index in self._gpu_ms)
 
     def finish(
@@ -188,25 +201,28 @@ class FrameLog:
         samples: Iterable[FocusSample] = (),
         times: Iterable[GpuTime] = (),
         hashes: Iterable[ImageHash] = (),
+        hits: Iterable[GazeHit] = (),
     ) -> None:
         """Write all rows that wait; what has not come for them is blank."""
         self.timing.seen.end()
-        self.take(samples, times, hashes)
+        self.take(samples, times, hashes, hits)
         while self._waiting:
             self._write(next(iter(self._waiting)))
         self._focus.clear()
         self._gpu_ms.clear()
         self._hashes.clear()
+        self._hits.clear()
 
     def _write(self, index: int) -> None:
-        (row, gaze, of_image), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
+        (row, gaze, _, of_image), gpu_ms = self._waiting.pop(index), self._gpu_ms.pop(index, None)
         sample, known = self._focus.pop(index, None), self._hashes.pop(index, None)
         image = of_image(known.left, known.right) if known and of_image else None
+        hit = self._hits.pop(index, None)
+        if gaze is not None and hit is not None:
+            gaze = replace(gaze, hit_m=hit.hit_m, hit_node=hit.node)
         if sample is None:
             self._recorder.write(row(gpu_ms=gpu_ms, gaze=gaze, image=image))
             return
-        if gaze and self.focus_follows_gaze:
-            gaze = replace(gaze, hit_m=float(sample.focus_raw_m))
         self._recorder.write(
             row(
                 gpu_ms=gpu_ms,

@@ -208,7 +208,6 @@ class Validation:
         duration_s = len(order) * settings.each_s
         context.steering.begin("training", f"gaze validation, attempt {attempt}")
         context.renderer.begin(run.drawn, Condition(name=NAME))
-        self._log.focus_follows_gaze = False
         loop = FrameLoop(context, headset, self._events, self._log, None)
         tell = partial(self._events.tell, "training", place, total=duration_s)
         try:

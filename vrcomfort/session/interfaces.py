@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
 
-from vrcomfort.frame import FocusSample, Frame, GpuTime, ImageHash
+from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
@@ -47,6 +47,18 @@ class RenderedFrame(Protocol):
     def image_hashes(self) -> Sequence[ImageHash]:
         """Return hashes of the images of earlier frames that have arrived."""
 
+    @property
+    def seeks_gaze(self) -> bool:
+        """Return whether it is being found out what the gaze of this frame meets."""
+
+    @property
+    def gaze_hits(self) -> Sequence[GazeHit]:
+        """Return what the gaze of earlier frames meets that has arrived."""
+
+    @property
+    def effect_centre(self) -> str | None:
+        """Return what effects that follow the gaze are centred on; None: there are none."""
+
 
 class Renderer(Protocol):
     """Draws frames of one scene under one condition at a time."""
@@ -68,6 +80,9 @@ class Renderer(Protocol):
 
     def drain_hashes(self) -> Sequence[ImageHash]:
         """Return the hashes of images that have not arrived yet."""
+
+    def drain_gaze_hits(self) -> Sequence[GazeHit]:
+        """Return what the gaze of frames meets that has not arrived yet."""
 
     def clamps(self) -> Sequence[str]:
         """Return which limits have shortened a blur since `begin`, in words; waits for the GPU."""

@@ -136,6 +136,12 @@ def limits(protocol: StudyProtocol) -> list[str]:
             found.append(f"{condition.name}: {limit}")
             if condition.focus.method == "gaze" and condition.focus.without_gaze == "nine_ray":
                 found.append(f"{condition.name}: without an eye tracker nine rays ahead find focus")
+        centre = condition.gaze_centre
+        if condition.centred_on_gaze and centre is not None and centre.without_gaze == "head":
+            names = " and ".join(condition.centred_on_gaze)
+            found.append(
+                f"{condition.name}: without an eye tracker {names} are centred on the head's axis"
+            )
         if motion := condition.motion_blur:
             streak = f"{motion.max_radius_percent:g} % of one eye's image width"
             found.append(f"{condition.name}: half a motion streak at most {streak}")

@@ -9,7 +9,15 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from vrcomfort.frame import EYE_HEIGHT_M, FocusSample, Frame, GpuTime, HeadsetEvent, ImageHash
+from vrcomfort.frame import (
+    EYE_HEIGHT_M,
+    FocusSample,
+    Frame,
+    GazeHit,
+    GpuTime,
+    HeadsetEvent,
+    ImageHash,
+)
 from vrcomfort.geometry import Fov, Pose, View
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol import Protocol as StudyProtocol
@@ -122,6 +130,9 @@ class _Unseen:
     gpu_times: tuple[GpuTime, ...] | None = None
     hashed: bool = False
     image_hashes: tuple[ImageHash, ...] = ()
+    seeks_gaze: bool = False
+    gaze_hits: tuple[GazeHit, ...] = ()
+    effect_centre: str | None = None
 
 
 class NoPictures:
@@ -146,6 +157,10 @@ class NoPictures:
         return ()
 
     def drain_hashes(self) -> tuple[ImageHash, ...]:
+        """Return nothing."""
+        return ()
+
+    def drain_gaze_hits(self) -> tuple[GazeHit, ...]:
         """Return nothing."""
         return ()
 

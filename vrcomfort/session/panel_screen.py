@@ -148,6 +148,7 @@ class PanelScreen:
         keys = inputs.keys
         return replace(
             self._pointed(inputs),
+            down_deg=self._down_deg(inputs),
             back=inputs.back,
             stop=inputs.stop,
             arrow=keys.arrow,
@@ -169,6 +170,19 @@ class PanelScreen:
         if not seen and gaze is None and self._points_with_head:
             return Pointing(self._hit(self._headset.head_pose), dwelling=True)
         return Pointing(point, dwelling=point is not None, unable=not seen)
+
+    def _down_deg(self, inputs: Inputs) -> float | None:
+        """Return how far down somebody looks who has no button to press; None of others."""
+        gaze = inputs.gaze
+        if any(hand.aim for hand in inputs.hands):
+            return None
+        if gaze is not None and gaze.valid:
+            look = gaze.pose
+        elif self._points_with_head:
+            look = self._headset.head_pose
+        else:
+            return None
+        return float(np.degrees(np.arcsin(np.clip(-look.forward[1], -1.0, 1.0))))
 
     def show_loading(self) -> None:
         """Show that something is being loaded: runtimes show the last frame until another comes."""

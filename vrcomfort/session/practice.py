@@ -197,7 +197,6 @@ class PracticeRunner:
             )
         )
         context.renderer.begin(task.drawn if task else standing.scene, condition)
-        self._log.focus_follows_gaze = condition.focus.method == "gaze"
         kind = EventLoop if context.jumps else FrameLoop
         loop = kind(context, headset, self._events, self._log, standing.path)
         words = f"practice {practice.name}, repetition {block.repetition}: {_named(trial)}"

@@ -10,6 +10,7 @@ from vrcomfort.questionnaire import score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import ScreeningRow, enrolled
 from vrcomfort.records.recorded_rows import read_rows
+from vrcomfort.records.rows import IPD_RULE
 from vrcomfort.respondent.base import Decides
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
@@ -43,6 +44,22 @@ class Screener:
             value = row.covariates.get(rule.covariate, "")
             if value:
                 self._decide(rule, rule.covariate, float(value), once=True)
+
+    def look_at_ipd(self) -> None:
+        """Tell of a distance between the pupils that the headset cannot be fitted to.
+
+        Raises
+        ------
+        StopRule
+            If the experimenter stops. And what operators raise.
+        """
+        limits_m = self._context.protocol.headset.ipd_range_m
+        measured_m = self._context.ipd_measured_m
+        if limits_m is None or measured_m is None:
+            return
+        low_mm, high_mm = (round(1000 * each, 3) for each in limits_m)
+        rule = Screening(covariate=IPD_RULE, below=low_mm, above=high_mm, ends="session")
+        self._decide(rule, IPD_RULE, round(1000 * measured_m, 3))
 
     def hear(self, ask: Ask, answers: Mapping[str, Answer | None]) -> None:
         """Tell of a score of the session's start.

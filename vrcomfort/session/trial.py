@@ -170,7 +170,6 @@ class TrialRunner:
         context.renderer.begin(scene, adjusting.built_for if adjusting else condition)
         if adjusting:
             adjusting.show_start()
-        self._log.focus_follows_gaze = condition.focus.method == "gaze"
         loop = EventLoop if context.jumps else FrameLoop
         return loop(context, headset, self._events, self._log, standing.path)
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
-from vrcomfort.geometry import Fov, Pose
+from vrcomfort.geometry import Fov, Pose, turn_to
 from vrcomfort.gpu import gl
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
 from vrcomfort.optics.vignette import clear_deg, moved_towards, widest_angle_deg
@@ -23,7 +23,7 @@ BLOCKS = (32, 32)
 
 class _Field(NamedTuple):
     tangents: tuple[float, float, float, float]
-    head_from_eye: bytes
+    centre_from_eye: bytes
     clear_rad: float
     feather_rad: float
 
@@ -43,15 +43,17 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
     reason = f"clear field of {settings.open_deg:g} degrees"
     if ramps:
         reason += f", {settings.restricted_deg:g} at full speed"
+    if "vignette" in condition.centred_on_gaze:
+        reason += ", centred on the gaze"
     return PlannedPass("vignette", True, reason)
 
 
 class VignettePass:
     """Covers `colour` (linear HDR RGBA16F) outside the clear field; the result is `target`.
 
-    The field is a cone round the head's forward axis, the same angle for both eyes, and as narrow
-    for both: its strength is a frame's, not an eye's. So is its colour: the mean of the eye that
-    is drawn first.
+    The field is a cone round the head's forward axis or the gaze, the same angle for both eyes, and
+    as narrow for both: its strength is a frame's, not an eye's. So is its colour: the mean of the
+    eye that is drawn first.
     """
 
     limit_px = 0.0
@@ -89,13 +91,14 @@ class VignettePass:
     def render(self, eye: EyeFrame) -> None:
         """Restrict the present image; where all of it is in the clear field, the copy is exact."""
         self._move(eye)
-        if widest_angle_deg(eye.camera.fov, eye.head_from_eye) <= self.clear_deg / 2:
+        centre_from_eye = _centred(eye)
+        if widest_angle_deg(eye.camera.fov, centre_from_eye) <= self.clear_deg / 2:
             self._copy(self._colour, self.target)
             return
         if self._mean_time_ns != eye.display_time_ns:
             self._mean_time_ns = eye.display_time_ns
             self._average()
-        self._draw(eye.camera.fov, eye.head_from_eye)
+        self._draw(eye.camera.fov, centre_from_eye)
 
     def adjust(self, settings: Vignette) -> None:
         """Draw by other settings from now on."""
@@ -133,8 +136,8 @@ class VignettePass:
         for mean in self._means:
             mean.render()
 
-    def _draw(self, fov: Fov, head_from_eye: Pose) -> None:
-        rotation = head_from_eye.matrix()[:3, :3]
+    def _draw(self, fov: Fov, centre_from_eye: Pose) -> None:
+        rotation = centre_from_eye.matrix()[:3, :3]
         self._pass.render(
             _Field(
                 fov.tangents,
@@ -143,6 +146,14 @@ class VignettePass:
                 float(np.radians(self._settings.feather_deg)),
             )
         )
+
+
+def _centred(eye: EyeFrame) -> Pose:
+    """Return head-from-eye, with the head turned so that the field's axis is its −Z."""
+    axis = eye.camera.vignette_axis
+    if axis is None:
+        return eye.head_from_eye
+    return Pose(orientation=turn_to(axis)).inverse() @ eye.head_from_eye
 
 
 def _mean(

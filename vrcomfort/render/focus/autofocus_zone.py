@@ -68,15 +68,17 @@ class _Weights(NamedTuple):
     gauss_limits: tuple[float, float]
 
 
-class _HalfTangents(NamedTuple):
+class _Place(NamedTuple):
     half_tangents: tuple[float, float]
+    centre: tuple[float, float]
 
 
 class AutofocusZone:
     """Draws depth and semantic weights of the zone and reduces them to one texel.
 
-    The zone is a rectangle around the head's forward axis with `zone_ratio` times the sides of the
-    eyes' images; it covers the square of that of their area.
+    The zone is a rectangle around the head's forward axis, or around where the eyes look and within
+    the image, with `zone_ratio` times the sides of the eyes' images; it covers the square of that
+    of their area.
     """
 
     fragment = "focus/focus_zone.frag"
@@ -147,23 +149,25 @@ class AutofocusZone:
     def look(self, sight: Sight) -> Look:
         """Draw the zone, reduce it, and bind the texel."""
         width, height = sight.screen_tangents
-        tangents = width * self._settings.zone_ratio, height * self._settings.zone_ratio
-        self._draw(sight, tangents)
-        along_ray = _HalfTangents(tangents) if self._along_ray else None
+        ratio = self._settings.zone_ratio
+        centre = autofocus_zone.kept_within(sight.zone_centre, sight.screen_tangents, ratio)
+        place = _Place((width * ratio, height * ratio), centre)
+        self._draw(sight, place)
+        along_ray = place if self._along_ray else None
         for index, each in enumerate(self._passes):
             each.render(along_ray if index == 0 else None)
         if not self._passes:
-            self._reduce_on_cpu(tangents if self._along_ray else None)
+            self._reduce_on_cpu(along_ray)
         self._reduced.use(2)
         return Look({})
 
-    def _draw(self, sight: Sight, half_tangents: tuple[float, float]) -> None:
+    def _draw(self, sight: Sight, place: _Place) -> None:
         ctx = self._ctx
-        x, y = np.arctan(half_tangents).tolist()
+        middle, half = np.array(place.centre), np.array(place.half_tangents)
+        (left, down), (right, up) = np.arctan([middle - half, middle + half]).tolist()
         head = sight.world_from_head
-        clip_from_relative = clip_from_view(Fov(-x, x, y, -y), self._near_m) @ rotation_only(
-            head.rotation.T
-        )
+        clip_from_relative = clip_from_view(Fov(left, right, up, down), self._near_m)
+        clip_from_relative = clip_from_relative @ rotation_only(head.rotation.T)
         self._zone.use()
         self._zone.clear(self._settings.semantic_min, depth=0.0)  # the sky
         ctx.enable_only(moderngl.DEPTH_TEST)
@@ -171,7 +175,7 @@ class AutofocusZone:
         self.triangles = self._gpu.draw_semantic(clip_from_relative, head.position)
         ctx.enable_only(moderngl.NOTHING)
 
-    def _reduce_on_cpu(self, half_tangents: tuple[float, float] | None) -> None:
+    def _reduce_on_cpu(self, along_ray: _Place | None) -> None:
         """Wait for the GPU, and reduce in NumPy."""
         width, height = self._settings.zone_size_px
         depth, semantic = (
@@ -181,7 +185,7 @@ class AutofocusZone:
             for attachment in (-1, 0)
         )
         reduced = autofocus_zone.reduced(
-            depth, semantic, self._near_m, self._settings, half_tangents
+            depth, semantic, self._near_m, self._settings, *(along_ray or ())
         )
         self._reduced.write(reduced.astype(np.float32))
 

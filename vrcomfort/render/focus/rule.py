@@ -34,6 +34,8 @@ class Sight(NamedTuple):
         head-from-gaze, None without an eye tracker.
     scene_time_s
         Of the scene's animations.
+    zone_centre
+        Tangents (right, up) of where the middle of an autofocus zone is to be.
     """
 
     frame_index: int
@@ -43,6 +45,7 @@ class Sight(NamedTuple):
     screen_tangents: tuple[float, float] = (1.0, 1.0)
     gaze: Gaze | None = None
     scene_time_s: float = 0.0
+    zone_centre: tuple[float, float] = (0.0, 0.0)
 
 
 class FocusInputs(NamedTuple):

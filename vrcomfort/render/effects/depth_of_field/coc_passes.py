@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from math import ceil
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import moderngl
 import numpy as np
 
-from vrcomfort.geometry import Fov, Pose, focal_length_px, rotate
+from vrcomfort.geometry import Array, Fov, Pose, focal_length_px, rotate
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass, Together, Uniforms
 from vrcomfort.gpu.max_reduction import MaxReductionPass
 from vrcomfort.optics import levels
@@ -25,6 +25,9 @@ from vrcomfort.render.resolve import ResolvePass
 
 TILE_PX = 8
 """Side of the tiles whose range of radii is known."""
+
+
+Axis: TypeAlias = tuple[float, float, float]
 
 
 class EyeUniforms(NamedTuple):
@@ -67,6 +70,7 @@ class _ThinLens(NamedTuple):
 
 class _PeripheralUnit(NamedTuple):
     peripheral_px: float
+    peripheral_axis_in_view: tuple[float, float, float]
 
 
 class _PeripheralShape(NamedTuple):
@@ -80,6 +84,14 @@ def eye_uniforms(fov: Fov, near_m: float, head_from_eye: Pose) -> EyeUniforms:
     offset_m = -float(head_from_eye.position[2])
     right, up, back = rotate(to_view, head_from_eye.position).tolist()
     return EyeUniforms(fov.tangents, (x, y, z), near_m, offset_m, (right, up, back))
+
+
+def axis_in_view(axis: Array | None, head_from_eye: Pose) -> Axis | None:
+    """Return a direction of the head's frame in that of an eye."""
+    if axis is None:
+        return None
+    x, y, z = rotate(head_from_eye.inverse().orientation, axis).tolist()
+    return x, y, z
 
 
 class DepthToCoc:
@@ -139,17 +151,24 @@ class DepthToCoc:
         """Take other settings of the same law, largest radius and peripheral exponent."""
         self._settings = settings
 
-    def of_eye(self, eye: EyeUniforms, focal_px: float) -> Uniforms:
-        """Return the uniforms for what an eye drew; `focal_px` is that of its image."""
+    def of_eye(
+        self, eye: EyeUniforms, focal_px: float, peripheral_axis: Axis | None = None
+    ) -> Uniforms:
+        """Return the uniforms for what an eye drew; `focal_px` is that of its image.
+
+        `peripheral_axis`: what peripheral blur is centred on, in view; None: the head's axis.
+        """
         limit, scale = _limit_and_scale(self._settings, focal_px, self._size_px)
         used = eye if self._along_ray else ForwardUniforms(*eye[:-1])
-        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px))
+        axis = peripheral_axis or eye.head_forward_in_view
+        return Together(used, scale, limit, *_peripheral_unit(self._settings, focal_px, axis))
 
     def of_camera(self, camera: EyeCamera) -> Uniforms:
         """Return the uniforms for what a camera draws."""
         head_from_eye = camera.head.inverse() @ camera.world_from_eye
         focal_px = focal_length_px(camera.fov, self._size_px)[0]
-        return self.of_eye(eye_uniforms(camera.fov, camera.near_m, head_from_eye), focal_px)
+        eye = eye_uniforms(camera.fov, camera.near_m, head_from_eye)
+        return self.of_eye(eye, focal_px, axis_in_view(camera.peripheral_axis, head_from_eye))
 
 
 class CocPasses:
@@ -244,14 +263,25 @@ class CocPasses:
             self._beside.render(self.now)
         return self._beside.target
 
-    def render(self, *, fov: Fov, near_m: float, head_from_eye: Pose) -> None:
-        """Find the radii of what an eye drew: its frustum, near plane and place in the head."""
+    def render(
+        self,
+        *,
+        fov: Fov,
+        near_m: float,
+        head_from_eye: Pose,
+        peripheral_axis: Array | None = None,
+    ) -> None:
+        """Find the radii of what an eye drew: its frustum, near plane and place in the head.
+
+        `peripheral_axis`: (3,) that of an `EyeCamera`.
+        """
         eye = eye_uniforms(fov, near_m, head_from_eye)
         self.eye = ForwardUniforms(*eye[:-1])
         focal_px = focal_length_px(fov, self.size_px)[0]
         self.limit_now_px = radius_limit_in_px(self._settings, focal_px, self.size_px)
         self._least_limit_px = min(self._least_limit_px, self.limit_now_px)
-        self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px), True
+        axis = axis_in_view(peripheral_axis, head_from_eye)
+        self.now, self._is_rendered = self.depth_to_coc.of_eye(eye, focal_px, axis), True
         if self._beside is not None:
             self._beside.render(self.now)
         if self.tells_clamps or self._tiles_are_read:
@@ -369,8 +399,8 @@ def _peripheral_constants(settings: DepthOfField) -> tuple[Uniforms, ...]:
     return () if shape is None else (_PeripheralShape(shape.exponent),)
 
 
-def _peripheral_unit(settings: DepthOfField, focal_px: float) -> tuple[Uniforms, ...]:
+def _peripheral_unit(settings: DepthOfField, focal_px: float, axis: Axis) -> tuple[Uniforms, ...]:
     shape = settings.peripheral
     if shape is None:
         return ()
-    return (_PeripheralUnit(radius_of_arcmin(shape.unit_diameter_arcmin, focal_px)),)
+    return (_PeripheralUnit(radius_of_arcmin(shape.unit_diameter_arcmin, focal_px), axis),)

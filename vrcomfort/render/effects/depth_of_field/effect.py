@@ -28,7 +28,8 @@ def plan(_: Scene, condition: Condition) -> PlannedPass:
     if settings.max_diameter_arcmin is not None:
         reason += f", diameter up to {settings.max_diameter_arcmin:g} arcmin"
     if settings.peripheral is not None:
-        reason += ", with peripheral blur"
+        on_gaze = " centred on the gaze" if "peripheral" in condition.centred_on_gaze else ""
+        reason += f", with peripheral blur{on_gaze}"
     if settings.distance_along == "ray":
         reason += ", by the distance along each ray"
     if settings.kernel == "mip_slices" and settings.slices_m:
@@ -102,7 +103,12 @@ class DepthOfFieldPass:
         """Blur the image that an eye with this frustum, near plane and place in the head drew."""
         fov, near_m = eye.camera.fov, eye.camera.near_m
         focal_x, focal_y = focal_length_px(fov, self._size_px)
-        self._coc.render(fov=fov, near_m=near_m, head_from_eye=eye.head_from_eye)
+        self._coc.render(
+            fov=fov,
+            near_m=near_m,
+            head_from_eye=eye.head_from_eye,
+            peripheral_axis=eye.camera.peripheral_axis,
+        )
         self._kernel.render(focal_y / focal_x)
 
     def adjust(self, settings: DepthOfField) -> None:
