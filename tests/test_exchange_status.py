@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import pytest
@@ -18,14 +19,21 @@ def steps(state: StudyState) -> dict[str, str]:
     return {person.participant: person.next for person in state.people}
 
 
-@pytest.fixture
-def study(tmp_path: Path) -> Path:
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """P01 has one session to come, P02 was interrupted, P03 withdrew, P04 has done all."""
-    go(tmp_path)
-    go(tmp_path, participant="P02", interrupt=(2, 30))
-    go(tmp_path, Scripted(withdraw_at_s=1.0), participant="P03")
-    go(tmp_path, participant="P04", sessions=[1, 2])
-    return tmp_path / "S"
+    place = tmp_path_factory.mktemp("recorded")
+    go(place)
+    go(place, participant="P02", interrupt=(2, 30))
+    go(place, Scripted(withdraw_at_s=1.0), participant="P03")
+    go(place, participant="P04", sessions=[1, 2])
+    return place / "S"
+
+
+@pytest.fixture
+def study(recorded: Path, tmp_path: Path) -> Path:
+    """Return a copy that may be changed."""
+    return Path(shutil.copytree(recorded, tmp_path / "S"))
 
 
 def test_each_participant_is_somewhere_and_something_is_next(study: Path) -> None:

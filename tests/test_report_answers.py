@@ -53,7 +53,6 @@ def labelled(tmp_path_factory) -> Path:
     return folder / "o"
 
 
-@pytest.mark.slow
 def test_the_answer_comes_first_with_everything_that_it_rests_on(labelled):
     page = (labelled / "index.html").read_text("utf-8")
     first = page.index('class="answer"')

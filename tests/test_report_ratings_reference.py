@@ -20,6 +20,7 @@ from vrcomfort.report.study_data import read_study
 
 FMS = Path(__file__).parent / "data" / "fms"
 R = (FMS / "reference_output.txt").read_text("utf-8")
+pytestmark = pytest.mark.slow  # what all share takes two seconds
 NUMBER = r"-?\d*\.?\d+(?:e[-+]\d+)?"
 
 
@@ -75,7 +76,6 @@ def model(results, name):
     return next(m for m in results["ratings"]["models"] if m["summary"] == name)
 
 
-@pytest.mark.slow
 def test_peaks_of_each_condition(results):
     found = summaries(results, "peak")
     assert is_printed(results["ratings"]["exposures"], after("runs"))
@@ -158,7 +158,6 @@ def test_the_paired_tests_of_mean_ratings(results):
     assert is_printed(test["p_asymptotic"], of_wilcoxon)
 
 
-@pytest.mark.slow
 def test_the_page_has_them(study, tmp_path):
     made = build_report(study, plan=FMS / "plan.toml", out=tmp_path, forms=("svg",))
     page = made.index.read_text("utf-8")

@@ -38,7 +38,6 @@ def carnegie(tmp_path_factory) -> tuple[dict, Path]:
     return report(folder / "study", folder / "out", forms=("svg",)), folder
 
 
-@pytest.mark.slow
 def test_the_plan_of_the_protocol_is_taken(carnegie):
     results, _ = carnegie
     assert results["plan"]["name"] == "carnegie_2015"

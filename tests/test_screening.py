@@ -131,6 +131,16 @@ def test_who_is_screened_out_is_exposed_to_nothing(tmp_path):
     assert len(again.questions) == 1  # after a new baseline
 
 
+def test_who_is_screened_out_has_not_withdrawn_in_the_report(tmp_path):
+    for who, goes_on in (("P01", False), ("P02", True)):
+        screen(tmp_path, Decider(goes_on), who=who)
+    summary = build_report(tmp_path / "S", out=tmp_path / "r")
+    assert summary.withdrawn == 0
+    results = json.loads(summary.results.read_text("utf-8"))
+    (enrolled, *_) = results["flow"]
+    assert enrolled["left"] == [{"reason": "screened out by the experimenter", "n": 1}]
+
+
 def test_a_rule_may_end_the_session_alone(tmp_path):
     text = PROTOCOL.replace("above = 30.0", 'above = 30.0\nends = "session"')
     assert screen(tmp_path, Decider(False), text).status == "completed"  # there is but one session

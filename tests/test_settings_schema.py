@@ -24,14 +24,21 @@ FILES = {
 }
 
 
+VALIDATORS: dict[str, jsonschema.Draft202012Validator] = {}
+
+
 @pytest.fixture
 def schema_of(run):
+    """Return what gives the schema that the command prints, made once of each kind."""
+
     def call(kind: str) -> jsonschema.Draft202012Validator:
-        code, out, _ = run("schema", kind)
-        assert code == 0
-        schema = json.loads(out)
-        jsonschema.Draft202012Validator.check_schema(schema)
-        return jsonschema.Draft202012Validator(schema)
+        if kind not in VALIDATORS:
+            code, out, _ = run("schema", kind)
+            assert code == 0
+            schema = json.loads(out)
+            jsonschema.Draft202012Validator.check_schema(schema)
+            VALIDATORS[kind] = jsonschema.Draft202012Validator(schema)
+        return VALIDATORS[kind]
 
     return call
 

@@ -101,6 +101,7 @@ def test_no_label_lies_on_another_or_on_a_marker(drawn):
         assert not any(overlap(box, marker) for marker in found), name
 
 
+@pytest.mark.slow
 def test_labels_are_inside_the_axes_and_names_of_lines_beside_them(drawn):
     axes, texts, _, _ = drawn
     inside, canvas = axes.get_window_extent(), axes.figure.bbox
@@ -112,6 +113,7 @@ def test_labels_are_inside_the_axes_and_names_of_lines_beside_them(drawn):
             assert inside.y0 < box.y0 < box.y1 < inside.y1, name
 
 
+@pytest.mark.slow
 def test_a_line_ends_at_one_label_and_crosses_no_other(drawn):
     _, texts, _, leaders = drawn
     for start, end in leaders:
@@ -120,6 +122,7 @@ def test_a_line_ends_at_one_label_and_crosses_no_other(drawn):
         assert len(met) == 1, met
 
 
+@pytest.mark.slow
 def test_every_method_with_a_cost_is_named(drawn):
     axes, texts, found, _ = drawn
     steps = [number for name in texts for part in name.split(", ") for number in listed(part, axes)]

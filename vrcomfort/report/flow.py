@@ -41,7 +41,7 @@ def participant_flow(
     met |= {*scored.table["participant"], *analysed}
     status = {p["participant"]: p["status"] for p in study.participants}
     left = {w.participant: _how(w) for w in found}
-    left |= {w.participant: SCREENED for w in found if w.participant in screened_out(study)}
+    left |= dict.fromkeys(screened_out(study), SCREENED)
     for name, state in status.items():
         if state == "excluded":
             left[name] = EXCLUDED

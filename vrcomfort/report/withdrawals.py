@@ -38,8 +38,11 @@ class Withdrawal:
 
 
 def find_withdrawals(study: StudyData) -> list[Withdrawal]:
-    """Return the withdrawals that trials.csv and participants.csv record, one per participant."""
-    undone = undone_attempts(study)
+    """Return the withdrawals that trials.csv and participants.csv record, one per participant.
+
+    Whom the experimenter screened out did not withdraw.
+    """
+    undone, screened = undone_attempts(study), screened_out(study)
     ended = [
         t
         for t in _trials(study)
@@ -49,7 +52,7 @@ def find_withdrawals(study: StudyData) -> list[Withdrawal]:
     last = {t["participant"]: t for t in _trials(study)}
     for person in study.participants:
         name = person["participant"]
-        if person["status"] == "withdrawn" and name not in found:
+        if person["status"] == "withdrawn" and name not in {*found, *screened}:
             found[name] = _after_trial(name, last.get(name, {}))
     return [found[name] for name in sorted(found, key=natural)]
 

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import SequenceMatcher
+from functools import lru_cache
 from typing import Literal
 
 from vrcomfort.importing.suggest.spellings import spellings
@@ -55,10 +56,10 @@ def named_items(column: int, heading: str, label: str, instrument: Instrument) -
     known = spellings(instrument)
     for find in (_exact, _near, _abbreviated):
         for text, other in ((heading, label), (label, heading)):
-            found = find(tokens(text), known, instrument)
+            words = tokens(text)
+            found = find(words, known, instrument)
             if found is not None:
                 start, end, item = found
-                words = tokens(text)
                 more = tokens(other) if text is label else []
                 before = (*more, *words[:start])
                 how: How = "name" if find is _exact else "near" if find is _near else "abbreviation"
@@ -69,17 +70,22 @@ def named_items(column: int, heading: str, label: str, instrument: Instrument) -
 _Span = tuple[int, int, str]
 
 
-def _windows(words: Sequence[str]) -> Iterable[tuple[int, int, str]]:
-    """Yield start, end and letters of parts of a heading, long ones first."""
-    for length in range(min(_LONGEST, len(words)), 0, -1):
-        for start in range(len(words) - length + 1):
-            part = words[start : start + length]
-            if not (part[0].isdigit() or part[-1].isdigit()):
-                yield start, start + length, plain("".join(part))
+@lru_cache(maxsize=1024)
+def _windows(words: tuple[str, ...]) -> tuple[tuple[int, int, str], ...]:
+    """Return start, end and letters of parts of a heading, long ones first.
+
+    Each instrument is looked for in the same headings.
+    """
+    return tuple(
+        (start, start + length, plain("".join(words[start : start + length])))
+        for length in range(min(_LONGEST, len(words)), 0, -1)
+        for start in range(len(words) - length + 1)
+        if not (words[start].isdigit() or words[start + length - 1].isdigit())
+    )
 
 
 def _exact(words: Sequence[str], known: dict[str, str], _: Instrument) -> _Span | None:
-    for start, end, key in _windows(words):
+    for start, end, key in _windows(tuple(words)):
         if key in known:
             return start, end, known[key]
     return None
@@ -87,16 +93,25 @@ def _exact(words: Sequence[str], known: dict[str, str], _: Instrument) -> _Span 
 
 def _near(words: Sequence[str], known: dict[str, str], _: Instrument) -> _Span | None:
     best: tuple[float, _Span] | None = None
-    for start, end, key in _windows(words):
+    for start, end, key in _windows(tuple(words)):
         if len(key) < 5:
             continue
         for spelling, item in known.items():
             if spelling[0] != key[0] or abs(len(spelling) - len(key)) > 3:
                 continue
-            ratio = SequenceMatcher(None, spelling, key).ratio()
+            ratio = _likeness(spelling, key)
             if ratio >= _NEAR and (best is None or ratio > best[0]):
                 best = ratio, (start, end, item)
     return best[1] if best else None
+
+
+@lru_cache(maxsize=4096)
+def _likeness(spelling: str, key: str) -> float:
+    """Return the ratio of what two words share, or 0 where it is surely less than is asked for."""
+    matcher = SequenceMatcher(None, spelling, key)
+    if matcher.real_quick_ratio() < _NEAR or matcher.quick_ratio() < _NEAR:
+        return 0.0
+    return matcher.ratio()
 
 
 def _abbreviated(words: Sequence[str], _: dict[str, str], instrument: Instrument) -> _Span | None:
