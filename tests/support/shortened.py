@@ -126,11 +126,17 @@ def _assert_gaze(folder: Path, protocol: Protocol) -> None:
     if looks:
         gaze, frames = _table(folder, "gaze"), _table(folder, "frames")
         assert gaze["xr_time_ns"].tolist() == frames["xr_time_ns"].tolist()
-        assert gaze["valid"].mean() > 0.5
+        seen = gaze[(gaze["valid"] == 1) & (frames["should_render"] == 1)]
+        assert len(seen) > 0.5 * len(gaze)
+        assert (seen["left_valid"] == 1).all()
+        met = seen[(seen["hit_node"] != "").to_numpy() & (frames["trial"] > 0)[seen.index]]
+        assert len(met) > 0  # in a room, not in the sky
     settings = protocol.gaze_validation
     assert (folder / "gaze_validation.csv").exists() == (settings is not None)
     if settings is not None:
         rows = _table(folder, "gaze_validation")
         points = set(rows[rows["point"] != ""]["point"].astype(int))
         assert points == set(range(1, len(settings.points) + 1))
-        assert rows["good"].tolist()[-1] == "1"
+        assert set(rows["eye"]) == {"combined", "left", "right"}
+        means = rows[(rows["point"] == "") & (rows["eye"] == "combined")]
+        assert means["good"].tolist()[-1] == "1"
