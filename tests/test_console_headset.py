@@ -11,12 +11,13 @@ from tests.support.study import frame
 from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.protocol.texts import ENGLISH
 from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent import Form
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import Picture
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
-from vrcomfort.session.steering import PAUSED, READY, Skipped, Steering
+from vrcomfort.session.steering import Skipped, Steering
 
 
 class WornHeadset:
@@ -84,7 +85,7 @@ def test_frames_pass_and_words_stand_there_until_the_session_is_started():
     screen.each_frame = lambda: seen.append(headset.shown)
     steering.await_start()
     assert headset.frames_passed >= 20
-    assert all(picture is words_picture(READY) for picture in seen)
+    assert all(picture is words_picture(ENGLISH.ready) for picture in seen)
     assert headset.shown is None
 
 
@@ -100,7 +101,7 @@ def test_a_pause_says_so_where_nothing_else_is_shown_and_is_gone_afterwards():
         steering.look()
         shown.append(headset.shown)
     paused = [picture for picture in shown if picture is not None]
-    assert paused == [words_picture(PAUSED)] * len(paused)
+    assert paused == [words_picture(ENGLISH.paused)] * len(paused)
     assert 4 <= len(paused) < len(shown)
     assert shown[0] is None
     assert shown[-1] is None
@@ -111,12 +112,12 @@ def test_a_question_goes_before_the_words_and_the_words_come_back_after_it():
     screen = PanelScreen(headset)
     question = words_picture("How do you feel?")
     screen.show(question)
-    screen.rest_on(PAUSED)
+    screen.rest_on(ENGLISH.paused)
     assert headset.shown is question
     screen.show(None)
-    assert headset.shown is words_picture(PAUSED)
+    assert headset.shown is words_picture(ENGLISH.paused)
     drawn = headset.drawn
-    screen.rest_on(PAUSED)  # the same words again are not drawn again
+    screen.rest_on(ENGLISH.paused)  # the same words again are not drawn again
     assert headset.drawn == drawn
     screen.rest_on(None)
     assert headset.shown is None

@@ -11,8 +11,9 @@ import pytest
 
 from tests.support.operator import Given, ScriptedDesk, Wanted
 from tests.support.resume import attempts, go, manifest, rows
-from vrcomfort.console.verbal import LISTEN, VerbalRespondent
+from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.protocol.texts import ENGLISH
 from vrcomfort.session.steering import Steering
 
 
@@ -164,4 +165,4 @@ def test_the_participant_reads_that_they_are_asked_and_may_take_the_headset_off_
     respondent.rest(12.0)
     assert screen.absent_s == [12.0]
     assert screen.words[-1] is None
-    assert LISTEN not in screen.words
+    assert ENGLISH.listen not in screen.words

@@ -11,6 +11,7 @@ from vrcomfort.cli.terminal import dialogue, warn
 
 if TYPE_CHECKING:
     from vrcomfort.console import ConsoleDesk, VerbalRespondent
+    from vrcomfort.protocol.texts import Words
     from vrcomfort.session import ProgressCallback
     from vrcomfort.session.panel_screen import PanelScreen
     from vrcomfort.session.steering import Steering
@@ -28,11 +29,11 @@ class OperatorsConsole:
         """Return what shows how far a step has come."""
         return self.desk.tell
 
-    def respondent(self, screen: PanelScreen | None) -> VerbalRespondent:
-        """Return a respondent whose answers are entered on the page."""
+    def respondent(self, screen: PanelScreen | None, words: Words) -> VerbalRespondent:
+        """Return a respondent whose answers are entered on the page; `words` stand in a headset."""
         from vrcomfort.console import VerbalRespondent
 
-        return VerbalRespondent(self.desk, self.steering, screen)
+        return VerbalRespondent(self.desk, self.steering, screen, words=words)
 
 
 @contextmanager

@@ -54,7 +54,7 @@ def desktop_setup(
             runtime="desktop window",
             timing_trust="low: a window's frames pass through the desktop's compositor",
         )
-        screen = PanelScreen(headset)
+        screen = PanelScreen(headset, words=protocol.words)
         panel = PanelRespondent(screen, keyboard=True, words=protocol.words, prompt=ask_to_type)
         yield HeadsetSetup(headset, renderer, panel, screen, machine)
 

@@ -92,7 +92,9 @@ def openxr_setup(
             OpenXrHeadset(ctx, settings, before_wait=before_wait, window=window)
         )
         headset.prepare_panel(SIZE_PX)
-        screen = PanelScreen(headset, points_with_head=protocol.answering.head)
+        screen = PanelScreen(
+            headset, words=protocol.words, points_with_head=protocol.answering.head
+        )
         renderer = StereoRenderer(
             ctx,
             headset.image_size_px,

@@ -186,7 +186,8 @@ class StudySetup:
         if kind is RespondentKind.TERMINAL:
             return TerminalRespondent(dialogue())
         if console is not None and kind is RespondentKind.CONSOLE:
-            return console.respondent(headset.screen if headset else None)
+            screen = headset.screen if headset else None
+            return console.respondent(screen, self._protocol.words)
         if headset is None:
             raise InputError("--respondent panel needs a headset to answer in")
         return headset.panel

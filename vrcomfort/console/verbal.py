@@ -7,11 +7,10 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
 from vrcomfort.respondent.base import Heard, Telling, Written
-
-LISTEN = "Please listen to the experimenter."
 
 
 class Desk(Protocol):
@@ -54,6 +53,8 @@ class VerbalRespondent:
     ----------
     screen
         Of the headset; None where it has none.
+    words
+        In the participant's language.
     """
 
     name = "console"
@@ -64,9 +65,11 @@ class VerbalRespondent:
         entries: Entries,
         screen: Screen | None = None,
         *,
+        words: Words = ENGLISH,
         now_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._desk, self._entries, self._screen, self._now_s = desk, entries, screen, now_s
+        self._words = words
         self._rated: float | None = None
         self._rates_until_s: float | None = None
         self._nothing_asked = entries.entry_fault
@@ -115,7 +118,7 @@ class VerbalRespondent:
         if self._screen is None:
             return False
         self._screen.allow_absence(left_s)
-        self._screen.rest_on("Rest. You may take the headset off.")
+        self._screen.rest_on(self._words.rest_aloud)
         self._entries.idle()
         return True
 
@@ -135,7 +138,7 @@ class VerbalRespondent:
     def ask(self, form: Form, heard: Heard) -> None:
         """Have every item asked, and all answers looked through."""
         sheet = _Sheet(form, self._now_s)
-        self._show(LISTEN)
+        self._show(self._words.listen)
         self._entries.entry_fault = sheet.fault
         try:
             self._desk.ask(sheet.shown())
@@ -168,7 +171,7 @@ class VerbalRespondent:
     def write(self, question: str) -> Written:
         """Have a question answered in the participant's own words, and typed here."""
         since_s = self._now_s()
-        self._show(LISTEN)
+        self._show(self._words.listen)
         self._entries.entry_fault = _fault_of_text
         shown = {"action": "write", "title": "In the participant's own words"}
         self._desk.ask({**shown, "instruction": "", "items": [_open(question)], "current": 0})

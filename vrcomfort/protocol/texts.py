@@ -19,7 +19,7 @@ Sentence = Annotated[str, Field(min_length=1, max_length=110)]
 
 
 class Words(Settings):
-    """What stands on the panel beside questions and answers."""
+    """All that a participant reads in the headset, but for what studies and instruments ask."""
 
     back: Button = "Back"
     """Button: to the question before."""
@@ -59,6 +59,16 @@ class Words(Settings):
     """Where looks choose."""
     proceed: Button = "Continue"
     """Button: below an instruction."""
+    ready: Sentence = "Welcome. It begins in a moment."
+    """Until an operator starts the session."""
+    paused: Sentence = "A short pause. It goes on in a moment."
+    """While an operator has paused it."""
+    loading: Sentence = "Loading …"
+    """While a scene is loaded."""
+    listen: Sentence = "Please listen to the experimenter."
+    """While questions are asked aloud."""
+    rest_aloud: Sentence = "Rest. You may take the headset off."
+    """During a rest of which the experimenter tells the end."""
     listen_sound: Sentence = "Please listen."
     """While an instruction is heard that has nothing to see."""
     wait_experimenter: Sentence = "Please wait. The experimenter has something to decide."
@@ -88,6 +98,11 @@ GERMAN = Words(
     no_controller="Kein Controller ist zu sehen: einschalten, oder um Hilfe bitten",
     look_twice="Auf eine Antwort blicken, wegblicken, und noch einmal hinblicken",
     proceed="Weiter",
+    ready="Willkommen. Es geht gleich los.",
+    paused="Eine kurze Pause. Es geht gleich weiter.",
+    loading="Wird geladen …",
+    listen="Bitte hören Sie der Versuchsleitung zu.",
+    rest_aloud="Pause. Sie dürfen das Headset abnehmen.",
     listen_sound="Bitte hören Sie zu.",
     wait_experimenter="Bitte warten Sie. Die Versuchsleitung hat etwas zu entscheiden.",
     say_aloud="Bitte sagen Sie es der Versuchsleitung",

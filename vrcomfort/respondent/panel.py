@@ -319,7 +319,8 @@ class PanelRespondent:
     def _hint(self, answers: Answers) -> str:
         if not self._keyboard:
             return ""
-        return self._words.hint.format(answers=answers.asked_in_words)
+        asked = answers.asked
+        return self._words.hint.format(answers=f"{asked[0]} … {asked[-1]}")
 
     def _choose(self, page: Page) -> Cell:
         """Show a page until a cell is chosen; a wish to stop is asked once more."""

@@ -133,7 +133,8 @@ class SessionFlow:
         left = self._places[before.done if before else 0 :]
         steps = tuple(planned_steps(self._context, left, self._events.session))
         time = SessionTime(steps, self._events.now_s)
-        self._steering.attach(self._events, self._context.screen, time)
+        words = self._context.protocol.words
+        self._steering.attach(self._events, self._context.screen, words=words, time=time)
         shown = tuple((place.scene, place.condition or "") for place in self._places)
         name, who = self._context.sequence.name, self._context.participant
         order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)

@@ -14,6 +14,7 @@ from vrcomfort.frame import Frame, HeadsetEvent
 from vrcomfort.geometry import Pose, Quad, heading
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.headset.pointer import pointer_quad
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.panel_layout import SIZE_PX
 from vrcomfort.respondent.panel_picture import Page, Painter, Picture
 from vrcomfort.respondent.pointing import Pointing
@@ -76,6 +77,8 @@ class PanelScreen:
 
     Parameters
     ----------
+    words
+        In the participant's language.
     points_with_head
         Where neither a controller nor the eyes are seen, the middle of the head's view points.
 
@@ -87,8 +90,11 @@ class PanelScreen:
         Called before each frame that passes while a question is open.
     """
 
-    def __init__(self, headset: PanelHeadset, *, points_with_head: bool = False) -> None:
+    def __init__(
+        self, headset: PanelHeadset, *, words: Words = ENGLISH, points_with_head: bool = False
+    ) -> None:
         self._headset = headset
+        self._words = words
         self._points_with_head = points_with_head
         self._frames: Iterator[Frame] | None = None
         self._panel: Panel | None = None
@@ -186,7 +192,7 @@ class PanelScreen:
 
     def show_loading(self) -> None:
         """Show that something is being loaded: runtimes show the last frame until another comes."""
-        self.show(loading_picture())
+        self.show(words_picture(self._words.loading))
         for _ in range(LOADING_FRAMES):
             panel, frame = self._panel, self._pass_frame()
             if frame.should_render and panel is self._panel:
@@ -245,11 +251,6 @@ def before(head: Pose) -> Quad:
     level = Pose(head.position, heading(head))
     place = level @ Pose(np.array([0.0, -DROP_M, -DISTANCE_M]))
     return Quad(place, (WIDTH_M, WIDTH_M * SIZE_PX[1] / SIZE_PX[0]))
-
-
-def loading_picture() -> Picture:
-    """Return what stands there while a scene is loaded and its shaders are compiled."""
-    return words_picture("Loading …")
 
 
 @lru_cache(maxsize=16)

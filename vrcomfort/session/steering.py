@@ -11,15 +11,12 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
+from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent import Withdrew
 from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk, StepKind
 
 IDLE_S = 0.02
 """So long a moment is in which nothing is to be done."""
-
-READY = "Welcome. It begins in a moment."
-PAUSED = "A short pause. It goes on in a moment."
-"""What stands in the headset meanwhile."""
 
 
 class Skipped(Exception):  # noqa: N818 - a decision of the operator, not an error
@@ -137,6 +134,7 @@ class Steering:
         self._headset: object = None
         self._paused_at_s: float | None = None
         self._leaving = self._started = False
+        self._words = ENGLISH
         self._time: Time | None = None
         self._ended_by = ""
 
@@ -150,9 +148,25 @@ class Steering:
         """Whether a withdrawal was asked for, and not yet whether it is meant."""
         return self._leaving
 
-    def attach(self, events: Events, screen: Idle | None = None, time: Time | None = None) -> None:
-        """Steer this session from now on; `time` is told how far it has come."""
-        self._events, self._screen, self._time = events, screen, time
+    def attach(
+        self,
+        events: Events,
+        screen: Idle | None = None,
+        *,
+        words: Words = ENGLISH,
+        time: Time | None = None,
+    ) -> None:
+        """Steer this session from now on.
+
+        Parameters
+        ----------
+        words
+            In the participant's language.
+        time
+            Is told how far the session has come.
+        """
+        self._events, self._screen = events, screen
+        self._words, self._time = words, time
         self._headset, self._started, self._leaving = None, False, False
 
     def use(self, headset: object) -> None:
@@ -186,8 +200,8 @@ class Steering:
         if not self.desk.starts_sessions:
             return
         self.begin("ready", "waiting for the start")
-        self._rest_on(PAUSED)  # drawn now, so that a pause need not draw it between two frames
-        self._rest_on(READY)
+        self._rest_on(self._words.paused)  # drawn now: a pause need not, between two frames
+        self._rest_on(self._words.ready)
         try:
             while not self._started:
                 self.look()
@@ -272,7 +286,7 @@ class Steering:
                 self._started = True
             case "pause":
                 self._paused_at_s = self._events.now_s() if self._events else 0.0
-                self._rest_on(PAUSED)
+                self._rest_on(self._words.paused)
                 if self._time is not None:
                     self._time.pause()
             case "go_on":
