@@ -11,6 +11,7 @@ import moderngl
 import numpy as np
 import pandas as pd
 import pytest
+from PIL import Image
 
 from tests.support.openxr import fresh_monado, needs_monado
 from tests.support.session import run as run_participant
@@ -43,6 +44,17 @@ questionnaires = [
   { timepoint = "post", when = "after_trial" },
 ]
 ratings = { instrument = "fms", every_s = 1.2, timeout_s = 0.7 }
+"""
+
+
+PREPARED = f"""{PROTOCOL}
+practice = [{{ name = "try", draw = 1, exposure_s = 0.5 }}]
+posture = {{ mode = "seated", eye_height_m = 1.2, settle_s = 0.3, measure_s = 0.4 }}
+breaks = {{ min_s = 0.5 }}
+instructions = [
+  {{ name = "welcome", when = "session_start", text = "Welcome", picture = "way.png" }},
+  {{ name = "again", when = "before_trial", trials = [2], text = "Once more", min_s = 0.5 }},
+]
 """
 
 
@@ -87,7 +99,7 @@ def run(
     ctx: moderngl.Context, rehearsal: Rehearsal, folder: Path, **kwargs: Any
 ) -> session.Outcome:
     protocol = folder / "rehearsal.toml"
-    protocol.write_text(PROTOCOL)
+    protocol.write_text(kwargs.pop("text", PROTOCOL))
     settings = OpenXrSettings(image_size_px=SIZE_PX)
     with OpenXrHeadset(ctx, settings, before_wait=rehearsal.before_frame) as headset:
         rehearsal.screen = PanelScreen(headset)
@@ -105,6 +117,34 @@ def run(
             screen=rehearsal.screen,
             **kwargs,
         )
+
+
+def test_what_comes_before_exposures_passes_in_the_headset(
+    ctx: moderngl.Context, tmp_path: Path
+) -> None:
+    """Instructions and a break end by the button, practice and the height of the eyes by time."""
+    Image.new("RGB", (120, 80), (200, 0, 0)).save(tmp_path / "way.png")
+    answers = np.random.default_rng(7).integers(0, 4, 200).tolist()
+    with fresh_monado(tmp_path) as monado, monado.feed() as feed:
+        rehearsal = Rehearsal(feed, walk(), iter(answers))
+        outcome = run(ctx, rehearsal, tmp_path, text=PREPARED)
+    assert outcome.status == "completed"
+    events = read(tmp_path, "events.csv")
+    told = events[events["name"] == "instruction"]
+    assert told["detail"].tolist() == [
+        "welcome: text, picture way.png; ended by participant",
+        "again: text; ended by participant",
+    ]
+    assert told["duration_s"].astype(float).iloc[1] >= 0.5
+    (rest,) = events[events["name"] == "rest"]["detail"]
+    assert rest == "break after trial 1; ended by participant"
+    heights = events[events["name"] == "eye_height"]["detail"].tolist()
+    assert heights == ["seated: 1.600 m, the scene is seen from 1.200 m"] * 2
+    frames = read(tmp_path, "frames.csv")
+    high_m = frames["avatar_y_m"].astype(float) + frames["head_y_m"].astype(float)
+    assert high_m[frames["trial"] > 0].round(6).unique().tolist() == [1.2]
+    (practised,) = read(tmp_path, "practice.csv")["status"]
+    assert practised == "completed"
 
 
 def read(folder: Path, file: str) -> pd.DataFrame:

@@ -76,6 +76,11 @@ def told(folder: Path, more: str = WELCOME + SECOND + THANKS, head: str = ""):
     return tiny_protocol(folder, head + PROTOCOL + more)
 
 
+def told_again(folder: Path):
+    """Return the protocol with the files as they are now."""
+    return tiny_protocol(folder, PROTOCOL + WELCOME)
+
+
 def events(tmp_path: Path, name: str = "instruction") -> list[tuple[float, str]]:
     found = [row for row in rows(tmp_path, "events") if row["name"] == name]
     return [(float(row["duration_s"]), row["detail"]) for row in found]
@@ -231,6 +236,7 @@ def test_instructions_have_languages(tmp_path):
         (THANKS.replace("max_s", "min_s = 9.0\nmax_s"), "", "`max_s` is less than `min_s`"),
         (THANKS + "trials = [1]\n", "", "`trials` does nothing with when"),
         (THANKS + 'show_text = "without_sound"\n', "", "needs a `text` and a `sound`"),
+        (WELCOME.replace("way.png", "w" * 300), "", "picture"),
         (THANKS + THANKS, "", "`thanks` is there twice"),
         (WELCOME, BOTH, "instruction `welcome` lacks its text and its sound in `de`"),
         (GERMAN, BOTH, "there is no instruction `welcome`"),
@@ -349,6 +355,27 @@ def test_a_sound_plays_without_anybody_waiting_for_it(tmp_path):
         speaker.play(sound)  # again, from its beginning
         speaker.stop()
         speaker.stop()
+
+
+def test_a_prepared_sound_is_not_decoded_again_when_it_is_read_again(tmp_path, monkeypatch):
+    write_wav(tmp_path / "a.wav", 0.2)
+    with silent_speaker() as speaker:
+        speaker.prepare(read_sound(tmp_path / "a.wav"))
+        monkeypatch.setattr(speaker, "prepare", None)
+        speaker.play(read_sound(tmp_path / "a.wav"))
+
+
+def test_run_opens_the_device_and_decodes_all_sounds_before_the_session(tmp_path, monkeypatch):
+    null = [pytest.importorskip("miniaudio").Backend.NULL]
+    make = SystemSpeaker.__init__
+    monkeypatch.setattr(SystemSpeaker, "__init__", lambda self: make(self, backends=null))
+    with open_speaker(told(tmp_path)) as speaker:
+        assert speaker is not None
+        monkeypatch.setattr(speaker, "prepare", None)
+        speaker.play(read_sound(tmp_path / "welcome.wav"))
+    (tmp_path / "welcome.wav").write_bytes((tmp_path / "welcome.wav").read_bytes()[:30])
+    with pytest.raises(InputError, match=r"welcome\.wav"), open_speaker(told_again(tmp_path)):
+        pass
 
 
 def test_what_is_played_is_the_file_then_silence():

@@ -20,7 +20,7 @@ LONGEST_S = 600.0
 _RATE_HZ, _CHANNELS, _SAMPLE_BYTES = 48_000, 2, 2
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Sound:
     """A WAV file as it was read.
 

@@ -13,6 +13,7 @@ from vrcomfort.settings import KeyPath, Problem, Settings, Word, did_you_mean, r
 When = Literal["session_start", "before_practice", "before_trial", "after_trial", "session_end"]
 Number = Annotated[int, Field(ge=1, le=1000)]
 Telling = Annotated[str, Field(max_length=2000)]
+MediaFile = Annotated[str, Field(max_length=200)]
 MEDIA = ("picture", "sound")
 """Keys that name files."""
 
@@ -22,9 +23,9 @@ class InstructionWording(Settings):
 
     text: Telling = ""
     """Words on the panel."""
-    picture: str = ""
+    picture: MediaFile = ""
     """PNG or JPEG file; without it, that of the usual language."""
-    sound: str = ""
+    sound: MediaFile = ""
     """WAV file."""
 
 
@@ -38,9 +39,9 @@ class Instruction(Settings):
     `after_trial`: before their questions; `before_practice`: before each block of practice."""
     text: Telling = ""
     """Words on the panel, in the usual language."""
-    picture: str = ""
+    picture: MediaFile = ""
     """PNG or JPEG file on the panel, relative to the protocol file."""
-    sound: str = ""
+    sound: MediaFile = ""
     """WAV file that is played once."""
     show_text: Literal["always", "without_sound"] = "always"
     """`without_sound`: the text stands in for a sound that cannot be played."""

@@ -12,7 +12,7 @@ from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.adjustments import adjusted
 from vrcomfort.render.photodiode import PatchLight
-from vrcomfort.replay.exposures import Adjusted, RecordedExposure
+from vrcomfort.replay.exposures import RecordedExposure
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession
 from vrcomfort.scene.markers import Markers
@@ -28,7 +28,7 @@ class Drawer(Protocol):
         """Prepare a scene and a condition."""
 
     def adjust(self, condition: Condition) -> None:
-        """Change settings of the present condition between two frames."""
+        """Draw with other values of settings from now on."""
 
     def render(self, frame: Frame, scene_time_s: float) -> Any:
         """Draw both eyes."""
@@ -130,8 +130,8 @@ def replay(
         drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
         condition = wish.instead.get(name) or session.condition(name)
-        dial = _Dial(exposure, condition) if exposure.adjusted and condition.name == name else None
-        drawer.begin(drawn_scene, condition if dial is None else dial.built_for)
+        dial = _Dial(session, exposure, condition) if condition.name == name else None
+        drawer.begin(drawn_scene, dial.built_for if dial else condition)
         if second is not None and wish.beside is not None:
             second.begin(drawn_scene, wish.beside)
         film = _Film(session, exposure, wish, size_px, comparison, balls, dial)
@@ -166,24 +166,24 @@ class _Balls:
 
 
 class _Dial:
-    """What a participant adjusted the condition of an exposure to, frame by frame."""
+    """The adjustment of an exposure, turned as it was; in most there is none."""
 
-    def __init__(self, exposure: RecordedExposure, condition: Condition) -> None:
-        self._condition = condition
-        self._coming = deque(exposure.adjusted)
-        most = max(exposure.adjusted, key=lambda each: abs(each.value))
-        self.built_for = self._with(most)  # at 0, passes may be missing
+    def __init__(
+        self, session: RecordedSession, exposure: RecordedExposure, condition: Condition
+    ) -> None:
+        self._condition, self._coming = condition, deque(exposure.turned)
+        self.built_for, self._begins = condition, True
+        if self._coming:
+            first = self._coming[0]
+            self.built_for = adjusted(condition, first.setting, session.highest(first.dial))
 
-    def show(self, session_s: float, drawer: Drawer, *, at_once: bool) -> None:
-        """Draw by what was so at a time; before all frames, by what it began with."""
-        last = self._coming.popleft() if at_once else None
-        while self._coming and self._coming[0].onset_s <= session_s + _EPSILON_S:
-            last = self._coming.popleft()
-        if last is not None:
-            drawer.adjust(self._with(last))
-
-    def _with(self, last: Adjusted) -> Condition:
-        return adjusted(self._condition, last.setting, last.value)
+    def turn(self, drawer: Drawer, session_s: float) -> None:
+        """Draw as the dial stood in a frame; before the exposure it stands where it begins."""
+        turned = None
+        while self._coming and (self._coming[0].since_s <= session_s + _EPSILON_S or self._begins):
+            turned, self._begins = self._coming.popleft(), False
+        if turned is not None:
+            drawer.adjust(adjusted(self._condition, turned.setting, turned.value))
 
 
 @dataclass
@@ -221,7 +221,7 @@ class _Film:
             if self.balls is not None:
                 self.balls.show(int(session.trace.time_ns[row]))
             if self.dial is not None:
-                self.dial.show(session_s, drawer, at_once=row == exposure.first)
+                self.dial.turn(drawer, session_s)
             wanted = self.wish.wants(trial, session_s)
             video_s = self._video_s(row, frame) if wanted else 0.0
             if not session.drawn[row]:  # the picture before stood; jumps are seen with the next

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,10 +33,12 @@ class Rating:
     response: int | None
 
 
-class Adjusted(NamedTuple):
-    """From when on a setting of the condition had a value."""
+@dataclass(frozen=True)
+class Turned:
+    """A value of a setting of the condition, which a dial changed; drawn from then on."""
 
-    onset_s: float
+    since_s: float
+    dial: str
     setting: str
     value: float
 
@@ -56,10 +58,10 @@ class RecordedExposure:
         Of the session's clock.
     ratings
         In the order of their questions.
+    turned
+        What the participant adjusted, in order; the first is where the dial began.
     balls
         (`xr_time_ns`, ball) from which frame on each ball of its task is drawn so, in order.
-    adjusted
-        What the participant adjusted the condition to, in order; first what it began with.
     """
 
     trial: int
@@ -74,7 +76,7 @@ class RecordedExposure:
     end_s: float
     ratings: tuple[Rating, ...] = ()
     balls: tuple[tuple[int, Shown], ...] = ()
-    adjusted: tuple[Adjusted, ...] = ()
+    turned: tuple[Turned, ...] = ()
 
 
 def read_exposures(
@@ -94,7 +96,7 @@ def read_exposures(
             frames,
             [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
             [_ball(row) for row in rows_of(folder, BallRow, manifest)],
-            list(rows_of(folder, DialRow, manifest)),
+            [row for row in rows_of(folder, DialRow, manifest) if row["setting"]],
             _trained_from_s(folder, manifest),
         )
     )
@@ -160,21 +162,23 @@ def _exposures(
                 min(row["end_s"], float(frames.session_s[end - 1])),
                 told,
                 tuple(each for each in balls if from_ns <= each[0] <= to_ns),
-                tuple(_adjusted(dials, row["trial"], row["attempt"])),
+                tuple(_turned(row, dials)),
             )
         before_s = row["end_s"] - _EPSILON_S
+
+
+def _turned(
+    attempt: Mapping[str, Any] | RecordedRow, dials: Sequence[RecordedRow]
+) -> Iterator[Turned]:
+    key = attempt["trial"], attempt["attempt"]
+    for row in dials:
+        if (row["trial"], row["attempt"]) == key and row["kind"] in {"start", "change"}:
+            yield Turned(row["onset_s"], row["dial"], row["setting"], row["value"])
 
 
 def _rating(row: RecordedRow) -> Rating:
     answered_s = row["onset_s"] + (row["latency_s"] or 0.0)
     return Rating(row["onset_s"], answered_s, row["instrument"], row["response"])
-
-
-def _adjusted(dials: Iterable[RecordedRow], trial: int, attempt: int) -> Iterator[Adjusted]:
-    for row in dials:
-        of_this = (row["trial"], row["attempt"]) == (trial, attempt)
-        if of_this and row["setting"] and row["kind"] in {"start", "change"}:
-            yield Adjusted(row["onset_s"], row["setting"], row["value"])
 
 
 def _ball(row: RecordedRow) -> tuple[int, Shown]:
