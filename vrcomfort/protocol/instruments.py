@@ -51,8 +51,8 @@ def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:
     """Yield what keeps the instruments that were found from being asked."""
-    turned = protocol.sliders or protocol.adjustments
-    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or turned):
+    more = protocol.sliders or protocol.adjustments or protocol.free_texts
+    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or more):
         message = (
             "nothing is asked, rated or done; add [[questionnaires]], [[ratings]] or [[tasks]]"
         )
