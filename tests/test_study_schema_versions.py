@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 from vrcomfort.cli import main
-from vrcomfort.records import FrameRow
+from vrcomfort.records import FrameRow, GazeRow
 from vrcomfort.records.disk import OWNER
 from vrcomfort.records.mend import mend
 from vrcomfort.records.pose_columns import HANDS
 from vrcomfort.records.schema import SCHEMA_VERSION, columns_of_version
+from vrcomfort.traces.gaze_track import read_gaze
 from vrcomfort.traces.trace import read_trace
 
 FIRST = Path(__file__).parent / "data" / "study_of_schema_1"
@@ -86,6 +87,23 @@ def test_a_file_of_the_second_version_gets_the_columns_of_the_third(study):
 
 
 @pytest.mark.slow
+def test_gaze_of_the_third_version_gets_the_columns_of_each_eye_and_is_read(study):
+    session = study / "sub-P02/ses-1"
+    third = columns_of_version(3, "gaze.csv", GazeRow.columns())
+    assert third[-2:] == ("hit_m", "resumed")
+    file = session / "gaze.csv"
+    file.write_text(",".join(third) + "\n0.1,5,1,0.0,1.6,0.0,0.0,0.0,-1.0,2.5,0\n")
+    before = file.read_bytes()
+    assert read_gaze(file).at(5).eyes == (None, None)
+    assert mend(session, GazeRow, OWNER) is None
+    assert (session / "gaze.csv.schema3").read_bytes() == before
+    (row,) = rows(file)
+    assert tuple(row) == GazeRow.columns()
+    cells = [row[name] for name in ("hit_m", "hit_node", "left_valid", "resumed")]
+    assert cells == ["2.5", "", "", "0"]
+    assert read_gaze(file).at(5).eyes == (None, None)
+
+
 def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
     session = study / "sub-P02/ses-1"
     before = {name: (session / name).read_bytes() for name in ("trials.csv", "frames.csv")}

@@ -16,9 +16,11 @@ from torture.mutate import worse
 from torture.worker import named, workers
 from vrcomfort.design import build_design
 from vrcomfort.errors import InputError
+from vrcomfort.geometry import EyeGaze, Gaze, Pose
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import read_instrument, score_file, shipped_instruments
 from vrcomfort.records import GazeRow, QuestionnaireRow
+from vrcomfort.records.rows import csv_line
 from vrcomfort.report.plan import load_plan
 from vrcomfort.report.study_data import read_study
 from vrcomfort.resources import Folder, data_folder
@@ -94,13 +96,17 @@ def _walks() -> list[bytes]:
 
 
 def _gaze() -> list[bytes]:
-    columns = GazeRow.columns()
-    lines = [",".join(columns)]
-    blank = "," * (len(columns) - 11)  # per eye, and of effects
+    lines = [csv_line(GazeRow.columns())]
+    ahead = Pose((0.0, 1.6, 0.0))
     for number in range(60):
-        seen = "1,0.0,1.6,0.0,0.0,0.0,-1.0,2.5" if number % 7 else "0,,,,,,,"
-        lines.append(f"{number / 60:.4f},{number * 16_666_667},{seen}{blank},0")
-    return ["\n".join([*lines, ""]).encode()]
+        seen = number % 7 != 0
+        left = EyeGaze(ahead, valid=seen, pupil_mm=3.5 if seen else None)
+        right = EyeGaze(ahead, valid=number % 5 != 0) if number % 3 else None
+        gaze = Gaze(ahead, valid=seen, eyes=(left, right))
+        time_ns = number * 16_666_667
+        row = GazeRow(time_ns / 1e9, time_ns, gaze, 2.5, "chair", "gaze" if seen else "held")
+        lines.append(csv_line(row.cells()))
+    return ["".join(lines).encode()]
 
 
 def _unity() -> list[bytes]:

@@ -98,7 +98,8 @@ def rays_of(table: Table, valid: NDArray[np.bool_], eye: str = "") -> Array:
         return rays
     part, columns = part_of(table, valid), gaze_columns(eye)
     found = np.hstack([part.positions(columns[:3]), part.floats(columns[3:])])
-    lengths = np.linalg.norm(found[:, 3:], axis=1)
+    with np.errstate(over="ignore"):  # of numbers that are no direction
+        lengths = np.linalg.norm(found[:, 3:], axis=1)
     bad = np.flatnonzero(np.abs(lengths - 1) > 1e-3)
     if len(bad):
         message = f"the direction has length {lengths[bad[0]]:.6g}; it needs length 1"
