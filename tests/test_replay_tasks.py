@@ -47,6 +47,7 @@ sessions = [[
   { scene = "temple", condition = "streaks", task = "shoot" },
   { scene = "temple", condition = "blur", task = "walk" },
   { scene = "temple", condition = "plain", task = "juggle" },
+  { scene = "temple", condition = "turned" },
 ]]
 
 [[tasks]]
@@ -81,6 +82,19 @@ max_radius_percent = 10
 
 [[conditions]]
 name = "plain"
+
+[[conditions]]
+name = "turned"
+[conditions.depth_of_field]
+law = "dioptre"
+max_radius_percent = 10
+
+[[adjustments]]
+name = "sharpness"
+setting = "depth_of_field.full_blur_dioptre"
+range = [0.2, 8.0]
+scale = "log"
+sweep_s = 1.0
 
 [[questionnaires]]
 timepoint = "post"
@@ -127,11 +141,17 @@ SHOTS = {8, 30}
 
 
 class Busy(PlaybackHeadset):
-    """A walk with a hand that presses."""
+    """A walk with a hand that presses, and in the last exposure turns a dial."""
+
+    exposures = 0
 
     def frames(self) -> Iterator[Frame]:
+        self.exposures += 1
+        turns = self.exposures == 4
         for count, frame in enumerate(super().frames()):
-            self.now = Inputs(right=HandInput(Pose(), select=count in SHOTS))
+            presses, push = count in SHOTS and not turns, 0.9 if count % 16 < 9 else -0.7
+            stick = (0.0, push if turns else 0.0)
+            self.now = Inputs(right=HandInput(Pose(), select=presses, thumbstick=stick))
             yield replace(frame, should_render=count not in UNSEEN)
 
     def inputs(self) -> Inputs:
@@ -208,8 +228,18 @@ def test_a_replay_with_tasks_has_the_recorded_images(place: Path) -> None:
     comparison = drawn_again(place)
 
     assert {row["hit"] for row in tasks if row["kind"] == "target"} == {"0", "1"}
-    assert {row["trial"] for row in images} == {"0", "1", "2", "3"}
+    assert {row["trial"] for row in images} == {"0", "1", "2", "3", "4"}
     assert (comparison.equal, comparison.compared) == (len(images), len(images))
+
+
+def test_what_was_adjusted_is_drawn_as_it_was(place: Path, copy: Path) -> None:
+    values = [r["value"] for r in read_rows(place / SESSION / "dials.csv") if r["kind"] == "change"]
+    assert len(set(values)) > 10
+    turned = drawn_again(place, Wish(trial=4))
+    assert turned.compared == turned.equal > 4
+    (copy / SESSION / "dials.csv").unlink()
+    still = drawn_again(copy, Wish(trial=4))
+    assert still.equal < still.compared
 
 
 @pytest.mark.parametrize("trial", [1, 2, 3])

@@ -189,6 +189,16 @@ def test_the_report_draws_its_courses(study, tmp_path):
     assert "156 ratings" in page  # 39 in each of four exposures
 
 
+@pytest.mark.slow
+def test_a_condition_without_a_slider_has_an_empty_panel(tmp_path):
+    text = PROTOCOL.replace('"how_bad"', '"how_bad"\nconditions = ["wild"]')
+    for who in ("P01", "P02"):
+        slide(tmp_path, text, participant=who)
+    build_report(tmp_path / "S", out=tmp_path / "report", forms=("svg",))
+    drawn = (tmp_path / "report/figures").glob("*.svg")
+    assert any("0 exposures" in each.read_text(encoding="utf-8") for each in drawn)
+
+
 @pytest.mark.parametrize(
     ("extra", "says"),
     [

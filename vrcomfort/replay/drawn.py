@@ -10,11 +10,15 @@ from typing import Any, Protocol
 from vrcomfort.frame import DROPPED_INTERVAL_PERIODS, Frame, ImageHash
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.protocol import Condition
+from vrcomfort.protocol.adjustments import adjusted
 from vrcomfort.render.photodiode import PatchLight
 from vrcomfort.replay.exposures import RecordedExposure
 from vrcomfort.replay.hashes import Comparison
 from vrcomfort.replay.recorded import RecordedSession
 from vrcomfort.scene.markers import Markers
+
+_EPSILON_S = 1e-6
+"""Of session times in files."""
 
 
 class Drawer(Protocol):
@@ -22,6 +26,9 @@ class Drawer(Protocol):
 
     def begin(self, scene: Any, condition: Condition) -> None:
         """Prepare a scene and a condition."""
+
+    def adjust(self, condition: Condition) -> None:
+        """Draw with other values of settings from now on."""
 
     def render(self, frame: Frame, scene_time_s: float) -> Any:
         """Draw both eyes."""
@@ -122,10 +129,12 @@ def replay(
         balls = _Balls(exposure, scene) if exposure.balls else None
         drawn_scene = scene if balls is None else balls.scene
         name = exposure.condition
-        drawer.begin(drawn_scene, wish.instead.get(name) or session.condition(name))
+        condition = wish.instead.get(name) or session.condition(name)
+        dial = _Dial(session, exposure, condition) if condition.name == name else None
+        drawer.begin(drawn_scene, dial.built_for if dial else condition)
         if second is not None and wish.beside is not None:
             second.begin(drawn_scene, wish.beside)
-        film = _Film(session, exposure, wish, size_px, comparison, balls)
+        film = _Film(session, exposure, wish, size_px, comparison, balls, dial)
         for drawn in film.frames(drawer, second if wish.beside else None, scene, last):
             yield replace(drawn, video_s=drawn.video_s + end_s)
         end_s += film.length_s
@@ -156,6 +165,27 @@ class _Balls:
             self._markers.show(self._coming.popleft()[1])
 
 
+class _Dial:
+    """The adjustment of an exposure, turned as it was; in most there is none."""
+
+    def __init__(
+        self, session: RecordedSession, exposure: RecordedExposure, condition: Condition
+    ) -> None:
+        self._condition, self._coming = condition, deque(exposure.turned)
+        self.built_for, self._begins = condition, True
+        if self._coming:
+            first = self._coming[0]
+            self.built_for = adjusted(condition, first.setting, session.highest(first.dial))
+
+    def turn(self, drawer: Drawer, session_s: float) -> None:
+        """Draw as the dial stood in a frame; before the exposure it stands where it begins."""
+        turned = None
+        while self._coming and (self._coming[0].since_s <= session_s + _EPSILON_S or self._begins):
+            turned, self._begins = self._coming.popleft(), False
+        if turned is not None:
+            drawer.adjust(adjusted(self._condition, turned.setting, turned.value))
+
+
 @dataclass
 class _Film:
     """The frames of one exposure, and their time in the replay."""
@@ -166,6 +196,7 @@ class _Film:
     size_px: tuple[int, int]
     comparison: Comparison
     balls: _Balls | None
+    dial: _Dial | None
     length_s: float = 0.0
     _shown_ns: int | None = None
     _focus_m: float | None = None
@@ -189,6 +220,8 @@ class _Film:
             session_s = float(session.session_s[row])
             if self.balls is not None:
                 self.balls.show(int(session.trace.time_ns[row]))
+            if self.dial is not None:
+                self.dial.turn(drawer, session_s)
             wanted = self.wish.wants(trial, session_s)
             video_s = self._video_s(row, frame) if wanted else 0.0
             if not session.drawn[row]:  # the picture before stood; jumps are seen with the next

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vrcomfort.records import BallRow, EventRow, RatingRow, TrialRow
+from vrcomfort.records import BallRow, DialRow, EventRow, RatingRow, TrialRow
 from vrcomfort.records.recorded_rows import RecordedRow
 from vrcomfort.replay.frame_facts import FrameFacts
 from vrcomfort.replay.session_rows import rows_of
@@ -34,6 +34,16 @@ class Rating:
 
 
 @dataclass(frozen=True)
+class Turned:
+    """A value of a setting of the condition, which a dial changed; drawn from then on."""
+
+    since_s: float
+    dial: str
+    setting: str
+    value: float
+
+
+@dataclass(frozen=True)
 class RecordedExposure:
     """One attempt at a trial, with the training before it.
 
@@ -48,6 +58,8 @@ class RecordedExposure:
         Of the session's clock.
     ratings
         In the order of their questions.
+    turned
+        What the participant adjusted, in order; the first is where the dial began.
     balls
         (`xr_time_ns`, ball) from which frame on each ball of its task is drawn so, in order.
     """
@@ -64,6 +76,7 @@ class RecordedExposure:
     end_s: float
     ratings: tuple[Rating, ...] = ()
     balls: tuple[tuple[int, Shown], ...] = ()
+    turned: tuple[Turned, ...] = ()
 
 
 def read_exposures(
@@ -83,6 +96,7 @@ def read_exposures(
             frames,
             [_rating(row) for row in rows_of(folder, RatingRow, manifest)],
             [_ball(row) for row in rows_of(folder, BallRow, manifest)],
+            [row for row in rows_of(folder, DialRow, manifest) if row["setting"]],
             _trained_from_s(folder, manifest),
         )
     )
@@ -117,6 +131,7 @@ def _exposures(
     frames: FrameFacts,
     ratings: Sequence[Rating],
     balls: Sequence[tuple[int, Shown]],
+    dials: Sequence[RecordedRow],
     trained_from_s: Sequence[float],
 ) -> Iterator[RecordedExposure]:
     """Yield the attempts of which a frame is recorded."""
@@ -147,8 +162,18 @@ def _exposures(
                 min(row["end_s"], float(frames.session_s[end - 1])),
                 told,
                 tuple(each for each in balls if from_ns <= each[0] <= to_ns),
+                tuple(_turned(row, dials)),
             )
         before_s = row["end_s"] - _EPSILON_S
+
+
+def _turned(
+    attempt: Mapping[str, Any] | RecordedRow, dials: Sequence[RecordedRow]
+) -> Iterator[Turned]:
+    key = attempt["trial"], attempt["attempt"]
+    for row in dials:
+        if (row["trial"], row["attempt"]) == key and row["kind"] in {"start", "change"}:
+            yield Turned(row["onset_s"], row["dial"], row["setting"], row["value"])
 
 
 def _rating(row: RecordedRow) -> Rating:

@@ -79,6 +79,20 @@ class RecordedSession:
         views = self.manifest.get("settings", {}).get("views", ())
         return str(next((each["scene"] for each in views if each["name"] == name), name))
 
+    def highest(self, dial: str) -> float:
+        """Return the highest value of an adjustment: passes that can show it show all others.
+
+        Raises
+        ------
+        InputError
+            If the session's protocol has no such adjustment.
+        """
+        for each in self.manifest.get("settings", {}).get("adjustments", ()):
+            if each["name"] == dial:
+                return float(each["range"][1])
+        message = f"the manifest has no adjustment {dial!r}, which dials.csv names"
+        raise InputError(f"{message}; restore it from a copy", file=self.folder / "manifest.json")
+
     def condition(self, name: str) -> Condition:
         """Return a condition of the session's protocol.
 

@@ -164,7 +164,8 @@ def _mark(axes: Axes, exposures: list[RatedExposure], scale: float) -> None:
     known = [(t, v) for t, v in last if v is not None]
     if known:
         axes.plot(*zip(*known, strict=True), "X", color=INK, ms=5.5, mec=PAPER, mew=0.6, zorder=5)
-    missed = np.concatenate([e.course.times_s[np.isnan(e.course.ratings)] for e in exposures])
+    times = [e.course.times_s[np.isnan(e.course.ratings)] for e in exposures]
+    missed = np.concatenate([np.empty(0), *times])  # a condition may have none that was rated
     if missed.size:
         foot = np.full(missed.size, 0.03)
         axes.plot(missed / scale, foot, "|", color=SOFT, ms=5, mew=0.7,
