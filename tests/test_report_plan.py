@@ -1,5 +1,6 @@
 """What a plan can say, and that the analysis does it: contrasts, factors, families, rules."""
 
+import csv
 import json
 import re
 from pathlib import Path
@@ -18,6 +19,7 @@ from tests.support.report import (
 from vrcomfort.cli import main
 from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import shipped_instruments
+from vrcomfort.records import QuestionnaireRow
 from vrcomfort.report.build import choose_plan
 from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, read_plan, shipped_plans
 from vrcomfort.report.results import analyse
@@ -162,12 +164,13 @@ def test_conditions_are_compared_at_any_timepoint(tmp_path):
     for i in range(6):
         for number, condition in ((1, "a"), (2, "b")):
             folder = study.session(f"P{i}", number, 1, [(condition, "room", 3 + i * number)])
-            rows = [
-                f"P{i},{number},,,,,recovery,ssq,{item},{n},1,2,{k},0"
-                for k, (item, n) in enumerate(answers(i + number).items(), start=1)
-            ]
-            file = folder / "questionnaires.csv"
-            file.write_text(file.read_text() + "\n".join(rows) + "\n")
+            same = {"participant": f"P{i}", "session": number, "timepoint": "recovery"}
+            with (folder / "questionnaires.csv").open("a", newline="") as stream:
+                writer = csv.DictWriter(stream, QuestionnaireRow.columns(), lineterminator="\n")
+                for item, response in answers(i + number).items():
+                    writer.writerow(
+                        {**same, "instrument": "ssq", "item": item, "response": response}
+                    )
     results = analysed(
         study.folder,
         'outcomes = ["T"]\n[[contrasts]]\na = "a"\nb = "b"\na_timepoint = "recovery"\n'

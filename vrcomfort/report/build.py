@@ -17,7 +17,7 @@ from vrcomfort.report.figures import draw_figures
 from vrcomfort.report.further_answers import further_answers
 from vrcomfort.report.gaze_and_head import look_at
 from vrcomfort.report.page import render_page
-from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_plans
+from vrcomfort.report.plan import Plan, find_plan, load_plan, plan_of, shipped_files
 from vrcomfort.report.records import records
 from vrcomfort.report.reproduce import r_script
 from vrcomfort.report.residuals import residuals_of
@@ -199,8 +199,7 @@ def choose_plan(study: StudyData, plan: str | Path | None) -> Plan:
     """
     if plan is not None:
         return load_plan(find_plan(plan), study.instruments.values())
-    shipped = {each.name: each.file for each in shipped_plans()}
-    file = shipped.get(study.protocol or "")
+    file = shipped_files().get(study.protocol or "")
     return load_plan(file, study.instruments.values()) if file else plan_of(study)
 
 

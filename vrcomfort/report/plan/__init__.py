@@ -16,6 +16,7 @@ from vrcomfort.report.plan.reading import (
     find_plan,
     load_plan,
     read_plan,
+    shipped_files,
     shipped_plans,
 )
 
@@ -37,6 +38,7 @@ __all__ = [
     "load_plan",
     "plan_of",
     "read_plan",
+    "shipped_files",
     "shipped_plans",
     "with_outcomes",
 ]

@@ -67,10 +67,15 @@ def load_plan(file: Path, instruments: Iterable[Instrument] | None = None) -> Pl
     return read_plan(read_text(file, "analysis plan"), file, instruments)
 
 
+def shipped_files() -> dict[str, Path]:
+    """Return name → file of the plans that come with the package, in the order of names."""
+    return {file.stem: file for file in sorted(data_folder("analysis").glob("*.toml"))}
+
+
 def shipped_plans() -> tuple[ShippedPlan, ...]:
     """Return the plans that come with the package, by name."""
-    files = sorted(data_folder("analysis").glob("*.toml"))
-    return tuple(ShippedPlan(file.stem, load_plan(file).title, file) for file in files)
+    files = shipped_files().items()
+    return tuple(ShippedPlan(name, load_plan(file).title, file) for name, file in files)
 
 
 def find_plan(name: str | Path) -> Path:
@@ -84,9 +89,9 @@ def find_plan(name: str | Path) -> Path:
     path = Path(name)
     if path.suffix or len(path.parts) > 1 or path.is_file():
         return path
-    shipped = {file.stem: file for file in data_folder("analysis").glob("*.toml")}
+    shipped = shipped_files()
     if str(name) not in shipped:
         near = get_close_matches(str(name), shipped, n=1, cutoff=0.6)
-        known = f"did you mean `{near[0]}`?" if near else f"shipped: {', '.join(sorted(shipped))}"
+        known = f"did you mean `{near[0]}`?" if near else f"shipped: {', '.join(shipped)}"
         raise InputError(f"there is no analysis plan `{name}`; {known}")
     return shipped[str(name)]
