@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.model import Ask, Protocol
+from vrcomfort.protocol.asking import Ask
+from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.screening import screening_problems
 from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
