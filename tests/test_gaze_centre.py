@@ -302,6 +302,7 @@ def test_what_is_not_there_cannot_be_centred(tmp_path, old, new, words):
         tiny_protocol(tmp_path, PROTOCOL.replace(old, new))
 
 
+@pytest.mark.slow
 def test_a_session_says_for_each_frame_what_the_centre_was(run, tmp_path):
     file = tmp_path / "centred.toml"
     file.write_text(PROTOCOL)
