@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import pytest
+from typer.testing import CliRunner
 
 from tests.support.exchange import cell
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
 from tests.support.tasks import doing_protocol, room
+from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
@@ -396,3 +398,12 @@ def test_conditions_may_be_named(tmp_path):
     protocol = load_protocol(doing_protocol(tmp_path, text).file)
     assert protocol.adjustment_in("film").name == "comfortable_blur"
     assert protocol.adjustment_in("lens") is None
+
+
+def test_run_refuses_a_headset_without_a_dial(tmp_path):
+    file = doing_protocol(tmp_path, PROTOCOL).file
+    words = ["run", str(file), "--participant", "P01", "--out", str(tmp_path / "S")]
+    refused = CliRunner().invoke(app, words)
+    said = "participants turn the dial `comfortable_blur`, and the playback headset has none"
+    assert said in str(refused.exception or refused.output)
+    assert not (tmp_path / "S").exists()

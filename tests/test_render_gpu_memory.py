@@ -17,9 +17,12 @@ from vrcomfort.protocol.conditions import (
     Focus,
     Kernel,
     MotionBlur,
+    Peripheral,
     SpeedBlur,
     TurnRamp,
+    Vignette,
 )
+from vrcomfort.protocol.gaze_centre import GazeCentre
 from vrcomfort.render.pipeline import StereoRenderer
 
 RENDER = Path(gl.__file__).parent
@@ -34,6 +37,13 @@ CONDITIONS = [
     Condition(name="plain"),
     Condition(name="shutter", motion_blur=MotionBlur()),
     Condition(name="speed", speed_blur=SpeedBlur(turning=TurnRamp(from_deg_s=0, to_deg_s=60))),
+    Condition(
+        name="round_the_gaze",
+        focus=Focus(method="autofocus_zone"),
+        depth_of_field=DepthOfField(peripheral=Peripheral()),
+        vignette=Vignette(),
+        gaze_centre=GazeCentre(of=("autofocus_zone", "peripheral", "vignette")),
+    ),
     *(
         Condition(
             name=method,

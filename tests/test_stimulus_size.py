@@ -13,7 +13,7 @@ from vrcomfort.headset.playback import default_fovs
 from vrcomfort.protocol import Condition, DepthOfField, Focus, MotionBlur
 from vrcomfort.protocol.conditions import Peripheral, SpeedBlur, TurnRamp
 from vrcomfort.protocol.gaze_centre import GazeCentre
-from vrcomfort.protocol.model import Visibility
+from vrcomfort.protocol.viewing import Visibility
 from vrcomfort.render.stimulus_size import StimulusSize, measure
 from vrcomfort.render.visibility import faults, needlessly_meant, seen
 

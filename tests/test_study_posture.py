@@ -19,6 +19,7 @@ from vrcomfort.geometry import Pose
 from vrcomfort.records import read_manifest
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import NoPictures, StillHeadset
+from vrcomfort.session.dry_run import dry_run
 from vrcomfort.session.steering import Steering
 from vrcomfort.traces.trace import read_trace
 
@@ -176,6 +177,11 @@ def test_simulated_participants_are_measured_without_frames(tmp_path):
         headset_for=lambda *_: StillHeadset(), renderer=NoPictures(),
     )  # fmt: skip
     assert manifest(tmp_path)["eye_heights"][0]["measured_m"] == 1.6
+
+
+def test_check_counts_the_measurement_as_training(tmp_path):
+    first, _ = dry_run(tiny_protocol(tmp_path, PROTOCOL + SEATED), tmp_path)
+    assert first.training_s == pytest.approx(1.0 + 3.0, abs=0.1)  # by frames of 20 Hz
 
 
 def test_how_tall_somebody_is_is_not_handed_on(tmp_path):

@@ -199,6 +199,25 @@ def test_practice_that_is_over_is_not_shown_again(tmp_path):
     ]
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        (",warm_up,", ",other,", "the protocol has no practice 'other'"),
+        (",completed,", ",done,", "'done' is no status of practice"),
+        (",3,2,blur", ",1,2,blur", "repetition 1, exposure 2 of practice 'warm_up' stands too"),
+        (",0,0\n", ",1,0\n", "practice 'warm_up' was over, and goes on here"),
+        ("P01,1,", "P02,1,", "participant is P02, and this folder is of P01"),
+    ],
+)
+def test_verify_finds_rows_of_practice_that_cannot_be(tmp_path, old, new, says):
+    practise(tmp_path, HARD)
+    file = tmp_path / "S/sub-P01/ses-1/practice.csv"
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert any(says in str(each) for each in verify_study(tmp_path / "S").faults)
+
+
 def test_the_experimenter_may_repeat_and_end_it(tmp_path):
     class Desk(ScriptedDesk):
         given = 0

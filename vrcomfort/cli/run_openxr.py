@@ -13,7 +13,7 @@ from vrcomfort.cli.openxr_bindings import require_bindings
 from vrcomfort.cli.renderer import describe_machine
 from vrcomfort.cli.terminal import ask_to_type
 from vrcomfort.protocol import Protocol
-from vrcomfort.protocol.model import Answering
+from vrcomfort.protocol.viewing import Answering
 
 if TYPE_CHECKING:
     import moderngl

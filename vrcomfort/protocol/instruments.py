@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from vrcomfort.errors import InputError
-from vrcomfort.protocol.model import Ask, Protocol
+from vrcomfort.protocol.asking import Ask
+from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.screening import screening_problems
 from vrcomfort.protocol.stopping import rise_problems
 from vrcomfort.questionnaire import Instrument, find_instrument
@@ -51,8 +52,8 @@ def instrument_problems(
     protocol: Protocol, instruments: Mapping[str, Instrument]
 ) -> Iterator[Problem]:
     """Yield what keeps the instruments that were found from being asked."""
-    turned = protocol.sliders or protocol.adjustments
-    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or turned):
+    more = protocol.sliders or protocol.adjustments or protocol.free_texts
+    if not (protocol.questionnaires or protocol.ratings or protocol.tasks or more):
         message = (
             "nothing is asked, rated or done; add [[questionnaires]], [[ratings]] or [[tasks]]"
         )

@@ -6,20 +6,19 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, PrivateAttr, field_validator
-from pydantic_core import PydanticCustomError
 
 from vrcomfort.errors import InputError
-from vrcomfort.frame import MEAN_IPD_M
 from vrcomfort.protocol.adjustments import Adjustment
+from vrcomfort.protocol.asking import Ask, Ratings, Rest, Unfocused
 from vrcomfort.protocol.breaks import Breaks
-from vrcomfort.protocol.conditions import Condition, Seconds
+from vrcomfort.protocol.conditions import Condition
 from vrcomfort.protocol.consent import Consent
 from vrcomfort.protocol.factors import Factor
 from vrcomfort.protocol.free_texts import FreeText
-from vrcomfort.protocol.gaze_validation import GazeValidation, SimulatedEyes
+from vrcomfort.protocol.gaze_validation import GazeValidation
 from vrcomfort.protocol.instructions import Instruction
 from vrcomfort.protocol.order import NO_TASK, Allocation, Covariate, Group, Order, Trial
 from vrcomfort.protocol.parts import Part
@@ -27,199 +26,17 @@ from vrcomfort.protocol.photodiode import Photodiode
 from vrcomfort.protocol.posture import Posture
 from vrcomfort.protocol.practice import Practice
 from vrcomfort.protocol.screening import Screening
+from vrcomfort.protocol.simulation import Simulation
 from vrcomfort.protocol.sliders import Slider
 from vrcomfort.protocol.stopping import Stopping
 from vrcomfort.protocol.texts import LanguageTable, Words, words_of
+from vrcomfort.protocol.viewing import Answering, Headset, Locomotion, Visibility
 from vrcomfort.protocol.views import View
 from vrcomfort.questionnaire import Instrument, shipped_instruments
 from vrcomfort.settings import KeyPath, Name, Settings, Word
 from vrcomfort.settings.include import Source
 from vrcomfort.settings.schema import or_one_table
 from vrcomfort.tasks import AnyTask, TaskSettings
-
-Probability = Annotated[float, Field(ge=0, le=1)]
-Rest = Annotated[float, Field(ge=0, le=86_400)]
-"""Seconds, up to a day."""
-Coefficient = Annotated[float, Field(ge=0, le=1e6)]
-PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
-
-
-Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
-PixelCount = Annotated[int, Field(ge=16, le=8192)]
-
-
-class Headset(Settings):
-    """What the headset should be set to; a playback headset is built from it."""
-
-    name: str = ""
-    """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
-    image_size_px: tuple[PixelCount, PixelCount] = (1832, 1920)
-    """Width and height of one eye's image in that headset, for `vrcomfort check`. What a session
-    was shown in is recorded from the headset itself."""
-    refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
-    """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
-    ipd_m: Ipd = MEAN_IPD_M
-    """Distance between the eyes, where no headset says it."""
-    ipd_range_m: tuple[Ipd, Ipd] | None = None
-    """Least and greatest distance between pupils that the headset can be fitted to. Whoever is
-    outside of it (`run --ipd-mm`) is told to the experimenter before the exposure, who decides."""
-
-    @field_validator("ipd_range_m")
-    @classmethod
-    def _range_rises(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
-        if value is not None and value[0] >= value[1]:
-            raise PydanticCustomError("ipd_range", "must rise: the least distance first")
-        return value
-
-
-class Answering(Settings):
-    """How participants answer on the panel in a headset."""
-
-    dwell_s: Annotated[float, Field(ge=0.3, le=10)] = 1.2
-    """So long a look must rest on an answer, twice, where there is no button to press."""
-    head: bool = True
-    """Without controllers and an eye tracker, the middle of the head's view points."""
-    stop_by_looks: bool = True
-    """Who has no button asks to stop an exposure by a look down; the panel then asks whether they
-    are sure."""
-    stop_down_deg: Annotated[float, Field(ge=20, le=85)] = 60.0
-    """So far below the horizon, at least, they look then."""
-    stop_down_s: Annotated[float, Field(ge=0.5, le=30)] = 2.0
-    """For so long, at least."""
-
-
-class Visibility(Settings):
-    """What `vrcomfort check` would refuse, and the study means so."""
-
-    unseen: tuple[str, ...] = ()
-    """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
-    alike: tuple[tuple[str, str], ...] = ()
-    """Pairs of conditions that differ by less than a pixel there."""
-
-
-class Locomotion(Settings):
-    """How participants move through a scene."""
-
-    mode: Literal["walk", "teleport", "off"] = "walk"
-    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each time that
-    they are pushed, by `teleport_m` at once. `off`: controls neither move nor turn anybody. Along
-    the path of a view nobody walks."""
-    teleport_m: Annotated[float, Field(ge=0.1, le=100)] = 2.0
-    """How far a teleport goes; not through walls, and no higher than a step."""
-    walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
-    """Total speed, stairs included: climbing takes from the horizontal part."""
-    snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
-    """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
-    it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
-
-    @property
-    def step_at_once_m(self) -> float | None:
-        """Return how far a teleport goes, None where nobody teleports."""
-        return self.teleport_m if self.mode == "teleport" else None
-
-
-class Ask(Settings):
-    """A questionnaire and the moment at which it is asked."""
-
-    instrument: str = "ssq"
-    """A shipped instrument by name, or a TOML file relative to the protocol file."""
-    language: Word | None = None
-    """Of the wording, where the instrument has it in several; its own without it."""
-    timepoint: Word
-    """Of the answers in files: `baseline`, `post`, `recovery`, or a word of your own."""
-    when: Literal["session_start", "before_trial", "after_trial", "session_end"]
-    """`before_trial` and `after_trial`: of every exposure."""
-    wait_s: Rest = 0.0
-    """Rest without the headset before asking."""
-    compares: Literal["pair", "session", "study"] | None = None
-    """For instruments whose answers 1, 2, … are the first, the second, … way of rendering (0: no
-    preference): `pair`, the two exposures before, asked after every second one of a session;
-    `session` and `study`, the conditions of the session, or of all until then, as first met."""
-
-
-Unfocused: TypeAlias = Literal["pause", "flag"]
-
-
-class Ratings(Settings):
-    """A single-item scale answered during exposure."""
-
-    instrument: str = "fms"
-    """A shipped instrument with one question by name, or a TOML file of one."""
-    every_s: Seconds = 60.0
-    """From one question to the next."""
-    jitter_s: Annotated[float, Field(ge=0, le=7200)] = 0.0
-    """Each question comes up to so much sooner or later, drawn from the study's seed."""
-    timeout_s: Seconds = 15.0
-    """An answer that has not come by then is recorded as missed."""
-    missed_code: Annotated[int, Field(ge=1, le=9999)] = 1
-    """What the column `missed` has then; 0 is an answer."""
-    stop_at: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """The stop rule: answers this high end what `stop_ends` says."""
-    stop_in_a_row: Annotated[int, Field(ge=1, le=100)] = 1
-    """So many of an exposure's answers, one after the other; missed ones do not count."""
-    stop_ends: Literal["exposure", "session", "study"] = "study"
-    """`exposure`: the session goes on after its questions. `session`: the participant may come back
-    for the next. `study`: the participant's study."""
-
-
-class Simulation(Settings):
-    """Coefficients of the simulated participants (`vrcomfort.respondent.simulated`).
-
-    Sickness grows by `rate_per_min` × susceptibility × condition × scene × habituation^(session−1)
-    and decays with time constant `recovery_min`.
-    """
-
-    susceptibility_sigma: Coefficient = 0.7
-    """Standard deviation of the logarithm of susceptibility (median 1)."""
-    rate_per_min: Coefficient = 0.06
-    """How fast sickness grows."""
-    recovery_min: PositiveCoefficient = 20.0
-    """Time in which sickness decays to 1/e."""
-    habituation: PositiveCoefficient = 0.85
-    """What growth is multiplied by from one session to the next."""
-    condition_effects: dict[str, Coefficient] = Field(default_factory=dict)
-    """Condition → what growth is multiplied by in it; 1 without it."""
-    scene_effects: dict[str, Coefficient] = Field(default_factory=dict)
-    """Scene → the same."""
-    baseline_sd: Coefficient = 0.45
-    """Spread of stable item levels: most people do not start at zero."""
-    noise_sd: Coefficient = 0.3
-    """Spread of one answer around its latent value."""
-    hazard_per_min: Coefficient = 0.05
-    """Withdrawal rate per minute and unit of sickness above `tolerance`."""
-    tolerance: Coefficient = 0.8
-    """Sickness up to which nobody withdraws."""
-    refusal: Probability = 0.5
-    """Chance that somebody who withdrew refuses the questionnaire that follows."""
-    question_hazard: Probability = 0.0005
-    """Chance of withdrawing at any one question, per unit of sickness."""
-    missed_rating: Probability = 0.05
-    """Chance that a rating is missed."""
-    reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
-    """Median time in which they point at what a task wants; half of it, where they missed it."""
-    reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
-    """Standard deviation of the logarithm of that time."""
-    aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
-    """Spread of where they point, along each axis."""
-    break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
-    """For how long, on average, they stay in a break that they may end."""
-    eyes: SimulatedEyes | None = None
-    """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
-    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
-    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
-    indifference: Coefficient = 0.5
-    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
-    task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
-    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
-    screened_out: Probability = 0.5
-    """Chance that the experimenter stops where a screening rule is broken."""
-    adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
-    """Adjustment → the value that they adjust to in the median; without it, the middle of its
-    range."""
-    adjust_sd: Annotated[float, Field(ge=0, le=1)] = 0.1
-    """How much people differ in it: standard deviation in parts of the range, on its scale."""
-    adjust_noise: Annotated[float, Field(ge=0, le=1)] = 0.03
-    """How much the adjustments of one person do."""
 
 
 class Protocol(Settings):

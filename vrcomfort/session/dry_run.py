@@ -118,7 +118,7 @@ def _length(study: Path, name: str, group: str, sequence: str, session: int) -> 
         return sum(float(e["duration_s"] or 0) for e in events if e["name"] == what)
 
     known = {f"{what}_s": lasted(what) for what in ("exposure", "training", "rest")}
-    known["training_s"] += lasted("practice")
+    known["training_s"] += lasted("practice") + lasted("eye_height")
     end_s = max(float(event["onset_s"]) for event in events if event["name"] == "session_end")
     return SessionLength(
         group, sequence, session, questions_s=max(end_s - sum(known.values()), 0.0), **known

@@ -94,6 +94,7 @@ class EyeHeight:
         """
         words, screen = self._context.protocol.words, self._context.screen
         asked = words.sit_up if self._settings.mode == "seated" else words.stand_up
+        start_s = self._context.clock.now_s()
         if screen is not None:
             screen.rest_on(asked)
         try:
@@ -107,7 +108,7 @@ class EyeHeight:
         if not heights_m:
             self._tell("the head was not tracked: the height of the eyes is not known")
             return
-        self._apply(place, float(np.median(heights_m)))
+        self._apply(place, float(np.median(heights_m)), start_s)
 
     def _steady(self, headset: Any, place: TrialPlace) -> list[float]:
         """Return heights of somebody who holds still; the last ones where nobody does."""
@@ -140,14 +141,14 @@ class EyeHeight:
             self._log.start_trial()  # its frames are no trial's
         return run.heights_m
 
-    def _apply(self, place: TrialPlace, measured_m: float) -> None:
+    def _apply(self, place: TrialPlace, measured_m: float, start_s: float) -> None:
         settings = self._settings
         own = settings.eyes == "own"
         offset_m = 0.0 if own else settings.eye_height_m - measured_m
         self._context.floor.offset_m = offset_m
         seen_m = measured_m + offset_m
         detail = f"{settings.mode}: {measured_m:.3f} m, the scene is seen from {seen_m:.3f} m"
-        self._events.event(NAME, detail=detail)
+        self._events.event(NAME, start_s, detail=detail)
         fact = {
             "before_trial": place.trial,
             "measured_m": round(measured_m, 4),

@@ -17,6 +17,7 @@ from vrcomfort.exchange.verifying.answers import (
 )
 from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.frames import check_clocks, check_counts, check_times, read_frames
+from vrcomfort.exchange.verifying.practice import check_practice
 from vrcomfort.exchange.verifying.rows import read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
@@ -29,6 +30,7 @@ from vrcomfort.records.rows import (
     ClockRow,
     DialRow,
     EventRow,
+    PracticeRow,
     QuestionnaireRow,
     RatingRow,
     Row,
@@ -85,6 +87,8 @@ def verify_session(folder: Path, found: Verified) -> dict[str, Any] | None:
         check_decisions(list(read(folder, ScreeningRow, version, found)), found)
     if (folder / TextRow.FILE).exists():
         check_texts(list(read(folder, TextRow, version, found)), recorded.attempts, found)
+    if (folder / PracticeRow.FILE).exists():
+        check_practice(list(read(folder, PracticeRow, version, found)), manifest, found)
     check_places(recorded.answers, recorded.attempts, manifest.get("settings") or {}, found)
     rows = read(folder, FrameRow, version, found)
     frames = read_frames(rows, recorded.attempts, manifest.get("under_way"), found)

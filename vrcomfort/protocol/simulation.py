@@ -1,0 +1,74 @@
+"""How simulated participants feel and what they do: the [simulation] table of a protocol."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from vrcomfort.protocol.gaze_validation import SimulatedEyes
+from vrcomfort.settings import Settings
+
+Probability = Annotated[float, Field(ge=0, le=1)]
+Coefficient = Annotated[float, Field(ge=0, le=1e6)]
+PositiveCoefficient = Annotated[float, Field(ge=1e-6, le=1e6)]
+
+
+class Simulation(Settings):
+    """Coefficients of the simulated participants (`vrcomfort.respondent.simulated`).
+
+    Sickness grows by `rate_per_min` × susceptibility × condition × scene × habituation^(session−1)
+    and decays with time constant `recovery_min`.
+    """
+
+    susceptibility_sigma: Coefficient = 0.7
+    """Standard deviation of the logarithm of susceptibility (median 1)."""
+    rate_per_min: Coefficient = 0.06
+    """How fast sickness grows."""
+    recovery_min: PositiveCoefficient = 20.0
+    """Time in which sickness decays to 1/e."""
+    habituation: PositiveCoefficient = 0.85
+    """What growth is multiplied by from one session to the next."""
+    condition_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    """Condition → what growth is multiplied by in it; 1 without it."""
+    scene_effects: dict[str, Coefficient] = Field(default_factory=dict)
+    """Scene → the same."""
+    baseline_sd: Coefficient = 0.45
+    """Spread of stable item levels: most people do not start at zero."""
+    noise_sd: Coefficient = 0.3
+    """Spread of one answer around its latent value."""
+    hazard_per_min: Coefficient = 0.05
+    """Withdrawal rate per minute and unit of sickness above `tolerance`."""
+    tolerance: Coefficient = 0.8
+    """Sickness up to which nobody withdraws."""
+    refusal: Probability = 0.5
+    """Chance that somebody who withdrew refuses the questionnaire that follows."""
+    question_hazard: Probability = 0.0005
+    """Chance of withdrawing at any one question, per unit of sickness."""
+    missed_rating: Probability = 0.05
+    """Chance that a rating is missed."""
+    reaction_s: Annotated[float, Field(ge=0.05, le=60)] = 0.7
+    """Median time in which they point at what a task wants; half of it, where they missed it."""
+    reaction_sigma: Annotated[float, Field(ge=0, le=2)] = 0.25
+    """Standard deviation of the logarithm of that time."""
+    aim_sd_deg: Annotated[float, Field(ge=0, le=45)] = 0.6
+    """Spread of where they point, along each axis."""
+    break_extra_s: Annotated[float, Field(ge=0, le=86_400)] = 20.0
+    """For how long, on average, they stay in a break that they may end."""
+    eyes: SimulatedEyes | None = None
+    """Where they look, if neither headset nor trace has gaze; without it, nothing tells."""
+    liking: dict[str, Annotated[float, Field(ge=-100, le=100)]] = Field(default_factory=dict)
+    """Condition → how much they like it, in standard deviations of a judgement; 0 without it."""
+    indifference: Coefficient = 0.5
+    """Two that seem to differ by less are alike to them: no preference, where that may be said."""
+    task_effects: dict[str, PositiveCoefficient] = Field(default_factory=dict)
+    """Condition → what reaction times and spread are multiplied by in it; 1 without it."""
+    screened_out: Probability = 0.5
+    """Chance that the experimenter stops where a screening rule is broken."""
+    adjusts_to: dict[str, Annotated[float, Field(ge=-1e9, le=1e9)]] = Field(default_factory=dict)
+    """Adjustment → the value that they adjust to in the median; without it, the middle of its
+    range."""
+    adjust_sd: Annotated[float, Field(ge=0, le=1)] = 0.1
+    """How much people differ in it: standard deviation in parts of the range, on its scale."""
+    adjust_noise: Annotated[float, Field(ge=0, le=1)] = 0.03
+    """How much the adjustments of one person do."""

@@ -1,0 +1,84 @@
+"""What a study is seen in, how people answer in it, and how they move: tables of a protocol."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, field_validator
+from pydantic_core import PydanticCustomError
+
+from vrcomfort.frame import MEAN_IPD_M
+from vrcomfort.settings import Settings
+
+Ipd = Annotated[float, Field(ge=0.04, le=0.08)]
+PixelCount = Annotated[int, Field(ge=16, le=8192)]
+
+
+class Headset(Settings):
+    """What the headset should be set to; a playback headset is built from it."""
+
+    name: str = ""
+    """Which headset the study is for; `vrcomfort check` tells sizes in its pixels."""
+    image_size_px: tuple[PixelCount, PixelCount] = (1832, 1920)
+    """Width and height of one eye's image in that headset, for `vrcomfort check`. What a session
+    was shown in is recorded from the headset itself."""
+    refresh_hz: Annotated[float, Field(ge=1, le=1000)] = 90.0
+    """Of that headset's display, for `vrcomfort check`: streaks are those of one period."""
+    ipd_m: Ipd = MEAN_IPD_M
+    """Distance between the eyes, where no headset says it."""
+    ipd_range_m: tuple[Ipd, Ipd] | None = None
+    """Least and greatest distance between pupils that the headset can be fitted to. Whoever is
+    outside of it (`run --ipd-mm`) is told to the experimenter before the exposure, who decides."""
+
+    @field_validator("ipd_range_m")
+    @classmethod
+    def _range_rises(cls, value: tuple[float, float] | None) -> tuple[float, float] | None:
+        if value is not None and value[0] >= value[1]:
+            raise PydanticCustomError("ipd_range", "must rise: the least distance first")
+        return value
+
+
+class Answering(Settings):
+    """How participants answer on the panel in a headset."""
+
+    dwell_s: Annotated[float, Field(ge=0.3, le=10)] = 1.2
+    """So long a look must rest on an answer, twice, where there is no button to press."""
+    head: bool = True
+    """Without controllers and an eye tracker, the middle of the head's view points."""
+    stop_by_looks: bool = True
+    """Who has no button asks to stop an exposure by a look down; the panel then asks whether they
+    are sure."""
+    stop_down_deg: Annotated[float, Field(ge=20, le=85)] = 60.0
+    """So far below the horizon, at least, they look then."""
+    stop_down_s: Annotated[float, Field(ge=0.5, le=30)] = 2.0
+    """For so long, at least."""
+
+
+class Visibility(Settings):
+    """What `vrcomfort check` would refuse, and the study means so."""
+
+    unseen: tuple[str, ...] = ()
+    """Conditions whose blur and streaks are below a pixel for nine tenths of the image."""
+    alike: tuple[tuple[str, str], ...] = ()
+    """Pairs of conditions that differ by less than a pixel there."""
+
+
+class Locomotion(Settings):
+    """How participants move through a scene."""
+
+    mode: Literal["walk", "teleport", "off"] = "walk"
+    """`walk`: the left thumb-stick, or keys, move the participant on. `teleport`: each time that
+    they are pushed, by `teleport_m` at once. `off`: controls neither move nor turn anybody. Along
+    the path of a view nobody walks."""
+    teleport_m: Annotated[float, Field(ge=0.1, le=100)] = 2.0
+    """How far a teleport goes; not through walls, and no higher than a step."""
+    walking_speed_m_s: Annotated[float, Field(ge=0.001, le=100)] = 1.4
+    """Total speed, stairs included: climbing takes from the horizontal part."""
+    snap_turn_deg: Annotated[float, Field(ge=1, le=180)] | None = None
+    """The right thumb-stick turns by this angle at once, each time that it is pushed aside; without
+    it, it turns at 60 degrees per second. The mouse of a window always turns smoothly."""
+
+    @property
+    def step_at_once_m(self) -> float | None:
+        """Return how far a teleport goes, None where nobody teleports."""
+        return self.teleport_m if self.mode == "teleport" else None
