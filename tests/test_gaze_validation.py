@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -250,3 +251,19 @@ def test_simulated_eyes_go_to_what_is_to_be_looked_at():
 def test_the_same_person_looks_the_same_way_again():
     first, again = (simulated(seconds=5.0)[1] for _ in range(2))
     assert [each.pose.numbers for each in first] == [each.pose.numbers for each in again]
+
+
+def test_simulated_eyes_go_on_where_time_begins_again():
+    """Each step of a session may have frames of its own, whose times begin at 0."""
+    eyes = Eyes(
+        SimulatedEyes(error_deg=0.0, noise_deg=0.0, spread_deg=(0.0, 0.0), blink_every_s=3600.0),
+        np.random.default_rng(4),
+        np.zeros(2),
+    )
+    for step in range(60):
+        before = eyes.look(step / 20, Pose(), None).pose.forward
+    aside = np.array([-1.0, 0.0, -1.0])
+    looks = [eyes.look(step / 20, Pose(), aside).pose.forward for step in range(20)]
+    assert angles_deg(looks[0], before) < 1.0
+    assert max(angles_deg(look, np.array([0.0, 0.0, -1.0])) for look in looks) < 46.0
+    assert angles_deg(looks[8], aside / math.sqrt(2)) < 1.0
