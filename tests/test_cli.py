@@ -315,6 +315,7 @@ def test_a_trace_is_not_replaced_by_its_playback(run: Run, tmp_path: Path) -> No
     assert (played / "frames.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_answers_are_not_replaced_by_their_report(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "tables" / "descriptives.csv"
     file.parent.mkdir()

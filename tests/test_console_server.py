@@ -193,6 +193,7 @@ def test_a_slow_server_drops_the_oldest_states_and_never_makes_anybody_wait(cons
         page.hear(lambda page: page.states and page.states[-1]["mark"] == 4999)
 
 
+@pytest.mark.slow
 def test_the_server_may_be_killed_and_another_takes_its_place_with_pages_and_state():
     with served() as console:
         cookie = console.cookie()

@@ -109,6 +109,7 @@ def test_translation_is_the_projected_difference(head, step, distance, head_from
     assert np.linalg.norm(single - exact) <= tolerance
 
 
+@pytest.mark.slow
 @given(pose, pose, pose, pose, eye)
 def test_head_cancelled_keeps_locomotion_only(avatar, avatar_before, head, head_before, offset):
     now, previous = eyes("head_cancelled", avatar, (head_before, head), offset, avatar_before)
@@ -278,6 +279,7 @@ def counted_hands(carried, stages, heads, hands):
     )
 
 
+@pytest.mark.slow
 @given(st.tuples(upright, upright), st.tuples(pose, pose), eye)
 def test_a_hand_that_goes_with_the_head_has_moved_in_the_world_alone(stages, heads, head_from_hand):
     hands = [(head @ head_from_hand, None) for head in heads]

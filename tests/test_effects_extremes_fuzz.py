@@ -118,6 +118,7 @@ def check_focus(sample, focus):
     assert 0 < sample.focus_raw_m <= farthest_m
 
 
+@pytest.mark.slow
 def test_depth_of_field(ctx, cases):
     """Each kernel: no brighter and no darker than what it was given, colour by colour."""
     for number, rng in cases:

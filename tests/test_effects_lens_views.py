@@ -145,6 +145,7 @@ def test_nothing_is_told_of_limits_nearer_than_anything_is_drawn():
     assert unlimited(Condition(name="far", depth_of_field=lens)) is None
 
 
+@pytest.mark.slow
 def test_views_cost_two_textures_and_the_plan_says_so(ctx, count_objects):
     scene = half_plane(2.0)
     counts = []

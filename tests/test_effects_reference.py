@@ -62,6 +62,7 @@ def test_samples_fill_the_disc_evenly():
     assert np.all(low_discrepancy(100, [0.0, 0.5, 0.9]) >= 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distance_m", [0.6, 2.0])
 def test_an_edge_out_of_focus_is_the_disc_integral(ctx, distance_m):
     found = accumulate(ctx, half_plane(distance_m), depth_of_field=LENS)

@@ -172,6 +172,7 @@ def test_the_dioptre_law_takes_half_a_second_from_the_sky_to_one_metre():
 DURATION = Focus(law="duration", duration_s=0.4, refixation_dioptre=0.1)
 
 
+@pytest.mark.slow
 @given(distances, distances)
 def test_every_change_takes_its_time(start, target):
     assume(abs(1 / start - 1 / target) > 0.11)

@@ -119,6 +119,7 @@ def test_playing_a_session_back_gives_its_gaze(tmp_path):
             assert np.allclose(gaze.pose.forward, wanted.pose.forward, atol=1e-15)
 
 
+@pytest.mark.slow
 def test_what_has_no_gaze_is_not_played_back_where_focus_follows_it(tmp_path, monkeypatch, capsys):
     strict = strict_about_gaze(tmp_path)
     out, walk = tmp_path / "out", data_folder("scenes") / "temple_walk.csv"

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.support.x_server import x_server
 
@@ -48,6 +49,7 @@ with Window("mirror", (64, 64), wait_for_display=False, drag_turns=True) as wind
 """
 
 
+@pytest.mark.slow
 def test_the_mirror_shows_eye_and_panel_at_a_bounded_rate_and_hears_keys(tmp_path: Path) -> None:
     with (
         x_server(tmp_path) as server,

@@ -79,6 +79,7 @@ def test_parts_are_one_trace(tmp_path):
     assert trace.warnings == ()
 
 
+@pytest.mark.slow
 def test_writing_a_trace_and_reading_it_changes_no_byte(tmp_path):
     trace = read_trace(recording(tmp_path / "frames.csv", MANY))
     write_trace(trace, tmp_path / "once.csv")

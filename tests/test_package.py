@@ -91,6 +91,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return next(out.glob("*.whl"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("folder", ["shaders", "protocols", "scenes", "analysis", "instruments"])
 def test_wheel_carries_every_committed_file_of_the_data_folders(wheel: Path, folder: str) -> None:
     tracked = subprocess.run(

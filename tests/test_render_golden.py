@@ -35,6 +35,7 @@ def test_still_life(ctx, request, tmp_path):
     golden_images.compare(request, ctx, tmp_path, "still_life_velocity", coded)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["temple", "mountain"])
 def test_shipped_scene(ctx, request, tmp_path, name):
     """Both eyes of the second frame of the shipped walk under every effect."""

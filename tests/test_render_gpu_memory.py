@@ -138,6 +138,7 @@ def test_drawing_allocates_no_more_textures(ctx, condition):
     assert entered(renderer)["textures"] == survey.bytes_since(before)["textures"]
 
 
+@pytest.mark.slow
 def test_memory_of_a_headsets_size_is_allocated(ctx):
     survey = Survey(ctx)
     before = survey.names()

@@ -35,6 +35,7 @@ def test_an_exposure_more_of_two_people_leaves_them_out_of_the_crossover_alone(t
     assert (found["n_ab"], found["n_ba"], found["left_out"]) == (5, 5, ["P02", "P05"])
 
 
+@pytest.mark.slow
 def test_an_exposure_more_is_averaged_with_the_planned(tmp_path):
     results = report(repeated(tmp_path / "s", 12, (0,)), tmp_path / "o")
     plain = report(repeated(tmp_path / "t", 12, ()), tmp_path / "p")
@@ -136,6 +137,7 @@ def test_a_condition_that_is_its_position_is_told_beside_the_result(tmp_path, tu
     assert (told in summary.warnings) != turned
 
 
+@pytest.mark.slow
 def test_positions_are_told_over_all_sessions(tmp_path):
     """Everybody met x and a in the first session, b and y in the second."""
     study = Study(tmp_path / "s")

@@ -56,6 +56,7 @@ def results_of(folder: Path, text: str = PLAN) -> dict:
     return analyse(study, read_plan(text, None))[0]
 
 
+@pytest.mark.slow
 def test_an_item_of_conditions_and_scenes_has_their_odds_ratios(tmp_path):
     folder = answered(tmp_path / "study")
     (row,) = results_of(folder)["ordinal"]

@@ -73,6 +73,7 @@ def contents(folder: Path) -> dict[str, bytes]:
     return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["pairs", "before and after", "a protocol's"])
 def test_the_plan_beside_a_report_gives_the_same_report(tmp_path, kind):
     source = tmp_path / "questionnaires.csv"

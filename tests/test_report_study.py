@@ -285,6 +285,7 @@ def recorded(folder: Path, names: dict[str, str]) -> None:
         go(folder, Scripted(name=kind), participant=name)
 
 
+@pytest.mark.slow
 def test_a_questionnaire_that_was_finished_after_an_interruption_is_one(tmp_path):
     go(tmp_path, Scripted(interrupt_at_item="nausea"))
     go(tmp_path, Scripted(), resume=True)

@@ -34,6 +34,7 @@ def test_no_file_of_an_earlier_report_stays(tmp_path):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_ones_own_files_stay(tmp_path):
     carnegie_like(tmp_path / "study")
     out = tmp_path / "out"

@@ -157,9 +157,15 @@ HEAVY = {
     many_draws: "1100000 primitives to draw",
     many_items: "parts",
 }
+LARGE = {one_picture_often, strided}
+"""Those whose files take a second to be made."""
 
 
-@pytest.mark.parametrize("build", HEAVY, ids=lambda build: build.__name__)
+@pytest.mark.parametrize(
+    "build",
+    [pytest.param(b, marks=[pytest.mark.slow] * (b in LARGE)) for b in HEAVY],
+    ids=lambda build: build.__name__,
+)
 def test_a_small_file_that_asks_for_much_memory_is_refused(tmp_path, build):
     path = tmp_path / "scene.gltf"
     build(path)

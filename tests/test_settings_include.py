@@ -167,6 +167,7 @@ values = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.dictionaries(texts, values, max_size=5))
 def test_what_is_written_as_toml_reads_back(data):
     assert tomllib.loads(to_toml(data)) == data

@@ -109,6 +109,25 @@ def test_a_stick_may_move_the_slider_instead(tmp_path):
     assert found[5:] == pytest.approx([4.0] * 34)  # 1 s of the 5 through the range
 
 
+def test_a_slider_that_is_moved_ticks_at_each_answer_that_it_passes(tmp_path):
+    ticks = []
+
+    class Felt(Turned):
+        def tick(self, hand):
+            ticks.append((self.now, hand))
+
+    script = dict.fromkeys(range(10, 20), pushed(1.0))
+    for stick in ("rate", "place"):
+        text = PROTOCOL.replace('"how_bad"', f'"how_bad"\nstick = "{stick}"')
+        headset = lambda *_: Felt(script=script)  # noqa: E731
+        slide(tmp_path / stick, text, respondent=Scripted(), headset_for=headset)
+        if stick == "rate":
+            assert len(ticks) == 2 * 4  # from 0 to 4 in each of two exposures
+            assert {hand for _, hand in ticks} == {1}
+            assert all(10 <= frame < 20 for frame, _ in ticks)
+    assert len(ticks) == 2 * 4  # a stick that is the slider is felt by itself
+
+
 def test_arrow_keys_go_a_twentieth(tmp_path):
     up, down = (Inputs(keys=KeyInput(arrow=(0, way))) for way in (-1, 1))
     assert by_hand(tmp_path, {3: up, 4: up, 8: down})[2:] == [1.0] * 37

@@ -33,6 +33,7 @@ def test_courses_without_noise_give_their_parameters_back():
     assert fit.r_squared == pytest.approx(1)
 
 
+@pytest.mark.slow
 def test_intervals_hold_what_was_put_in():
     random = np.random.default_rng(11)
     held_level, held_h, estimates = [], [], []

@@ -45,6 +45,7 @@ class Corrects(Scripted):
         heard("fatigue", 2, 1.0)
 
 
+@pytest.mark.slow
 def test_a_program_killed_at_a_question_has_kept_every_answer(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", KILLED, str(tmp_path), *sys.path], timeout=60, check=False

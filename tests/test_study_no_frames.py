@@ -23,6 +23,7 @@ def simulated(tmp_path, study, **more):
     return go(tmp_path, person, study=study, **more)
 
 
+@pytest.mark.slow
 def test_answers_and_ratings_are_those_of_a_session_with_frames(tmp_path):
     simulated(tmp_path, "S")
     simulated(tmp_path, "J", headset=StillHeadset, renderer=NoPictures(), jumps=True)

@@ -150,6 +150,7 @@ tests.go(Path({folder!r}), headset_for=headset_for)
 """
 
 
+@pytest.mark.slow
 def test_a_killed_program_loses_nothing_but_its_last_rows(tmp_path):
     root = Path(__file__).parent.parent
     script = KILL.format(paths=[str(root)], folder=str(tmp_path))

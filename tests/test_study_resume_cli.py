@@ -197,6 +197,7 @@ def test_simulate_goes_on_with_the_same_text_of_a_protocol(tmp_path, monkeypatch
     assert "`participant` is missing: this manifest is damaged; restore it" in said
 
 
+@pytest.mark.slow
 def test_simulate_keeps_the_names_of_a_study_that_was_larger(tmp_path, monkeypatch, capsys):
     study = begin(tmp_path / "study", "simulated", "P001")
     simulate = ("simulate", smoke_of(study), "--out", study, "--exposure-s", SHOWN_S, "-n")

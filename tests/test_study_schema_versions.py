@@ -60,6 +60,7 @@ def test_a_study_of_the_first_version_is_reported(study, vrcomfort, tmp_path):
     assert results
 
 
+@pytest.mark.slow
 def test_its_frames_are_a_trace_and_play(study, vrcomfort, tmp_path):
     frames = study / "sub-P01/ses-1/frames.csv"
     assert len(read_trace(frames)) == len(rows(frames))
@@ -104,6 +105,7 @@ def test_gaze_of_the_third_version_gets_the_columns_of_each_eye_and_is_read(stud
     assert read_gaze(file).at(5).eyes == (None, None)
 
 
+@pytest.mark.slow
 def test_its_interrupted_session_goes_on_with_the_new_columns(study, vrcomfort):
     session = study / "sub-P02/ses-1"
     before = {name: (session / name).read_bytes() for name in ("trials.csv", "frames.csv")}

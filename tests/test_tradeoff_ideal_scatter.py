@@ -26,6 +26,7 @@ def half_plane(width=48, height=32):
     return image
 
 
+@pytest.mark.slow
 def test_a_point_becomes_an_even_disc():
     image = np.zeros((31, 31, 3))
     image[15, 15] = 1
@@ -38,6 +39,7 @@ def test_a_point_becomes_an_even_disc():
     assert found.sum() == pytest.approx(1, rel=0.01)
 
 
+@pytest.mark.slow
 def test_an_edge_is_the_disc_integral():
     found = ideal_scatter(flat(half_plane(), radius=5.0), LENS)[16, :, 0]
     x = np.clip((np.arange(48) - 23.5) / 5, -1, 1)

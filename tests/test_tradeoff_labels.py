@@ -162,6 +162,7 @@ def test_methods_that_coincide_have_one_label():
     assert coinciding([{**rows[0], "step": None}, rows[1]], at * 0) == [[0], [1]]
 
 
+@pytest.mark.slow
 def test_a_place_is_found_in_a_crowd():
     """Nine markers in a row, whose labels are four times as wide as the gaps between them."""
     at = np.array([[100.0 + 10 * i, 100, 3] for i in range(9)])

@@ -105,6 +105,7 @@ def test_percentiles_are_told_where_there_are_frames_enough_for_them(monkeypatch
     assert found.plain_ms > 0
 
 
+@pytest.mark.slow
 def test_what_takes_long_is_timed_once(monkeypatch):
     monkeypatch.setattr(timing, "SLOW_S", 0.0)
     scope = Scope(size_px=(16, 20), poses=1, rounds=2, methods=("ours 8 samples",))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Protocol, runtime_checkable
 
+from vrcomfort.frame import Frame
 from vrcomfort.protocol.sliders import Slider
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.respondent.turning import Turn
@@ -12,6 +13,7 @@ from vrcomfort.session.dial_run import DialRun
 
 KEY_STEPS = 20
 """Presses of an arrow key that take a slider through its range."""
+RIGHT = 1
 DIGITS = 3
 """Of a place on the scale."""
 
@@ -25,6 +27,14 @@ class Slides(Protocol):
 
     def slide(self, place: float) -> float:
         """Return where they put the slider, which is at a place (0 to 1) of its range."""
+
+
+@runtime_checkable
+class Ticks(Protocol):
+    """A headset whose controllers can be felt."""
+
+    def tick(self, hand: int) -> None:
+        """Let a controller tick (0 left, 1 right)."""
 
 
 @dataclass
@@ -59,6 +69,14 @@ class SliderRun(DialRun):
             return None
         self.at = respondent.slide(self.at)
         return Turn(self._stick)
+
+    def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
+        """Take a frame before it is drawn; a slider that is moved ticks at each whole answer."""
+        before = round(self.value)
+        super().step(frame, headset, elapsed_s, scene_time_s)
+        moves = self.dial.stick == "rate" and round(self.value) != before
+        if moves and isinstance(headset, Ticks):
+            headset.tick(RIGHT)
 
     def turned(self, turn: Turn, elapsed_s: float, passed_s: float) -> None:
         """Move the slider, and keep where it is when it is time."""
