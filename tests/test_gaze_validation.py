@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
+from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
@@ -267,3 +268,10 @@ def test_simulated_eyes_go_on_where_time_begins_again():
     assert angles_deg(looks[0], before) < 1.0
     assert max(angles_deg(look, np.array([0.0, 0.0, -1.0])) for look in looks) < 46.0
     assert angles_deg(looks[8], aside / math.sqrt(2)) < 1.0
+
+
+def test_points_that_go_before_the_eyes_have_settled_are_refused(tmp_path):
+    assert "[gaze_validation]\n" in PROTOCOL
+    text = PROTOCOL.replace("[gaze_validation]\n", "[gaze_validation]\nsettle_s = 29.0\n")
+    with pytest.raises(InputError, match="make `settle_s` shorter than `each_s`"):
+        tiny_protocol(tmp_path, text)
