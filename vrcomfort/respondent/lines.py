@@ -31,6 +31,6 @@ def input_over() -> bool:
 
     try:
         ready, _, _ = select.select([sys.stdin], [], [], 0)
-        return bool(ready) and not sys.stdin.buffer.peek(1)  # type: ignore[attr-defined]
+        return bool(ready) and not sys.stdin.buffer.peek(1)  # type: ignore[union-attr]
     except (OSError, ValueError):
         return False
