@@ -353,6 +353,11 @@ kind = "aiming"
     ("change", "line", "says"),
     [
         ((SETTING, "depth_of_field.full_blur_diopter"), "setting", f"did you mean `{SETTING}`"),
+        (
+            ("comfortable_blur = 2.0", "comfortable_blur = 200.0"),
+            "adjusts_to",
+            "200 is not in the range of `comfortable_blur`, 0.5 to 8",
+        ),
         ((SETTING, "nothing"), "setting", "no condition has a number `nothing`"),
         (
             (SETTING, "depth_of_field.samples"),

@@ -14,10 +14,14 @@ import termios
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Annotated
 
 import pytest
+import typer
+from typer.testing import CliRunner
 
 from tests.support.signals import hear_all
+from vrcomfort.cli.options import typed_words
 
 SENTENCE = "error: stopped; what was already written stays\n"
 
@@ -221,3 +225,17 @@ def wait_for(path: Path, process: subprocess.Popen[str], *, lines: int = 0) -> N
     while not path.exists() or (lines and path.read_bytes().count(b"\n") < lines):
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
+
+
+def test_each_covariate_is_typed_again_as_it_was():
+    told = []
+    program = typer.Typer()
+
+    @program.command()
+    def go(ctx: typer.Context, covariate: Annotated[list[str], typer.Option()]):
+        del covariate
+        told.append(shlex.split(typed_words(ctx))[1:])
+
+    words = ["--covariate", "age=30", "--covariate", "hand=left one"]
+    assert CliRunner().invoke(program, words).exit_code == 0
+    assert told == [words]

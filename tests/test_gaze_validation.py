@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -10,6 +11,7 @@ import pytest
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows, tiny_protocol
+from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.geometry import Gaze, Pose, normalize, turn_to, yaw_pitch_roll
@@ -250,3 +252,26 @@ def test_simulated_eyes_go_to_what_is_to_be_looked_at():
 def test_the_same_person_looks_the_same_way_again():
     first, again = (simulated(seconds=5.0)[1] for _ in range(2))
     assert [each.pose.numbers for each in first] == [each.pose.numbers for each in again]
+
+
+def test_simulated_eyes_go_on_where_time_begins_again():
+    """Each step of a session may have frames of its own, whose times begin at 0."""
+    eyes = Eyes(
+        SimulatedEyes(error_deg=0.0, noise_deg=0.0, spread_deg=(0.0, 0.0), blink_every_s=3600.0),
+        np.random.default_rng(4),
+        np.zeros(2),
+    )
+    for step in range(60):
+        before = eyes.look(step / 20, Pose(), None).pose.forward
+    aside = np.array([-1.0, 0.0, -1.0])
+    looks = [eyes.look(step / 20, Pose(), aside).pose.forward for step in range(20)]
+    assert angles_deg(looks[0], before) < 1.0
+    assert max(angles_deg(look, np.array([0.0, 0.0, -1.0])) for look in looks) < 46.0
+    assert angles_deg(looks[8], aside / math.sqrt(2)) < 1.0
+
+
+def test_points_that_go_before_the_eyes_have_settled_are_refused(tmp_path):
+    assert "[gaze_validation]\n" in PROTOCOL
+    text = PROTOCOL.replace("[gaze_validation]\n", "[gaze_validation]\nsettle_s = 29.0\n")
+    with pytest.raises(InputError, match="make `settle_s` shorter than `each_s`"):
+        tiny_protocol(tmp_path, text)

@@ -273,6 +273,7 @@ def test_a_bound_is_the_last_number_within():
     ("old", "new", "says"),
     [
         ("above = 30.0", "", "needs `above` or `below`"),
+        ("above = 30.0", "above = 30.0\nbelow = 40.0", "swap `above` and `below`"),
         ('instrument = "ssq"', 'instrument = "ssq"\ncovariate = "age"', "one of the two"),
         ('instrument = "ssq"\nabove', 'instrument = "vrsq"\nabove', "not asked at session_start"),
         ('instrument = "ssq"', 'instrument = "ssq"\nscale = "X"', "has no scale `X`"),

@@ -339,6 +339,17 @@ def test_the_experimenter_reads_it_aloud_and_enter_goes_on():
     assert [each is None for each in waits] == [False, False, False, True]
 
 
+def test_a_session_does_not_wait_for_lines_that_cannot_come(tmp_path, monkeypatch):
+    (tmp_path / "typed").write_text("\n")
+    with (tmp_path / "typed").open() as typed:
+        monkeypatch.setattr(sys, "stdin", typed)
+        person = TerminalRespondent(Console(quiet=True))
+        telling = Telling("a", "Words")
+        assert person.read(telling, 0.0, may_go_on=True) is None
+        with pytest.raises(InputError, match="input ended"):
+            person.read(telling, 0.0, may_go_on=True)
+
+
 def silent_speaker() -> SystemSpeaker:
     miniaudio = pytest.importorskip("miniaudio")
     return SystemSpeaker(backends=[miniaudio.Backend.NULL])  # it consumes, and nobody hears

@@ -232,3 +232,10 @@ def test_every_word_of_the_panel_has_a_german_one():
     same = [key for key in Words.model_fields if getattr(GERMAN, key) == getattr(ENGLISH, key)]
     assert same == []
     assert load_protocol(data_folder("protocols") / "smoke.toml").words == ENGLISH
+
+
+def test_a_language_that_is_there_twice_is_refused_in_one_sentence(tmp_path):
+    with pytest.raises(InputError) as caught:
+        tiny_protocol(tmp_path, f'languages = ["en", "en"]\n{PROTOCOL}')
+    assert "`en` is there twice" in str(caught.value)
+    assert "\n" not in str(caught.value)

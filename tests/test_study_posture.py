@@ -199,6 +199,7 @@ def test_how_tall_somebody_is_is_not_handed_on(tmp_path):
         (SEATED.replace("seated", "lying"), "seated"),
         (SEATED + "eye_height_m = 160\n", "eye_height_m"),
         ("[posture]\n", "mode"),
+        (SEATED + 'eyes = "own"\neye_height_m = 1.2\n', "`eye_height_m` does nothing"),
     ],
 )
 def test_a_posture_that_cannot_be_is_refused(tmp_path, more, says):

@@ -99,10 +99,11 @@ def typed_words(ctx: typer.Context) -> str:
         source = ctx.get_parameter_source(each.name or "")
         if source is not None and source.name == "COMMANDLINE":
             value = ctx.params[each.name or ""]
-            if each.param_type_name == "option":
-                words.append(each.opts[0] if value is not False else each.secondary_opts[0])
-            if not isinstance(value, bool):
-                words.append(str(value))
+            for one in value if isinstance(value, list | tuple) else [value]:
+                if each.param_type_name == "option":
+                    words.append(each.opts[0] if one is not False else each.secondary_opts[0])
+                if not isinstance(one, bool):
+                    words.append(str(one))
     return list2cmdline(words) if sys.platform == "win32" else shlex.join(words)
 
 

@@ -106,8 +106,12 @@ def _simulation(protocol: Protocol) -> Iterator[Problem]:
         path = ("simulation", "task_effects", name)
         yield from _named_key(path, "condition", _conditions(protocol))
     adjusted = [each.name for each in protocol.adjustments]
-    for name in effects.adjusts_to:
+    for name, wanted in effects.adjusts_to.items():
         yield from _named_key(("simulation", "adjusts_to", name), "adjustment", adjusted)
+        for low, high in [each.range for each in protocol.adjustments if each.name == name]:
+            if not low <= wanted <= high:
+                message = f"{wanted:g} is not in the range of `{name}`, {low:g} to {high:g}"
+                yield Problem(("simulation", "adjusts_to", name), f"{message}; choose one that is")
     for name in effects.scene_effects:
         yield from _named_key(("simulation", "scene_effects", name), "scene", protocol.scenes)
 

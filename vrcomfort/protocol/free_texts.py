@@ -29,7 +29,7 @@ def free_text_problems(
     languages: tuple[str, ...],
     wordings: Mapping[str, Mapping[str, str]],
 ) -> Iterator[Problem]:
-    """Yield what lacks a wording, and wordings of nothing.
+    """Yield what asks nothing, what lacks a wording, and wordings of nothing.
 
     Parameters
     ----------
@@ -39,11 +39,15 @@ def free_text_problems(
         Language → name → what is asked in it.
     """
     names = [each.name for each in questions]
+    for index, each in enumerate(questions):
+        if not each.text.strip():
+            path: KeyPath = ("free_texts", index, "text")
+            yield Problem(path, f"`{each.name}` asks nothing but blanks; write the question")
     for language in languages[1:]:
         for index, name in enumerate(names):
             if name not in wordings.get(language, {}):
                 message = f"`{name}` is not worded in `{language}`"
-                path: KeyPath = ("free_texts", index, "text")
+                path = ("free_texts", index, "text")
                 yield Problem(path, f"{message}; write it into [text.{language}.free_texts]")
     for language, given in wordings.items():
         for name in given:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from vrcomfort.settings import Settings
 
@@ -46,6 +47,13 @@ class GazeValidation(Settings):
     """What an error above the limit in the last attempt does."""
     after_breaks: bool = True
     """Again after each break between exposures: the headset may have been off."""
+
+    @model_validator(mode="after")
+    def _settles(self) -> Self:
+        if self.settle_s >= self.each_s:
+            message = "nothing of a point would count: make `settle_s` shorter than `each_s`"
+            raise PydanticCustomError("gaze_settle", message)
+        return self
 
 
 class SimulatedEyes(Settings):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from vrcomfort.frame import EYE_HEIGHT_M
 from vrcomfort.settings import Settings
@@ -26,3 +27,10 @@ class Posture(Settings):
     """Time before that, in which people sit or stand up straight."""
     after_breaks: bool = True
     """Measured again after breaks, as well as when a session begins."""
+
+    @model_validator(mode="after")
+    def _height_does_something(self) -> Self:
+        if self.eyes == "own" and "eye_height_m" in self.model_fields_set:
+            message = '`eye_height_m` does nothing with eyes = "own"; remove it or change that'
+            raise PydanticCustomError("posture_height", message)
+        return self

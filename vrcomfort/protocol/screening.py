@@ -39,6 +39,9 @@ class Screening(Settings):
         if self.above is None and self.below is None:
             message = "needs `above` or `below`: from where on it is told"
             raise PydanticCustomError("screening_bounds", message)
+        if self.above is not None and self.below is not None and self.below > self.above:
+            message = "every number is above the one or below the other; swap `above` and `below`"
+            raise PydanticCustomError("screening_bounds", message)
         return self
 
     def broken(self, number: float) -> str | None:

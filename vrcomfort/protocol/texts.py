@@ -12,7 +12,7 @@ from vrcomfort.protocol.free_texts import Asked
 from vrcomfort.protocol.instructions import Instruction, InstructionWording, wording_problems
 from vrcomfort.questionnaire import Instrument
 from vrcomfort.questionnaire.instrument_file import TranslationTable
-from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean
+from vrcomfort.settings import KeyPath, Problem, Settings, did_you_mean, repeated
 
 Button = Annotated[str, Field(min_length=1, max_length=30)]
 Sentence = Annotated[str, Field(min_length=1, max_length=110)]
@@ -162,7 +162,8 @@ def text_problems(
         Where the files of instructions are looked for.
     """
     found: list[Problem] = []
-    for index, language in enumerate(languages):
+    found += repeated(("languages",), languages)
+    for index, language in enumerate(dict.fromkeys(languages)):
         path: KeyPath = ("text", language) if language in tables else ("languages", index)
         given = tables[language].words if language in tables else {}
         missing = [] if language in WORDS else [w for w in Words.model_fields if w not in given]

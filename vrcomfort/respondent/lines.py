@@ -21,3 +21,16 @@ def waiting_line() -> str | None:
     except (OSError, ValueError):  # no standard input, or one that cannot be waited for
         return None
     return (sys.stdin.readline() or None) if ready else None
+
+
+def input_over() -> bool:
+    """Return whether no line can come any more: a file or pipe that has been read to its end."""
+    if sys.platform == "win32":
+        return False
+    import select  # noqa: PLC0415 - works on files on other systems only
+
+    try:
+        ready, _, _ = select.select([sys.stdin], [], [], 0)
+        return bool(ready) and not sys.stdin.buffer.peek(1)  # type: ignore[union-attr]
+    except (OSError, ValueError):
+        return False

@@ -55,6 +55,7 @@ class Eyes:
         self._off_rad = np.zeros(2)
         self._follows = False
         self._blink_s = math.nan
+        self._time_s = -math.inf
 
     def look(self, time_s: float, head: Pose, point: Array | None) -> Gaze:
         """Return what the tracker says at a time.
@@ -66,6 +67,7 @@ class Eyes:
         point
             (3,) in the stage: what is to be looked at; None: whatever one likes.
         """
+        self._go_on_at(time_s)
         if math.isnan(self._blink_s):
             self._blink_s = time_s + self._random.exponential(self._settings.blink_every_s)
         way = None if point is None else normalize(point - head.position)
@@ -84,6 +86,15 @@ class Eyes:
         if closed:
             return Gaze(Pose(), valid=False, eyes=eyes)
         return Gaze(Pose(head.position, turn_to(measured)), eyes=eyes)
+
+    def _go_on_at(self, time_s: float) -> None:
+        """Where time goes back (frames of a new step), take what is under way along."""
+        if time_s < self._time_s:
+            back_s = self._time_s - time_s
+            self._until_s -= back_s
+            self._jumped_s -= back_s
+            self._blink_s -= back_s
+        self._time_s = time_s
 
     def _each(
         self, head: Pose, truth: Array, point: Array | None, *, closed: bool

@@ -12,7 +12,7 @@ from vrcomfort.errors import InputError
 from vrcomfort.questionnaire import Answers, Instrument
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Exposure, Form, Heard, Telling, Withdrew, Written
-from vrcomfort.respondent.lines import waiting_line
+from vrcomfort.respondent.lines import input_over, waiting_line
 from vrcomfort.respondent.typed_rating import TypedRating
 
 _KEYS = f"number = answer, {keys.HELP}"
@@ -115,6 +115,8 @@ class TerminalRespondent:
         ------
         Withdrew
             If the participant stops, and that was typed twice.
+        InputError
+            If nothing can be typed any more.
         """
         if self._told is not telling:
             self._told = telling
@@ -123,6 +125,9 @@ class TerminalRespondent:
             self._console.print(f"Enter = go on. {_STOP}.", style="dim")
         typed = self._waiting_line()
         if typed is None:
+            if may_go_on and input_over():
+                message = "the input ended before anybody went on; what was recorded is kept"
+                raise InputError(message)
             return _LOOKS_EVERY_S
         line = typed.strip().lower()
         if line and self._stops(line, "withdrew between exposures"):

@@ -24,6 +24,7 @@ Model = TypeVar("Model", bound=BaseModel)
 _QUOTED = re.compile("'([^']*)'")
 _PLACE = re.compile(r" \(at line (\d+), column (\d+)\)$")
 _NAME, _WORD = r"^[A-Za-z0-9_-]+$", r"^[a-z][a-z0-9_]*$"
+_LONGEST_SHOWN = 60
 _PATTERNS = {
     _NAME: "may have only letters, digits, - and _",
     _WORD: "must start with a small letter; then small letters, digits and _",
@@ -200,9 +201,15 @@ def _explain(model: type[BaseModel], detail: ErrorDetails) -> Problem:
     if detail["type"] == "missing":
         return Problem(path, f"`{key}` is missing{_inside(parent)}; add it", missing=True)
     given = detail["input"]
-    got = f", got {given!r}" if isinstance(given, str | int | float | bool) else ""
+    got = f", got {_shortened(given)}" if isinstance(given, str | int | float | bool) else ""
     name = next((part for part in reversed(path) if isinstance(part, str)), "this file")
     return Problem(path, f"`{name}`: {in_words(detail)}{got}{_nearest(detail)}")
+
+
+def _shortened(given: str | float) -> str:
+    """Return a value as it is shown in a sentence: a long one by its beginning."""
+    shown = repr(given)
+    return shown if len(shown) <= _LONGEST_SHOWN else f"{shown[:_LONGEST_SHOWN]} …"
 
 
 def _nearest(detail: ErrorDetails) -> str:
