@@ -94,9 +94,11 @@ def _screened(study: StudyData) -> list[str]:
         rows = [row for row in study.screening if row["rule"] == rule]
         stopped = {row["participant"] for row in rows if row["decision"] == "stop"}
         on = len({row["participant"] for row in rows} - stopped)
+        told = len(stopped) + on
+        people = "participant" if told == 1 else "participants"
         found.append(
-            f"screening: {rule} in {len(stopped) + on} participants; the experimenter stopped "
-            f"{len(stopped)} and went on with {on}"
+            f"screening: {rule} in {told} {people}; the experimenter stopped {len(stopped)} and "
+            f"went on with {on}"
         )
     return found
 
