@@ -118,11 +118,23 @@ def build_report(
     with _uncollected():
         study = _of_one_kind(read_study(Path(source), instrument), simulated)
     study = with_frames(study, Path(source), memory=memory, cluster=cluster)
-    chosen = choose_plan(study, plan)
     with _uncollected():
-        results, scored = analyse(study, chosen)
-        results |= plain(records(study, scored, chosen, results, Path(source)))
-    courses = analyse_courses(study, chosen, results, Path(source))
+        return _build(study, Path(source), plan, Path(out), forms, memory)
+
+
+def _build(
+    study: StudyData,
+    source: Path,
+    plan: str | Path | None,
+    out: Path,
+    forms: Collection[Form],
+    memory: Memory | None,
+) -> ReportSummary:
+    """Analyse what was read, and write everything; see `build_report`."""
+    chosen = choose_plan(study, plan)
+    results, scored = analyse(study, chosen)
+    results |= plain(records(study, scored, chosen, results, source))
+    courses = analyse_courses(study, chosen, results, source)
     results |= plain(courses.results)
     results["labels"] |= {
         name: name for name in courses.conditions if name not in results["labels"]
@@ -151,9 +163,9 @@ def build_report(
         **_figure_files(figures, forms),
     }
     results["files"] = ["results.json", *files]
-    spare(_read(source, plan, out), [Path(out) / name for name in results["files"]])
-    write_report(Path(out), {"results.json": to_json(results), **files})
-    return _summary(Path(out), results, words)
+    spare(_read(source, plan, out), [out / name for name in results["files"]])
+    write_report(out, {"results.json": to_json(results), **files})
+    return _summary(out, results, words)
 
 
 @contextmanager
