@@ -172,6 +172,7 @@ def test_the_panel_lets_the_headset_be_taken_off_in_a_break():
             "",
             "there is no session 3 at all: at most 2 come",
         ),
+        ('[[practice]]\nname = "a"\ndraw = 3\n', "", "at most 2 trials to draw from"),
     ],
 )
 def test_breaks_that_cannot_be_are_refused(tmp_path, more, head, says):

@@ -169,6 +169,10 @@ def _trials_that_are_not(protocol: Protocol) -> Iterator[Problem]:
         named += [((*path, k), "trial", n, trials) for k, n in enumerate(told.trials)]
     for k, number in enumerate(protocol.breaks.after_trials if protocol.breaks else ()):
         named.append((("breaks", "after_trials", k), "trial", number, trials - 1))
+    for index, each in enumerate(protocol.practice):
+        if each.draw is not None and each.draw > trials:
+            message = f"a session has at most {trials} trials to draw from; draw no more"
+            yield Problem(("practice", index, "draw"), message)
     for path, what, number, most in named:
         if number > most >= 0:
             last = "before another" if path[0] == "breaks" else "at all"
