@@ -8,9 +8,8 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.support.exchange import cell
-from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
-from tests.support.tasks import doing_protocol, room
+from tests.support.tasks import do, doing_protocol
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
@@ -20,7 +19,6 @@ from vrcomfort.protocol import load_protocol
 from vrcomfort.protocol.adjustments import LIVE, Adjustment, value_of
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
-from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import NoPictures, StillHeadset
 
 SETTING = "depth_of_field.full_blur_dioptre"
@@ -110,16 +108,8 @@ class Turned(AheadHeadset):
         return self.script.get(self.now, Inputs())
 
 
-def adjust(folder, text=PROTOCOL, *, participant="P01", respondent=None, **more):
-    protocol = doing_protocol(folder, text)
-    who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
-    parts = {
-        "load_scene": lambda _: room(),
-        "headset_for": lambda *_: AheadHeadset(),
-        "renderer": Drawn(),
-        **more,
-    }
-    return run(protocol, participant, study=folder / "S", respondent=who, **parts)
+def adjust(folder, text=PROTOCOL, **more):
+    return do(folder, text, **{"renderer": Drawn(), **more})
 
 
 def turns(folder, participant="P01", study="S"):

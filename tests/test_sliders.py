@@ -8,16 +8,14 @@ import pytest
 from test_adjustment import Turned
 
 from tests.support.report import build_report
-from tests.support.session import run
-from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
-from tests.support.tasks import doing_protocol, room
+from tests.support.study import Scripted, read_rows
+from tests.support.tasks import do, doing_protocol
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.headset.inputs import HandInput, Inputs, KeyInput
 from vrcomfort.report.measures import measure_of, values_of
 from vrcomfort.report.study_data import read_study
-from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import NoPictures, StillHeadset
 
 PROTOCOL = """\
@@ -57,16 +55,8 @@ kind = "aiming"
 """
 
 
-def slide(folder, text=PROTOCOL, *, participant="P01", respondent=None, **more):
-    protocol = doing_protocol(folder, text)
-    who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
-    parts = {
-        "load_scene": lambda _: room(),
-        "headset_for": lambda *_: AheadHeadset(),
-        "renderer": LateFocus(),
-        **more,
-    }
-    return run(protocol, participant, study=folder / "S", respondent=who, **parts)
+def slide(folder, text=PROTOCOL, **more):
+    return do(folder, text, **more)
 
 
 def places(folder, participant="P01", trial="1"):
