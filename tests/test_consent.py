@@ -8,8 +8,8 @@ from datetime import UTC, datetime
 import pytest
 from typer.testing import CliRunner
 
-from tests.support.study import AheadHeadset, LateFocus, Scripted
-from tests.support.tasks import doing_protocol, room
+from tests.support.study import Scripted
+from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.cli.app import app
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
@@ -56,13 +56,7 @@ def agree(folder, given=None, text=PROTOCOL, *, who="P01", words="You may stop."
         protocol, who, study=folder / "S", respondent=person.name, consent=given,
         sessions=[done + 1],
     ) as enrolment:  # fmt: skip
-        return run(
-            enrolment,
-            respondent=person,
-            load_scene=lambda _: room(),
-            headset_for=lambda *_: AheadHeadset(),
-            renderer=LateFocus(),
-        )
+        return run(enrolment, respondent=person, **in_the_room())
 
 
 def known(folder):

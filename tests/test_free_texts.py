@@ -12,9 +12,8 @@ from test_study_panel import ScriptedScreen
 from test_study_respondent import Typist, terminal
 
 from tests.support.operator import Given
-from tests.support.session import run
-from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
-from tests.support.tasks import doing_protocol, room
+from tests.support.study import Scripted, read_rows
+from tests.support.tasks import do, doing_protocol
 from vrcomfort.console.messages import read_entered
 from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.errors import InputError
@@ -22,7 +21,7 @@ from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records.rows import LONGEST_TEXT, cell_text, in_lines, one_line
-from vrcomfort.respondent import SimulatedRespondent, keys
+from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Withdrew, Written
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.pointing import Pointing
@@ -83,16 +82,8 @@ class Says(Scripted):
         return Written(self.texts.pop(0), 1.5)
 
 
-def tell(folder, respondent=None, text=PROTOCOL, *, language=None, **more):
-    protocol = doing_protocol(folder, text).spoken(language)
-    who = respondent or SimulatedRespondent(protocol.simulation, participant="P01", seed=0)
-    parts = {
-        "load_scene": lambda _: room(),
-        "headset_for": lambda *_: AheadHeadset(),
-        "renderer": LateFocus(),
-        **more,
-    }
-    return run(protocol, "P01", study=folder / "S", respondent=who, **parts)
+def tell(folder, respondent=None, text=PROTOCOL, **more):
+    return do(folder, text, respondent=respondent, **more)
 
 
 def texts(folder):

@@ -13,8 +13,8 @@ from test_study_respondent import Typist, terminal
 from tests.support.exchange import cell
 from tests.support.operator import Given
 from tests.support.report import build_report
-from tests.support.study import AheadHeadset, LateFocus, Scripted, read_rows
-from tests.support.tasks import doing_protocol, room
+from tests.support.study import AheadHeadset, Scripted, read_rows
+from tests.support.tasks import doing_protocol, in_the_room
 from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
@@ -89,12 +89,7 @@ class Decider(Scripted):
 def screen(folder, respondent=None, text=PROTOCOL, *, who="P01", age="30", resume=False, **more):
     protocol = doing_protocol(folder, text)
     person = respondent or SimulatedRespondent(protocol.simulation, participant=who, seed=0)
-    parts = {
-        "load_scene": lambda _: room(),
-        "headset_for": lambda *_: AheadHeadset(),
-        "renderer": LateFocus(),
-        **more,
-    }
+    parts = {**in_the_room(), **more}
     with open_enrolment(
         protocol, who, study=folder / "S", respondent=person.name, resume=resume,
         covariates=None if resume else {"age": age, "gender": "d"},

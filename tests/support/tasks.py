@@ -77,6 +77,15 @@ def doing_protocol(folder: Path, text: str = PROTOCOL) -> Protocol:
     return load_protocol(file)
 
 
+def in_the_room(headset: type[AheadHeadset] = AheadHeadset) -> dict[str, object]:
+    """Return what a session in the room needs of scene, headset and renderer."""
+    return {
+        "load_scene": lambda _: room(),
+        "headset_for": lambda *_: headset(),
+        "renderer": LateFocus(),
+    }
+
+
 def do(
     folder: Path,
     text: str = PROTOCOL,
@@ -84,15 +93,11 @@ def do(
     participant: str = "P01",
     respondent: Respondent | None = None,
     headset: type[AheadHeadset] = AheadHeadset,
+    language: str | None = None,
     **more: object,
 ) -> Outcome:
     """Run a participant through the study in `folder / "S"`."""
-    protocol = doing_protocol(folder, text)
+    protocol = doing_protocol(folder, text).spoken(language)
     who = respondent or SimulatedRespondent(protocol.simulation, participant=participant, seed=0)
-    parts: dict[str, object] = {
-        "load_scene": lambda _: room(),
-        "headset_for": lambda *_: headset(),
-        "renderer": LateFocus(),
-        **more,
-    }
+    parts = {**in_the_room(headset), **more}
     return run(protocol, participant, study=folder / "S", respondent=who, **parts)
