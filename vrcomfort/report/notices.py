@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.orders import in_words
 from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
@@ -169,14 +170,11 @@ def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
     return found
 
 
-def met_before(first: str, second: str) -> str:
-    """Say that the order of two conditions may be their difference."""
-    return (
-        f"everybody met {first} before {second}, so that their difference cannot be told from one "
-        "of order"
-    )
-
-
 def _confounded(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
-    pairs = dict.fromkeys(test["confounded"] for test in tests if test.get("confounded"))
-    return [met_before(*(study.labels.get(name, name) for name in pair)) for pair in pairs]
+    """Say which conditions were met in one order, of the first score of each pair."""
+    orders: dict[tuple[str, str], dict[str, Any]] = {}
+    for test in tests:
+        order = test.get("confounded")
+        if order:
+            orders.setdefault((test["a"], test["b"]), order)
+    return [in_words(each, lambda name: study.labels.get(name, name)) for each in orders.values()]
