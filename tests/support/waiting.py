@@ -10,6 +10,9 @@ from typing import Any
 WAIT_S = 120.0
 """Guards against waiting for ever, and measures nothing: a busy machine takes long."""
 
+SESSION_S = 600.0
+"""The same for whole sessions, reports and scenes in a process of their own."""
+
 
 def wait_for(wanted: Callable[[], Any], told: Callable[[], object] = lambda: "") -> Any:
     """Return what `wanted` returns as soon as that is something; `told` says why it is not."""
