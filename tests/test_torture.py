@@ -22,7 +22,7 @@ from torture.case import HANG, OTHER, TRACEBACK, Outcome, Result, Rig
 from torture.damaged import damage
 from torture.mutate import worse
 from torture.rows import PARTICIPANT, Rows, by_file, missing, session_folder
-from torture.session import Ended, Findings
+from torture.session import Ended, Findings, running_since
 from torture.worker import workers
 from vrcomfort.records import EventRow, QuestionnaireRow, RatingRow, Recorder
 
@@ -113,6 +113,16 @@ def test_a_row_cut_in_half_or_overwritten_with_zeros_is_lost(
 )
 def test_the_end_of_a_command_is_judged(ended: Ended, fault: str) -> None:
     assert ended.fault({0, 2})[0] == fault
+
+
+def test_time_in_which_the_machine_stood_still_does_not_count_as_time_to_write() -> None:
+    cut_ns, beat_ns = 20 * 10**9, 20_000_000
+    steady = [cut_ns - number * beat_ns for number in range(1, 100)]
+    assert running_since(steady, cut_ns, 0.2) == cut_ns - 10 * beat_ns
+    stood_still = [each for each in steady if each < cut_ns - 5 * beat_ns]
+    hung = [cut_ns - beat_ns, *(each - 10**10 for each in stood_still)]
+    assert running_since(hung, cut_ns, 0.2) < cut_ns - 10**10
+    assert running_since([], cut_ns, 0.2) == 0
 
 
 def test_workers_tell_tracebacks_hangs_and_ends_apart_and_go_on(tmp_path: Path) -> None:
