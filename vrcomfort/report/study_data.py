@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from typing import Any
 
 from vrcomfort.csv_table import CsvTable, number_or_none
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.questionnaire import (
     FOLDER,
     Instrument,
@@ -24,6 +24,7 @@ from vrcomfort.questionnaire import (
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
 from vrcomfort.records.schema import check_schema_version
 from vrcomfort.report.ordering import natural
+from vrcomfort.settings import read_text
 from vrcomfort.workers import workers
 
 _KEYS = (
@@ -323,13 +324,7 @@ def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
 def _json(file: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-        json.dumps(content, ensure_ascii=False).encode()  # half of a pair is no text
-    except UnicodeDecodeError:
-        raise InputError("this is not UTF-8; save it as JSON in UTF-8", file=file) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"this is not valid JSON: {error}", file=file) from error
+    content = parse_json(read_text(file, "JSON"), file)
     return content if isinstance(content, dict) else {}
 
 
