@@ -17,21 +17,12 @@ from vrcomfort import __version__
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.exchange.room import new_folder, require_whole
+from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import (
-    DialRow,
-    ParticipantRow,
-    PracticeRow,
-    QuestionnaireRow,
-    RatingRow,
-    Row,
-    ScreeningRow,
-    TaskRow,
-    TextRow,
-    TrialRow,
-)
+from vrcomfort.records.rows import Row
+from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow, TextRow
 from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
 
 _README = """# {name}

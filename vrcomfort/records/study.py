@@ -31,8 +31,9 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
-from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
+from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"

@@ -7,7 +7,7 @@ from pathlib import Path
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.exchange.meanings import MEANINGS
-from vrcomfort.records.rows import PracticeRow
+from vrcomfort.records.exposure_rows import PracticeRow
 
 _OF_THE_NAME = ("participant", "session")
 
