@@ -169,10 +169,15 @@ def read_participants(study: Path) -> list[ParticipantRow]:
         If the file is damaged: nobody is left out silently.
     """
     file = study / ParticipantRow.FILE
-    if not file.exists():
-        return []
-    now = file.stat()
-    return list(_participants(file, (now.st_ino, now.st_size, now.st_mtime_ns)))
+    rows: tuple[ParticipantRow, ...] = ()
+    if file.exists():
+        now = file.stat()
+        rows = _participants(file, (now.st_ino, now.st_size, now.st_mtime_ns))
+    begun = () if rows else sorted(each.parent.name for each in study.glob("sub-*/ses-*"))
+    if begun:  # going on would enrol them again
+        message = f"nobody is in it, and {begun[0]} has a session; restore it from a copy"
+        raise InputError(message, file=file)
+    return list(rows)
 
 
 @lru_cache(maxsize=1)
@@ -204,14 +209,19 @@ def _check_participants(found: CsvTable) -> None:
         seen.add(row["participant"])
         for column, shape in _PARTICIPANT_CELLS.items():
             if not shape.fullmatch(row[column]):
-                shown = row[column][:40]
-                raise found.fault(f"{shown!r} cannot be here; mend it first", line, column)
+                message = f"{row[column][:40]!r} cannot be here; {_PARTICIPANT_WORDS[column]}"
+                raise found.fault(message, line, column)
 
 
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
     "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
     "status": re.compile("enrolled|completed|withdrawn|excluded"),
+}
+_PARTICIPANT_WORDS = {
+    "participant": "a name is 1 to 64 letters (A to Z) and digits",
+    "sequence": "write the sequence that the session's manifest has",
+    "status": "write enrolled, completed, withdrawn or excluded",
 }
 
 
