@@ -173,9 +173,10 @@ def read_participants(study: Path) -> list[ParticipantRow]:
     if file.exists():
         now = file.stat()
         rows = _participants(file, (now.st_ino, now.st_size, now.st_mtime_ns))
-    begun = () if rows else sorted(each.parent.name for each in study.glob("sub-*/ses-*"))
+    begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
     if begun:  # going on would enrol them again
-        message = f"nobody is in it, and {begun[0]} has a session; restore it from a copy"
+        who = begun[0].parent.parent.name
+        message = f"nobody is in it, and {who} has a session; restore it from a copy"
         raise InputError(message, file=file)
     return list(rows)
 
