@@ -15,7 +15,7 @@ from selenium.webdriver.common.keys import Keys
 from tests.support.console_session import running_session
 from tests.support.operator_page import operator_page
 from tests.support.study import read_rows
-from vrcomfort.records.rows import in_lines
+from vrcomfort.records.session_rows import in_lines
 
 pytestmark = [
     pytest.mark.browser,

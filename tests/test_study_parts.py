@@ -14,7 +14,7 @@ from vrcomfort.design.balance import cannot_balance
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records.rows import TrialRow
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.schema import columns_of_version
 from vrcomfort.report.facts import Facts
 from vrcomfort.report.plan import Plan

@@ -25,7 +25,8 @@ from torture import shim
 from vrcomfort.cli import main as command_line
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.records import Recorder
-from vrcomfort.records.rows import QuestionnaireRow, Row, cell_text
+from vrcomfort.records.rows import Row, cell_text
+from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.session import VirtualClock
 
 BEAT_S = 0.02

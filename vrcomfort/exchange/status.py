@@ -15,11 +15,12 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of, protocol_of
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ParticipantRow, TrialRow
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     DESCRIPTION,
     enrolment_of,

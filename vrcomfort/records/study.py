@@ -31,8 +31,9 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
-from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
+from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
@@ -168,10 +169,16 @@ def read_participants(study: Path) -> list[ParticipantRow]:
         If the file is damaged: nobody is left out silently.
     """
     file = study / ParticipantRow.FILE
-    if not file.exists():
-        return []
-    now = file.stat()
-    return list(_participants(file, (now.st_ino, now.st_size, now.st_mtime_ns)))
+    rows: tuple[ParticipantRow, ...] = ()
+    if file.exists():
+        now = file.stat()
+        rows = _participants(file, (now.st_ino, now.st_size, now.st_mtime_ns))
+    begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
+    if begun:  # going on would enrol them again
+        who = begun[0].parent.parent.name
+        message = f"nobody is in it, and {who} has a session; restore it from a copy"
+        raise InputError(message, file=file)
+    return list(rows)
 
 
 @lru_cache(maxsize=1)
@@ -203,14 +210,19 @@ def _check_participants(found: CsvTable) -> None:
         seen.add(row["participant"])
         for column, shape in _PARTICIPANT_CELLS.items():
             if not shape.fullmatch(row[column]):
-                shown = row[column][:40]
-                raise found.fault(f"{shown!r} cannot be here; mend it first", line, column)
+                message = f"{row[column][:40]!r} cannot be here; {_PARTICIPANT_WORDS[column]}"
+                raise found.fault(message, line, column)
 
 
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
     "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
     "status": re.compile("enrolled|completed|withdrawn|excluded"),
+}
+_PARTICIPANT_WORDS = {
+    "participant": "a name is 1 to 64 letters (A to Z) and digits",
+    "sequence": "write the sequence that the session's manifest has",
+    "status": "write enrolled, completed, withdrawn or excluded",
 }
 
 
