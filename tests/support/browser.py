@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from tests.support.waiting import WAIT_S
+from tests.support.waiting import SESSION_S, WAIT_S
 
 OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage")
 """Of a browser in a container, which may have little shared memory: its pages would crash."""
@@ -30,7 +30,7 @@ class Opened:
 def find_browser() -> str | None:
     """Return the path of a browser; None where there is none (`make test` installs one)."""
     found = subprocess.run(
-        [SCRIPT, "--find"], capture_output=True, text=True, check=False, timeout=WAIT_S
+        [SCRIPT, "--find"], capture_output=True, text=True, check=False, timeout=SESSION_S
     )
     return found.stdout.strip() if found.returncode == 0 else None
 
