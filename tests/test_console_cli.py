@@ -13,9 +13,10 @@ pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
 
 from websockets.exceptions import ConnectionClosed
 
-from tests.support.console import Doing, come_in, page_of, steer, wait_for
+from tests.support.console import Doing, come_in, page_of, steer
 from tests.support.console_session import PROTOCOL, RunningSession, running_session
 from tests.support.study import read_rows
+from tests.support.waiting import wait_for
 from vrcomfort.console import process
 from vrcomfort.exchange.verifying import verify_study
 
@@ -44,7 +45,7 @@ def test_a_session_outlives_its_console_and_goes_on_with_the_same_page(tmp_path)
     with running_session(tmp_path, protocol=SHORT) as session:
         origin, cookie = come_in(session.next_address())
         with page_of(origin, cookie) as page:
-            steer(page, [START], until="exposure 1")
+            steer(page, [START], until=("exposure 1", "(post)"))  # it may have passed unseen
             (server,) = wait_for(lambda: servers_of(session))
             os.kill(server, signal.SIGKILL)
             with pytest.raises(ConnectionClosed):

@@ -16,7 +16,8 @@ pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
 
 from websockets.exceptions import ConnectionClosedError, InvalidStatus
 
-from tests.support.console import WAIT_S, Served, page_of, served, wait_for
+from tests.support.console import Served, page_of, served
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.console import wire
 from vrcomfort.console.access import NO_COOKIE, OTHER_HOST, OTHER_ORIGIN, Access, operator_name
 from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, Entered, read_entered

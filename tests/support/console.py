@@ -14,10 +14,9 @@ from urllib.parse import parse_qs, urlsplit
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.console import ServerProcess
 
-WAIT_S = 120.0
-"""Guards against waiting for ever; a busy machine takes long."""
 NOT_YET = (OSError, http.client.HTTPException, WebSocketException)
 """How a connection fails while a server is killed and another started: it is refused, reset, or
 taken by whom it is too late for, who ends it before, or in the middle of, the first answer."""
@@ -94,15 +93,6 @@ class PageSocket:
         return found
 
 
-def wait_for(wanted: Callable[[], Any]) -> Any:
-    """Return what `wanted` returns as soon as that is something."""
-    deadline = time.monotonic() + WAIT_S
-    while not (found := wanted()):
-        assert time.monotonic() < deadline, "it did not come"
-        time.sleep(0.02)
-    return found
-
-
 def answered(ask: Callable[[], Answer]) -> Answer:
     """Ask until a server that is killed, or started, answers."""
     deadline = time.monotonic() + WAIT_S
@@ -170,15 +160,15 @@ def come_in(address: str) -> tuple[str, str]:
 
 
 def steer(
-    page: PageSocket, plan: list[Doing], *, answer: int = 1, until: str = ""
+    page: PageSocket, plan: list[Doing], *, answer: int = 1, until: tuple[str, ...] = ()
 ) -> list[dict[str, Any]]:
     """Answer everything and follow a plan to the end of the session; return its states.
 
-    `until` ends it before, in a step whose name has these words.
+    `until` ends it before, in a step whose name has any of these words.
     """
     plan, asked = list(plan), ""
     while not page.states or not page.states[-1]["ended"]:
-        if until and page.states and until in page.states[-1]["step"]["words"]:
+        if page.states and any(each in page.states[-1]["step"]["words"] for each in until):
             break
         known = len(page.states)
         page.hear(lambda page, known=known: len(page.states) > known)

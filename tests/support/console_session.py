@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.support.console import WAIT_S, wait_for
+from tests.support.waiting import WAIT_S, wait_for
 
 PROTOCOL = """\
 name = "aloud"
