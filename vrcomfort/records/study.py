@@ -238,7 +238,7 @@ def _check_participants(found: CsvTable) -> None:
 
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
-    "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
+    "sequence": re.compile(r"[A-Za-z0-9_-]+"),
     "status": re.compile("enrolled|completed|withdrawn|excluded"),
 }
 _PARTICIPANT_WORDS = {
