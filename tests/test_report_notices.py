@@ -89,6 +89,20 @@ def test_who_met_neither_condition_is_not_lost(tmp_path):
     assert not any("of a and b" in notice for notice in results["notices"])
 
 
+@pytest.mark.parametrize(("group", "told"), [("far", False), ("near", True)])
+def test_whose_group_never_meets_a_condition_is_not_lost(tmp_path, group, told):
+    """Half of the people meet a and b, the others a and c; grouped by that, or all together."""
+    study = Study(tmp_path / "s")
+    rows = ["participant,sequence,status,enrolled_at,note,group"]
+    for i in range(12):
+        second = "bc"[i % 2]
+        study.session(f"P{i:02d}", 1, 0, [("a", "x", 4 + i % 5), (second, "x", 3 + i % 3)])
+        rows.append(f"P{i:02d},s,completed,,,{'near' if i % 2 else group}")
+    (tmp_path / "s" / "participants.csv").write_text("\n".join(rows) + "\n")
+    warnings = build_report(tmp_path / "s", out=tmp_path / "o").warnings
+    assert any("participants are not in the tests of a and b" in each for each in warnings) == told
+
+
 def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
     scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}

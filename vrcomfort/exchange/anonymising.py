@@ -110,6 +110,8 @@ def _require_room_for_key(study: Path, out: Path, key: Path | None) -> None:
     if any(each.resolve() in key.resolve().parents for each in (study, out)):
         message = "the key would lie in a folder that is handed on; choose a place outside"
         raise InputError(message, file=key)
+    if not key.resolve().parent.is_dir():
+        raise InputError("there is no such folder for the key; make it first", file=key.parent)
     if key.exists():
         raise InputError("is there already; choose a new file for the key", file=key)
 

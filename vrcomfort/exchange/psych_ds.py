@@ -18,12 +18,15 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
-from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.rows import Row
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow, TextRow
-from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
+from vrcomfort.records.study import (
+    DESCRIPTION,
+    read_description,
+    read_participants,
+    recorded_sessions,
+)
 
 _README = """# {name}
 
@@ -69,7 +72,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
         If the study is an import or not whole, or the folder is there already.
     """
     require_whole(study)
-    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
     tables = [_participants(study, label)]

@@ -10,10 +10,12 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.disk import (
@@ -119,8 +121,28 @@ def access_of(study: Path) -> Access:
     file = study / DESCRIPTION
     if not file.exists():
         return OWNER
-    readers = read_json(file, DescriptionShape, "study description").get("readable_by")
+    readers = read_description(study).get("readable_by")
     return GROUP if readers == "group" else OWNER
+
+
+def read_description(study: Path) -> dict[str, Any]:
+    """Return what a study says of itself.
+
+    Raises
+    ------
+    InputError
+        If it is damaged, or describes a dataset that is no study of ours: BIDS and Psych-DS call
+        their files so, too.
+    """
+    file = study / DESCRIPTION
+    try:
+        return read_json(file, DescriptionShape, "study description")
+    except InputError:
+        content = parse_json(read_text(file, "study description"), file)
+        if isinstance(content, dict) and not {"protocol", "seed"} & content.keys():
+            message = "this describes a dataset, and no study that vrcomfort recorded"
+            raise InputError(f"{message}; give the folder of the study", file=file) from None
+        raise
 
 
 def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, object]:
@@ -144,7 +166,7 @@ def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, obj
 
 
 def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable: bool) -> int:
-    content = read_json(file, DescriptionShape, "study description")
+    content = read_description(file.parent)
     name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
@@ -216,7 +238,7 @@ def _check_participants(found: CsvTable) -> None:
 
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
-    "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
+    "sequence": re.compile(r"[A-Za-z0-9_-]+"),
     "status": re.compile("enrolled|completed|withdrawn|excluded"),
 }
 _PARTICIPANT_WORDS = {

@@ -60,7 +60,7 @@ def _losses(
     excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
     primary = {(test["a"], test["b"]): test for test in reversed(tests)}
     for test in reversed(primary.values()):
-        people = {who for side in test["sides"] for who in _met(study, side)} - excluded
+        people = _of_both(study, [_met(study, side) for side in test["sides"]]) - excluded
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
@@ -73,6 +73,14 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+def _of_both(study: StudyData, sides: list[set[str]]) -> set[str]:
+    """Return who met a side of a contrast, less groups of people of whom nobody met the other."""
+    group = {row["participant"]: row.get("group", "") for row in study.participants}
+    groups = [{group.get(who, "") for who in side} for side in sides]
+    both = set.intersection(*groups)
+    return {who for side in sides for who in side if group.get(who, "") in both}
 
 
 _BY = {

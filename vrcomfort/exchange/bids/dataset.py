@@ -21,11 +21,13 @@ from vrcomfort.exchange.bids.practice import write_practice
 from vrcomfort.exchange.bids.runs import Run, read_runs
 from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.room import new_folder, require_whole
-from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
+from vrcomfort.records.study import (
+    read_description,
+    read_participants,
+    recorded_sessions,
+)
 
 BIDS_VERSION = "1.11.1"
 _EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")
@@ -72,7 +74,7 @@ def export_bids(study: Path, out: Path) -> list[str]:
 
 
 def _write(study: Path, out: Path) -> list[str]:
-    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     write_json(
         out / "dataset_description.json",

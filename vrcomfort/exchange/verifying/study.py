@@ -16,9 +16,9 @@ from vrcomfort.records.checksums import sha256_of
 from vrcomfort.records.consents import ConsentRow, read_consents
 from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import DescriptionShape, ImportShape
+from vrcomfort.records.manifest_shape import ImportShape
 from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
-from vrcomfort.records.study import DESCRIPTION, read_participants
+from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 
 IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
@@ -94,15 +94,20 @@ def session_folders(study: Path) -> list[Path]:
 
 def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
     """Check the study's description; return its seed."""
-    file, shape = study / DESCRIPTION, ImportShape if imported else DescriptionShape
+    file = study / DESCRIPTION
     if not file.exists():
         found.fault(file, "is missing; restore it from a copy")
         return None
     try:
-        seed = read_json(file, shape, "study description").get("seed")
+        content = (
+            read_json(file, ImportShape, "study description")
+            if imported
+            else read_description(study)
+        )
     except InputError as error:
         found.refusal(error, file)
         return None
+    seed = content.get("seed")
     return int(seed) if seed is not None else None
 
 
