@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from types import MappingProxyType
 from typing import NamedTuple
 
 import moderngl
@@ -32,8 +34,9 @@ class Reconstruction:
 
     Notes
     -----
-    Each frame is averaged in one step or in two, for how long its longest streak is: the vertex
-    shaders decide, so that the CPU need not know. ``docs/motion_blur.md`` has the graph of passes.
+    Each frame is averaged in one step or in two, for how long its longest streak is, and is looked
+    at for what passes where its streaks jump: the vertex shaders decide, so that the CPU need not
+    know. ``docs/motion_blur.md`` has the graph of passes.
     """
 
     def __init__(
@@ -51,42 +54,43 @@ class Reconstruction:
         self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px, jump=sampling.jump)
         self._dilate = _dilation(ctx, self._tile_max, limit_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
-        average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
-        in_parts = colour if average is None else average.target
-        short = {"TAPS": sampling.short_pairs}
-        self._averages = (
-            *(() if average is None else (average,)),
-            self._average("motion_blur_long", in_parts, self.target),
-            self._average("motion_blur", colour, self.target, short),
-        )
+        self._averages = tuple(self._one_step() if sampling.taps == 1 else self._one_step_or_two())
         self._foreground = self._mixed_tiles(depth)
+
+    def _one_step(self) -> Iterator[FullscreenPass]:
+        yield self._average("motion_blur", self._colour, self.target, "common/fullscreen.vert")
+
+    def _one_step_or_two(self) -> Iterator[FullscreenPass]:
+        by_frame = "motion_blur/frame_of_streaks.vert"
+        average = self._average("streak_average", self._colour, None, by_frame, {"LONG": 1})
+        yield average
+        yield self._average("motion_blur_long", average.target, self.target, by_frame, {"LONG": 1})
+        yield self._average("motion_blur", self._colour, self.target, by_frame)
 
     def _average(
         self,
         name: str,
         source: moderngl.Texture,
         target: moderngl.Texture | None,
-        short: Defines | None = None,
+        vertex: str,
+        frames: Defines = MappingProxyType({}),
     ) -> FullscreenPass:
-        """Return a pass over the whole image: in frames with long streaks, or in `short` ones."""
+        """Return a pass over the whole image, in all frames or in those that `vertex` draws."""
         sampling = self._sampling
-        steps = {"LONG": 1, "TAPS": sampling.taps, "PARTS": sampling.parts}
+        inputs = {"velocity": self._velocity, "source": source}
+        defines: dict[str, int | float | str] = {"CUBIC": 1} if sampling.cubic else {}
+        defines |= {"TAPS": sampling.taps, "PARTS": sampling.parts, "PAIRS": sampling.pairs}
+        if sampling.taps > 1:
+            inputs["frame"] = self._tile_max.frame.target
+            defines["ONE_STEP_PX"] = sampling.one_step_px
         return FullscreenPass(
             self._ctx,
             f"motion_blur/{name}.frag",
             size_px=self._colour.size,
-            inputs={
-                "frame_longest": self._tile_max.frame_longest.target,
-                "velocity": self._velocity,
-                "source": source,
-            },
+            inputs=inputs,
             filtered={"source"},
-            defines={
-                "SHORT_PX": sampling.short_px,
-                **(steps if short is None else short),
-                **({"CUBIC": 1} if sampling.cubic else {}),
-            },
-            vertex="motion_blur/frame_of_streaks.vert",
+            defines={**defines, **frames},
+            vertex=vertex,
             target=target,
         )
 
@@ -103,9 +107,11 @@ class Reconstruction:
                 "depth": depth,
                 "longest": longest,
                 "crossing": crossing,
+                "frame": self._tile_max.frame.target,
             },
             filtered={"colour"},
             defines={
+                "JUMP": self._sampling.jump,
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
                 "CLASS": "MIXED",
@@ -119,7 +125,10 @@ class Reconstruction:
 
     @property
     def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
-        """Return what reaches each tile and its class, and what crosses it."""
+        """Return what reaches each tile and its class, and what crosses it.
+
+        Of the last frame in which things may have passed each other.
+        """
         longest, crossing = self._dilate.targets
         return longest, crossing
 
@@ -133,7 +142,7 @@ class Reconstruction:
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._tile_max.longest.read()
+        return self._tile_max.frame.longest_of_all_px()
 
 
 def _dilation(
@@ -146,9 +155,10 @@ def _dilation(
         inputs={
             "tile_max": tile_max.target,
             "tile_max_crossing": tile_max.crossing,
-            "frame_longest": tile_max.frame_longest.target,
+            "frame": tile_max.frame.target,
         },
         more_components=(2,),
         constants=_Limit(limit_px),
-        defines={"TILE": tile_max.tile_px, "JUMP": jump},
+        defines={"TILE": tile_max.tile_px, "JUMP": jump, "PASSING": 1},
+        vertex="motion_blur/frame_of_streaks.vert",
     )
