@@ -23,9 +23,9 @@ _CUBIC_ABOVE = 16
 
 _MOST_PAIRS = 7
 """Reads to each side of a pixel, in one step."""
-_ONE_STEP_SPACING_PX = {False: 2.5, True: 1.5}
-"""Between the reads of one step along the mean streak of a frame: above, two steps err less; and with
-cubic reads, which two steps soften less."""
+_ONE_STEP_SPACING_PX = {False: 2.5, True: 1.9}
+"""Between the reads of one step along the longest streak of a frame, without and with cubic reads: a
+wider spacing makes steps in a moving edge, and cubic reads are softened less by two steps."""
 
 
 class Sampling(NamedTuple):
@@ -33,7 +33,7 @@ class Sampling(NamedTuple):
 
     In one step a pixel is the mean of itself and `pairs` reads to each side. In two it is the mean
     of `parts` means of `taps` reads: `taps` · `parts` samples for `taps` + `parts` reads. Two are
-    taken in frames whose mean half streak is longer than `one_step_px`; with one tap, in none.
+    taken in frames with a half streak longer than `one_step_px`; with one tap, in none.
     """
 
     taps: int
@@ -55,7 +55,7 @@ class Sampling(NamedTuple):
 
     @property
     def one_step_px(self) -> float:
-        """Return the longest mean half streak of a frame that is averaged in one step."""
+        """Return the longest half streak of a frame that is averaged in one step."""
         return inf if self.taps == 1 else _ONE_STEP_SPACING_PX[self.cubic] * (self.pairs + 0.5)
 
 

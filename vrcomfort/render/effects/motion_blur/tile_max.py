@@ -103,12 +103,10 @@ class FrameStreaks:
         """Begin with a new frame; what is remembered over all frames stays."""
         self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
         self._tile_max.use(0)
-        self._ctx.blend_equation = (moderngl.MAX, moderngl.FUNC_ADD)
-        self._ctx.blend_func = (moderngl.ONE, moderngl.ONE)
+        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
         with self._scope:
             self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
         self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
-        self._ctx.blend_func = moderngl.DEFAULT_BLENDING
 
     def longest_of_all_px(self) -> float:
         """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
