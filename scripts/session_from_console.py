@@ -54,6 +54,8 @@ name = "blur"
 max_radius_percent = 3
 """
 CLIENT = "from vrcomfort.cli import main; main()"
+WAIT_S = 120.0
+"""Guards against waiting for ever; a busy machine takes long."""
 ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+/\?token=\S+")
 
 
@@ -129,7 +131,7 @@ def main(folder: Path, size: str) -> None:
     )
     try:
         _operate(*_come_in(process))
-        code = process.wait(60)
+        code = process.wait(WAIT_S)
     finally:
         process.kill()
     if code:
@@ -156,7 +158,7 @@ def _come_in(process: subprocess.Popen[str]) -> tuple[str, str]:
         raise SystemExit("the session told no console's address")
     threading.Thread(target=lambda: [print(line, end="") for line in process.stdout or ()]).start()
     parts = urlsplit(found[0])
-    connection = http.client.HTTPConnection(parts.netloc, timeout=20)
+    connection = http.client.HTTPConnection(parts.netloc, timeout=WAIT_S)
     connection.request("GET", f"{parts.path}?{parts.query}")
     cookie = connection.getresponse().getheader("set-cookie") or ""
     return parts.netloc, cookie.partition(";")[0]
@@ -167,7 +169,10 @@ def _operate(place: str, cookie: str) -> None:
     operator, state = Operator(), {}
     headers = {"Cookie": cookie}
     address = f"ws://{place}/session"
-    with connect(address, origin=f"http://{place}", additional_headers=headers) as page:
+    with connect(
+        address, origin=f"http://{place}", additional_headers=headers, open_timeout=WAIT_S,
+        ping_interval=None,
+    ) as page:  # fmt: skip
         while not state.get("ended"):
             try:
                 message = page.recv(timeout=0.1)

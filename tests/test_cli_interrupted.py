@@ -11,7 +11,6 @@ import signal
 import subprocess
 import sys
 import termios
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -21,6 +20,7 @@ import typer
 from typer.testing import CliRunner
 
 from tests.support.signals import hear_all
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.cli.options import typed_words
 
 SENTENCE = "error: stopped; what was already written stays\n"
@@ -39,16 +39,46 @@ def start(*program: object, before: Callable[[], None] = hear_all) -> subprocess
 
 
 MAIN = "from vrcomfort.cli import main; main()"
+HELD = f"""
+import time
+from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.records import Recorder, TrialRow
+
+write, frames, done = Recorder.write, PlaybackHeadset.frames, []
+
+def write_and_see(recorder, *rows):
+    write(recorder, *rows)
+    done.extend(row for row in rows if isinstance(row, TrialRow))
+
+def frames_until_a_trial_is_done(headset):
+    for frame in frames(headset):
+        while done:
+            time.sleep(0.05)
+        yield frame
+
+Recorder.write, PlaybackHeadset.frames = write_and_see, frames_until_a_trial_is_done
+{MAIN}
+"""
+"""The command, whose second exposure never ends: a signal comes into it, however late."""
 
 
 def command(*words: object) -> subprocess.Popen[str]:
     return start("-c", MAIN, *words)
 
 
-def stop(process: subprocess.Popen[str], number: int = signal.SIGINT) -> tuple[int, str, str]:
-    """Send Ctrl-C, or another signal, to the whole group, as a terminal does."""
-    os.killpg(process.pid, number)
-    out, err = process.communicate(timeout=60)
+def held_in_the_second_exposure(session: Path, *words: object) -> subprocess.Popen[str]:
+    process = start("-c", HELD, *words)
+    wait_for_lines(session / "trials.csv", process, 2)
+    return process
+
+
+def stop(process: subprocess.Popen[str], *numbers: int) -> tuple[int, str, str]:
+    """Send Ctrl-C, or other signals at once, to the whole group, as a terminal does."""
+    os.killpg(process.pid, signal.SIGSTOP)
+    for number in numbers or (signal.SIGINT,):
+        os.killpg(process.pid, number)
+    os.killpg(process.pid, signal.SIGCONT)
+    out, err = process.communicate(timeout=WAIT_S)
     return process.returncode, out, err
 
 
@@ -78,9 +108,9 @@ def test_ctrl_c_is_answered_in_one_sentence(tmp_path: Path, name: str, words: tu
 
 @pytest.mark.slow
 def test_ctrl_c_in_a_session_is_answered_after_the_session(tmp_path: Path):
-    words = ("smoke", "-n", 1, "--size", "16x16", "--out", tmp_path / "study")
-    process = command("simulate", *words)
-    wait_for(tmp_path / "study" / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    study = tmp_path / "study"
+    words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
+    process = held_in_the_second_exposure(study / "sub-P01" / "ses-1", *words)
     code, out, err = stop(process)
     assert code == 130
     assert "aborted (stopped by the operator)" in out
@@ -93,8 +123,8 @@ def test_a_shutdown_and_a_closed_terminal_end_a_session_as_ctrl_c_does(
     tmp_path: Path, number: signal.Signals
 ):
     study = tmp_path / "study"
-    process = command("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
-    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
+    process = held_in_the_second_exposure(study / "sub-P01" / "ses-1", *words)
     code, out, err = stop(process, number)
     assert code == 128 + number
     assert "aborted (stopped by the operator)" in out
@@ -106,10 +136,9 @@ def test_a_shutdown_and_a_closed_terminal_end_a_session_as_ctrl_c_does(
 @pytest.mark.slow
 def test_sigterm_and_sighup_of_one_shutdown_are_one_wish(tmp_path: Path):
     study = tmp_path / "study"
-    process = command("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
-    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
-    os.killpg(process.pid, signal.SIGTERM)
-    code, _, err = stop(process, signal.SIGHUP)
+    words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", study)
+    process = held_in_the_second_exposure(study / "sub-P01" / "ses-1", *words)
+    code, _, err = stop(process, signal.SIGTERM, signal.SIGHUP)
     assert code in {143, 129}
     assert err.endswith(SENTENCE)
 
@@ -126,10 +155,11 @@ def test_a_session_whose_terminal_goes_away_is_closed(tmp_path: Path):
         preexec_fn=lambda: (hear_all(), fcntl.ioctl(0, termios.TIOCSCTTY, 0)),  # noqa: PLW1509
     )  # fmt: skip
     os.close(theirs)
-    while b"General discomfort" not in os.read(ours, 4096):
-        pass
+    said = b""
+    while b"General discomfort" not in said:
+        said += os.read(ours, 4096)
     os.close(ours)
-    assert process.wait(60) == 129
+    assert process.wait(WAIT_S) == 129
     manifest = json.loads((study / "sub-P01" / "ses-1" / "manifest.json").read_text())
     assert manifest["status"] == "aborted"
 
@@ -145,9 +175,8 @@ def test_what_is_ignored_from_the_start_stays_ignored(tmp_path: Path):
 
     words = ("simulate", "smoke", "-n", 1, "--size", "16x16", "--out", tmp_path / "study")
     process = start("-c", MAIN, *words, before=ignore)
-    wait_for(tmp_path / "study" / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
-    os.killpg(process.pid, signal.SIGINT)
-    code, out, _ = stop(process, signal.SIGHUP)
+    wait_for_lines(tmp_path / "study" / "sub-P01" / "ses-1" / "trials.csv", process, 2)
+    code, out, _ = stop(process, signal.SIGINT, signal.SIGHUP)
     assert code == 0
     assert "completed" in out
 
@@ -158,8 +187,7 @@ def test_run_says_which_words_go_on(tmp_path: Path, number: signal.Signals, code
     study = tmp_path / "my study"
     words = ["run", "smoke", "--participant", "P01", "--out", str(study)]
     words += ["--respondent", "simulated", "--seed", "3", "--size", "16x16"]
-    process = command(*words)
-    wait_for(study / "sub-P01" / "ses-1" / "trials.csv", process, lines=2)
+    process = held_in_the_second_exposure(study / "sub-P01" / "ses-1", *words)
     status, _, err = stop(process, number)
     assert status == code
     told = shlex.split(err.partition("to go on, type: ")[2].splitlines()[0])
@@ -167,14 +195,14 @@ def test_run_says_which_words_go_on(tmp_path: Path, number: signal.Signals, code
     assert told[-1] == "--resume"
     assert set(words) < set(told)
     goes_on = command(*told[1:])
-    assert "P01 (s1): session 1 recorded, completed" in goes_on.communicate(timeout=120)[0]
+    assert "P01 (s1): session 1 recorded, completed" in goes_on.communicate(timeout=WAIT_S)[0]
 
 
 @pytest.mark.slow
 def test_ctrl_c_in_a_trade_off_ends_its_processes_without_a_word_of_theirs(tmp_path: Path):
     folders = ("--cache", tmp_path / "cache", "--out", tmp_path / "out")
     process = command("tradeoff", "--quick", "--quiet", "--jobs", 2, *folders)
-    wait_for(tmp_path / "out", process)
+    wait_for_lines(tmp_path / "out", process, 0)
     assert stop(process) == (130, "", SENTENCE)
 
 
@@ -220,11 +248,17 @@ main()
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
-def wait_for(path: Path, process: subprocess.Popen[str], *, lines: int = 0) -> None:
-    """Wait until the command has made a folder, or a file of so many lines."""
-    while not path.exists() or (lines and path.read_bytes().count(b"\n") < lines):
-        assert process.poll() is None, process.communicate()
-        time.sleep(0.01)
+def wait_for_lines(path: Path, process: subprocess.Popen[str], lines: int) -> None:
+    """Wait until the command has made a file of so many lines, or a folder (0)."""
+
+    def there() -> bool:
+        ended = process.poll() is not None
+        if path.exists() and (not lines or path.read_bytes().count(b"\n") >= lines):
+            return True
+        assert not ended, process.communicate()
+        return False
+
+    wait_for(there)
 
 
 def test_each_covariate_is_typed_again_as_it_was():

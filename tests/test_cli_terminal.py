@@ -7,7 +7,6 @@ import pty
 import re
 import subprocess
 import sys
-import time
 from io import StringIO
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from rich.console import Console
 
 from tests.support.session import run
 from tests.support.study import AheadHeadset, LateFocus, Scripted
+from tests.support.waiting import read_until_closed, wait_for
 from vrcomfort.cli import main, terminal
 from vrcomfort.protocol import load_protocol
 from vrcomfort.questionnaire import Answers, Instrument, Item
@@ -128,13 +128,10 @@ def test_work_in_a_pipe_says_now_and_then_how_far_it_is(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(terminal, "SILENT_S", 0.05)
+    monkeypatch.setattr(terminal, "LINE_EVERY_S", 3600.0)
     with terminal.progress_bar("drawn", 4, quiet=False, unit="frames") as advance:
         advance(3)
-        deadline_s = time.monotonic() + 10
-        said = ""
-        while not said and time.monotonic() < deadline_s:
-            time.sleep(0.02)
-            said = capsys.readouterr().err
+        said = wait_for(lambda: capsys.readouterr().err)
     assert said == "drawn: 3 of 4 frames ...\n"
 
 
@@ -162,10 +159,11 @@ def test_a_prompt_beside_a_bar_stands_on_a_line_of_its_own() -> None:
     ours, theirs = pty.openpty()
     command = [sys.executable, "-c", PROMPT_BESIDE_A_BAR]
     environment = os.environ | {"TERM": "xterm", "COLUMNS": "100"}
-    done = subprocess.run(command, stdout=theirs, stderr=theirs, env=environment, check=False)
-    os.close(theirs)
-    text = os.read(ours, 65536).decode()
-    assert done.returncode == 0, text
+    with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=environment) as shown:
+        os.close(theirs)
+        text = read_until_closed(ours).decode()
+    os.close(ours)
+    assert shown.returncode == 0, text
     plain = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", text)
     lines = [line for line in re.split(r"[\r\n]+", plain) if "How sick" in line]
     assert [line.strip() for line in lines] == ["[/0.5 D] How sick? (10 s)"]

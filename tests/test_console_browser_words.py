@@ -15,19 +15,19 @@ from selenium.webdriver.common.keys import Keys
 from tests.support.console_session import running_session
 from tests.support.operator_page import operator_page
 from tests.support.study import read_rows
-from vrcomfort.records.rows import in_lines
+from vrcomfort.records.session_rows import in_lines
 
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.slow,
-    pytest.mark.timeout(300),
+    pytest.mark.timeout(900),
     pytest.mark.skipif(shutil.which("chromedriver") is None, reason="there is no chromedriver"),
 ]
 
 PROTOCOL = """\
 name = "aloud"
 title = "Asked before anything is shown"
-exposure_s = 2.0
+exposure_s = 60.0
 scenes = ["temple"]
 
 [[conditions]]
@@ -62,7 +62,7 @@ def test_an_operator_decides_and_types_what_the_participant_says(
         page.until_step("waiting for the start")
         page.press_button("Start")
         page.until_step("screening")
-        assert page.text("item") == "age is 70, above 65. Go on with this participant?"
+        assert page.item() == "age is 70, above 65. Go on with this participant?"
         page.press_button("1 go on")
         page.until_step("free text expects")
         page.until(lambda: page.focused() == "What do you expect?")

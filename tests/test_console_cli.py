@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
-import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -14,11 +12,11 @@ import pytest
 pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
 
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
 
-from tests.support.console import WAIT_S, Doing, PageSocket, come_in, steer
+from tests.support.console import Doing, come_in, page_of, steer
 from tests.support.console_session import PROTOCOL, RunningSession, running_session
 from tests.support.study import read_rows
+from tests.support.waiting import wait_for
 from vrcomfort.console import process
 from vrcomfort.exchange.verifying import verify_study
 
@@ -30,18 +28,16 @@ SHORT = (
 START = Doing("waiting for the start", "start")
 
 
-@contextmanager
-def page_of(origin: str, cookie: str) -> Iterator[PageSocket]:
-    headers = {"Cookie": cookie}
-    with connect(f"ws{origin[4:]}/session", origin=origin, additional_headers=headers) as socket:
-        yield PageSocket(socket)
-
-
-def children_of(session: RunningSession) -> list[int]:
-    number = session.process.pid
-    tasks = Path(f"/proc/{number}/task").iterdir()
-    words = " ".join((task / "children").read_text() for task in tasks)
-    return [int(word) for word in words.split()]
+def servers_of(session: RunningSession) -> list[int]:
+    """Return the console's servers among the processes that a session has started."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has ended meanwhile
+            parent = int(stat.read_text().rpartition(") ")[2].split()[1])
+            words = (stat.parent / "cmdline").read_text()
+            if parent == session.process.pid and "vrcomfort.console.server" in words:
+                found.append(int(stat.parent.name))
+    return found
 
 
 @pytest.mark.slow
@@ -49,20 +45,13 @@ def test_a_session_outlives_its_console_and_goes_on_with_the_same_page(tmp_path)
     with running_session(tmp_path, protocol=SHORT) as session:
         origin, cookie = come_in(session.next_address())
         with page_of(origin, cookie) as page:
-            steer(page, [START], until="exposure 1")
-            (server,) = children_of(session)
+            steer(page, [START], until=("exposure 1", "(post)"))  # it may have passed unseen
+            (server,) = wait_for(lambda: servers_of(session))
             os.kill(server, signal.SIGKILL)
             with pytest.raises(ConnectionClosed):
                 steer(page, [])
-        deadline = time.monotonic() + WAIT_S
-        while True:
-            try:
-                with page_of(origin, cookie) as page:
-                    steer(page, [Doing("(post)", "note", "back again")])
-                break
-            except (OSError, ConnectionClosed):
-                assert time.monotonic() < deadline
-                time.sleep(0.1)
+        with page_of(origin, cookie) as page:
+            steer(page, [Doing("(post)", "note", "back again")])
         assert session.ended() == 0
     told = "".join(session.lines)
     assert "the console's server ended (killed by signal 9); the session goes on" in told

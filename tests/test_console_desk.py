@@ -15,6 +15,7 @@ import pytest
 from tests.support.console import served
 from tests.support.resume import go
 from tests.support.study import Scripted
+from tests.support.waiting import WAIT_S
 from vrcomfort.console import ConsoleDesk
 from vrcomfort.console.messages import Entered
 from vrcomfort.gpu import gl
@@ -162,7 +163,7 @@ def test_a_session_runs_to_its_end_while_its_server_stands_still(tmp_path):
                 target=shown_session, args=(tmp_path, console.server), daemon=True
             )
             ran.start()
-            ran.join(60)
+            ran.join(WAIT_S)
             assert not ran.is_alive()
         finally:
             os.kill(console.server.pid, signal.SIGCONT)

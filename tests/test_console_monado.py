@@ -8,9 +8,7 @@ import pytest
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 pytest.importorskip("starlette", reason="vrcomfort[console] is not installed")
 
-from websockets.sync.client import connect
-
-from tests.support.console import Doing, PageSocket, come_in, steer
+from tests.support.console import Doing, come_in, page_of, steer
 from tests.support.console_session import RunningSession, running_session
 from tests.support.openxr import needs_monado
 from vrcomfort.exchange.verifying import verify_study
@@ -37,11 +35,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> RunningSession:
     options = ("--headset", "openxr", "--monado-trace", str(TRACE), "--respondent", "console")
     with running_session(folder, *options) as found:
         origin, cookie = come_in(found.next_address())
-        headers = {"Cookie": cookie}
-        with connect(
-            f"ws{origin[4:]}/session", origin=origin, additional_headers=headers
-        ) as socket:
-            page = PageSocket(socket)
+        with page_of(origin, cookie) as page:
             page.say("watch", 0, value=1)
             found.states = steer(page, PLAN)
         found.pictures = page.pictures

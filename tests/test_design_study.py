@@ -13,7 +13,8 @@ from vrcomfort.design import Enrolment, Met, audit_study, build_design
 from vrcomfort.errors import InputError
 from vrcomfort.protocol import Sequence
 from vrcomfort.records import enrol, open_study, read_participants, set_status, what_was_met
-from vrcomfort.records.rows import TrialRow, cell_text, csv_line
+from vrcomfort.records.exposure_rows import TrialRow
+from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.records.study import enrolment_of
 from vrcomfort.resources import data_folder
 

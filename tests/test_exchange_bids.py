@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.exchange import cell, with_gaze
+from tests.support.exchange import PRACTICE, cell, with_gaze
 from tests.support.resume import go
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
@@ -23,7 +23,7 @@ FIRST = "sub-P01_ses-1_task-tiny"
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return with_gaze(tmp_path_factory.mktemp("study"))
+    return with_gaze(tmp_path_factory.mktemp("study"), PRACTICE)
 
 
 @pytest.fixture(scope="module")
@@ -131,6 +131,26 @@ def test_every_answer_is_in_the_phenotype_tables(study: Path, dataset: Path) -> 
     assert set(row) - {"participant_id"} == set(said) - {"MeasurementToolMetadata"}
 
 
+def test_practice_is_a_table_of_behaviour_with_each_column_described(study, dataset) -> None:
+    stem = dataset / "sub-P01" / "ses-1" / "beh" / "sub-P01_ses-1_task-tinypractice_beh"
+    said = json.loads(stem.with_suffix(".json").read_text())
+    rows, was = tsv(stem.with_suffix(".tsv")), recorded(study, "practice.csv")
+    assert len(was) == 2
+    assert [list(row.values()) for row in rows] == [
+        [value or "n/a" for name, value in row.items() if name not in ("participant", "session")]
+        for row in was
+    ]
+    assert said.pop("TaskName") == "tinypractice"
+    assert set(said) - {"TaskDescription"} == set(rows[0])
+    assert said["start_s"]["Units"] == "s"
+
+
+def test_without_practice_there_is_no_table_of_it(tmp_path: Path) -> None:
+    go(tmp_path)
+    export_bids(tmp_path / "S", tmp_path / "dataset")
+    assert not list((tmp_path / "dataset").rglob("*practice*"))
+
+
 def test_participants_and_scans_name_what_is_there(dataset: Path) -> None:
     (row,) = tsv(dataset / "participants.tsv")
     assert (row["participant_id"], row["sequence"], row["status"]) == ("sub-P01", "ab", "completed")
@@ -178,6 +198,7 @@ def test_a_dataset_with_gaze_and_hands_is_valid(dataset: Path) -> None:
 def test_an_anonymous_dataset_without_motion_is_valid(study: Path, tmp_path: Path) -> None:
     anonymise(study, tmp_path / "anonymous", Wishes())
     export_bids(tmp_path / "anonymous", tmp_path / "dataset")
+    assert len(list((tmp_path / "dataset").rglob("*practice_beh.tsv"))) == 2
     assert not list((tmp_path / "dataset").rglob("*_motion.tsv"))
     assert errors_of(tmp_path / "dataset") == []
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.exchange import with_gaze
+from tests.support.exchange import PRACTICE, with_gaze
 from tests.support.psych_ds import CODES, errors
 from tests.support.resume import go
 from tests.support.study import Scripted
@@ -29,7 +29,7 @@ def table(file: Path) -> tuple[list[str], list[list[str]]]:
 @pytest.fixture(scope="module")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
     place = tmp_path_factory.mktemp("study")
-    with_gaze(place)
+    with_gaze(place, PRACTICE)
     go(place, Scripted(withdraw_at_s=1.0), participant="P02")
     return place / "S"
 
@@ -114,13 +114,14 @@ def test_each_rule_finds_a_dataset_that_breaks_it(dataset: Path, tmp_path: Path,
 
 
 def test_the_tables_are_those_of_the_study(study: Path, dataset: Path) -> None:
-    for name in ("trials", "questionnaires", "ratings"):
+    for name in ("trials", "questionnaires", "ratings", "practice"):
         header, rows = table(dataset / "data" / f"study-tiny_description-{name}_data.csv")
         recorded = [
             row for file in sorted(study.glob(f"sub-*/ses-*/{name}.csv")) for row in table(file)[1]
         ]
         assert header == table(study / "sub-P01" / "ses-1" / f"{name}.csv")[0]
         assert rows == recorded
+        assert rows
 
 
 def test_every_column_is_described(dataset: Path) -> None:

@@ -15,9 +15,10 @@ from tests.support.resume import go
 from tests.support.study import Scripted
 from tests.test_study_answers import Corrects
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.verifying import study as verifying
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.questionnaire import shipped_instruments
-from vrcomfort.records import undo_withdrawal
+from vrcomfort.records import read_participants, undo_withdrawal
 from vrcomfort.records.checksums import CHECKSUMS, read_checksums, seal
 
 SESSION = "sub-P01/ses-1"
@@ -242,6 +243,47 @@ def test_packed_copies_belong_to_a_session(run, study: Path) -> None:
     notes = [str(each) for each in verify_study(study).notes]
     words = "is not of its CSV as that is now, and not read; vrcomfort pack renews it"
     assert notes == [f"{SESSION}/gaze.parquet: {words}"]
+
+
+def test_what_the_system_does_not_let_us_read_is_a_finding_like_others(study, monkeypatch) -> None:
+    table = study / SESSION / "ratings.csv"
+    table.unlink()
+    table.mkdir()
+    place = f"{SESSION}/ratings.csv: cannot be read: Is a directory; ask for access, or restore it"
+    assert any(each.startswith(place) for each in told(study))
+
+    def refuse(folder: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(folder))
+
+    monkeypatch.setattr(verifying, "verify_session", lambda folder, _: refuse(folder))
+    faults = told(study)
+    refused = "cannot be read: Permission denied; ask for access, or restore it from a copy"
+    assert {f"{SESSION}: {refused}", f"sub-P01/ses-2: {refused}"} <= set(faults)
+
+
+@pytest.mark.parametrize("text", [None, "", "participant,sequence,status,enrolled_at,note\n"])
+def test_a_list_that_lost_its_people_is_told_and_nobody_is_enrolled_again(study, text) -> None:
+    file = study / "participants.csv"
+    file.unlink()
+    if text is not None:
+        file.write_text(text)
+    assert any(each.startswith("participants.csv: ") for each in told(study))
+    with pytest.raises(InputError, match="nobody is in it, and sub-P01 has a session") as caught:
+        read_participants(study)
+    assert caught.value.file == file
+
+
+@pytest.mark.parametrize(
+    ("column", "cell_text", "says"),
+    [
+        ("participant", "Zoë", "a name is 1 to 64 letters"),
+        ("status", "done", "write enrolled, completed, withdrawn or excluded"),
+        ("sequence", "a b", "write the sequence that the session's manifest has"),
+    ],
+)
+def test_a_cell_of_the_list_that_cannot_be_says_what_can(study, column, cell_text, says) -> None:
+    cell(study / "participants.csv", 2, column, cell_text)
+    assert any(f"'{cell_text}' cannot be here; {says}" in each for each in told(study))
 
 
 def test_an_import_is_checked_for_its_own_files(run, tmp_path: Path) -> None:

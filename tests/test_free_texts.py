@@ -20,7 +20,8 @@ from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds
 from vrcomfort.exchange.verifying import verify_study
-from vrcomfort.records.rows import LONGEST_TEXT, cell_text, in_lines, one_line
+from vrcomfort.records.rows import cell_text
+from vrcomfort.records.session_rows import LONGEST_TEXT, in_lines, one_line
 from vrcomfort.respondent import keys
 from vrcomfort.respondent.base import Withdrew, Written
 from vrcomfort.respondent.panel import PanelRespondent

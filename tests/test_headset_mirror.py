@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.support.x_server import x_server
+from tests.support.waiting import wait_for
+from tests.support.x_server import XServer, x_server
 
 CLIENT = """
 import sys
@@ -49,6 +50,15 @@ with Window("mirror", (64, 64), wait_for_display=False, drag_turns=True) as wind
 """
 
 
+def seen(server: XServer) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return where eye and panel stand on the screen, once the server has drawn both."""
+    screen = server.picture()
+    blue = np.argwhere((screen == [0, 0, 255]).all(axis=2))
+    red = np.argwhere((screen == [255, 0, 0]).all(axis=2))
+    drawn = len(blue) and len(red) and np.array_equal(screen, server.picture())
+    return (blue, red) if drawn else None
+
+
 @pytest.mark.slow
 def test_the_mirror_shows_eye_and_panel_at_a_bounded_rate_and_hears_keys(tmp_path: Path) -> None:
     with (
@@ -60,9 +70,7 @@ def test_the_mirror_shows_eye_and_panel_at_a_bounded_rate_and_hears_keys(tmp_pat
     ):  # fmt: skip
         assert client.stdout is not None
         assert 12 <= int(client.stdout.readline()) <= 15  # of 90 frames in a second
-        screen = server.picture()
-        blue = np.argwhere((screen == [0, 0, 255]).all(axis=2))
-        red = np.argwhere((screen == [255, 0, 0]).all(axis=2))
+        blue, red = wait_for(lambda: seen(server))
         corner = blue.min(axis=0)
         server.do("mousemove", int(corner[1]) + 50, int(corner[0]) + 32)
         server.do("mousedown", 1, "mousemove_relative", "--", "-40", "0", "mouseup", 1)

@@ -34,13 +34,14 @@ def test_frames_are_to_be_seen_soon_after_they_are_asked_for(
             assert now_ns is not None
             ahead_ms.append((frame.predicted_display_time_ns - now_ns) / 1e6)
             headset.submit(frame, None)
-        offsets = []
+        least_ns, most_ns = [], []
         for _ in range(20):
             before_ns = time.monotonic_ns()
             told_ns = headset.display_now_ns()
             assert told_ns is not None
-            offsets.append(told_ns - (before_ns + time.monotonic_ns()) // 2)
+            least_ns.append(told_ns - time.monotonic_ns())
+            most_ns.append(told_ns - before_ns)
     typical_ms = sorted(ahead_ms)[15]
     print(f"\nframes are asked for {typical_ms:.1f} ms before they are to be seen")
     assert 0 < typical_ms < 200
-    assert max(offsets) - min(offsets) < 20_000_000  # one clock, read twice on a busy machine
+    assert max(least_ns) - min(most_ns) < 1_000_000  # one offset explains all, however late read

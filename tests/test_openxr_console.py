@@ -13,6 +13,7 @@ import pytest
 
 from tests.support.openxr import needs_monado
 from tests.support.study import read_rows
+from tests.support.waiting import SESSION_S
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 pytest.importorskip("websockets", reason="vrcomfort[console] is not installed")
@@ -26,7 +27,7 @@ def test_a_session_is_steered_from_the_console_and_replayed_beside_another_condi
     tmp_path: Path,
 ) -> None:
     words = [sys.executable, str(SCRIPT), str(tmp_path), "64x80"]
-    told = subprocess.run(words, capture_output=True, text=True, timeout=280, check=False)
+    told = subprocess.run(words, capture_output=True, text=True, timeout=SESSION_S, check=False)
     assert told.returncode == 0, told.stdout + told.stderr
 
     session = tmp_path / "study" / "sub-P01" / "ses-1"

@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 import pytest
 
+from tests.support.waiting import WAIT_S
 from vrcomfort.frame import Frame
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.headset.timing import TimingTrust, rate_runtime, time_frames
@@ -28,7 +29,7 @@ def doctor(**environment: str) -> tuple[int, dict[str, dict[str, Any]]]:
         env={**os.environ, **environment},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=WAIT_S,
         check=False,
     )
     assert done.stdout, done.stderr

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from tests.support.openxr import Participant, fresh_monado, needs_monado
+from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Pose, Quad
 from vrcomfort.headset.monado import Monado
@@ -175,7 +176,7 @@ def test_without_a_context_there_is_nothing_to_bind(tmp_path: Path) -> None:
 
 def doctor(*options: str) -> dict[str, dict[str, Any]]:
     command = ["vrcomfort", "doctor", "--json", *options]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=WAIT_S, check=False)
     assert done.returncode == 0, done.stderr
     return {finding["part"]: finding for finding in json.loads(done.stdout)}
 

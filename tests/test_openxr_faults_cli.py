@@ -13,6 +13,7 @@ import pytest
 
 from tests.support.openxr import needs_monado
 from tests.support.study import read_rows, smoke_with
+from tests.support.waiting import WAIT_S
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.resources import data_folder
 
@@ -91,7 +92,7 @@ def test_what_cannot_start_is_said_and_records_nothing(
         env=environment(),
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=WAIT_S,
         check=False,
     )
     assert done.returncode == 2
@@ -105,7 +106,7 @@ def test_an_image_that_does_not_come_ends_the_session_and_keeps_it(tmp_path: Pat
         env=environment(),
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=WAIT_S,
         check=False,
     )
     assert done.returncode == 3
@@ -122,11 +123,11 @@ def test_a_full_disk_ends_the_session_and_keeps_it(tmp_path: Path) -> None:
     )
     frames = folder / "frames.csv"
     while not frames.exists() or frames.read_bytes().count(b"\n") < 4:
-        assert process.poll() is None
+        assert process.poll() is None, process.communicate()
         time.sleep(0.02)
     full = frames.stat().st_size
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (full, full))
-    said = process.communicate(timeout=60)[1]
+    said = process.communicate(timeout=WAIT_S)[1]
     assert process.returncode == 2
     line = sentence(said)
     assert "cannot write: File too large; what was written before is kept" in line

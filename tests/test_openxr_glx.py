@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from tests.support.openxr import needs_monado
+from tests.support.waiting import WAIT_S
 from tests.support.x_server import x_server
 
 pytestmark = needs_monado
@@ -43,6 +44,11 @@ def test_a_window_context_is_bound_by_glx(tmp_path: Path) -> None:
     command = [sys.executable, "-c", CLIENT, str(tmp_path / "monado.txt")]
     with x_server(tmp_path) as server:
         done = subprocess.run(
-            command, env=server.environment, capture_output=True, text=True, timeout=60, check=False
+            command,
+            env=server.environment,
+            capture_output=True,
+            text=True,
+            timeout=WAIT_S,
+            check=False,
         )
     assert done.returncode == 0, done.stderr

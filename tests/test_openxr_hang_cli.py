@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +18,7 @@ import pytest
 from tests.support.openxr import needs_monado, services_of
 from tests.support.signals import hear_all
 from tests.support.study import read_rows, smoke_with
+from tests.support.waiting import SESSION_S, WAIT_S, wait_for
 from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -58,21 +58,24 @@ class Session:
         (service,) = services_of(self.process.pid)
         return service
 
-    def wait_for(self, holds: Callable[[], object], seconds: float = 60.0) -> float:
-        """Wait; return how long it took."""
-        start_s = time.monotonic()
-        while not holds():
-            assert self.process.poll() is None, self.said.read_text()
-            assert time.monotonic() - start_s < seconds, self.said.read_text()
-            time.sleep(0.05)
-        return time.monotonic() - start_s
+    def wait_for(self, holds: Callable[[], object]) -> None:
+        """Wait for something that comes before the session ends."""
+
+        def held() -> bool:
+            ended = self.process.poll() is not None
+            if holds():
+                return True
+            assert not ended, self.said.read_text()
+            return False
+
+        wait_for(held, self.said.read_text)
 
     def frames(self) -> int:
         file = self.folder / "frames.csv"
         return max(file.read_bytes().count(b"\n") - 1, 0) if file.exists() else 0
 
     def lines(self, start: str = "") -> list[str]:
-        lines = self.said.read_text().splitlines()
+        lines = self.said.read_text().rpartition("\n")[0].splitlines()  # those that are whole
         return [line for line in lines if line.startswith(start) and "vrcomfort" not in line]
 
 
@@ -90,20 +93,19 @@ def session(folder: Path, **options: Any) -> Iterator[Session]:
 
 
 def test_ctrl_c_ends_a_session_whose_runtime_hangs_and_closes_its_records(tmp_path: Path) -> None:
-    with session(tmp_path) as running:
+    with session(tmp_path, exposure_s=60.0) as running:
         running.wait_for(lambda: running.frames() >= 20)
         service = running.service
         os.kill(service, signal.SIGSTOP)
-        took_s = running.wait_for(lambda: running.lines("note: the OpenXR runtime has not"))
-        assert took_s < 10.0
+        running.wait_for(lambda: running.lines("note: the OpenXR runtime has not"))
         (sentence,) = running.lines("note: the OpenXR")
         assert "for 5 s" in sentence
         assert "Ctrl-C ends the session" in sentence
         assert json.loads((running.folder / "manifest.json").read_text())["status"] == "running"
         running.process.send_signal(signal.SIGINT)
-        assert running.process.wait(10.0) == 130
+        assert running.process.wait(WAIT_S) == 130
         assert "Traceback" not in running.said.read_text()
-        assert not Path(f"/proc/{service}").exists()
+        wait_for(lambda: not Path(f"/proc/{service}").exists())
 
     assert json.loads((running.folder / "manifest.json").read_text())["status"] == "aborted"
     (trial,) = read_rows(running.folder / "trials.csv")
@@ -121,20 +123,21 @@ def test_a_session_goes_on_where_the_runtime_answers_again(tmp_path: Path) -> No
         running.wait_for(lambda: running.lines("note: the OpenXR runtime has not"))
         os.kill(service, signal.SIGCONT)
         running.wait_for(lambda: running.lines("note: the OpenXR runtime answers again"))
-        assert running.process.wait(200.0) == 0
+        assert running.process.wait(SESSION_S) == 0
     events = read_rows(running.folder / "events.csv")
     (stall,) = [row["detail"] for row in events if row["name"] == "runtime_stalled"]
-    assert "returned after 5." in stall
+    assert (found := re.search(r"returned after ([\d.]+) s", stall)) is not None
+    assert float(found[1]) >= 5.0
     assert json.loads((running.folder / "manifest.json").read_text())["status"] == "completed"
 
 
 def test_a_runtime_that_hangs_at_the_end_does_not_hold_the_program(tmp_path: Path) -> None:
-    with session(tmp_path) as running:
+    with session(tmp_path, exposure_s=60.0) as running:
         running.wait_for(lambda: running.frames() >= 20)
         service = running.service
         running.process.send_signal(signal.SIGINT)
         os.kill(service, signal.SIGSTOP)
-        assert running.process.wait(15.0) == 130
+        assert running.process.wait(WAIT_S) == 130
         assert "Traceback" not in running.said.read_text()
     assert json.loads((running.folder / "manifest.json").read_text())["status"] == "aborted"
     assert len(read_rows(running.folder / "trials.csv")) == 1

@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from tests.support.study import smoke_with
+from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError
 
 WITHOUT = """
@@ -49,7 +50,7 @@ def python(text: str, names: str, *words: str) -> subprocess.CompletedProcess[st
         env={**os.environ, "PYTHONPATH": f"{root}:{os.environ.get('PYTHONPATH', '')}"},
         capture_output=True,
         text=True,
-        timeout=100,
+        timeout=WAIT_S,
         check=False,
     )
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from itertools import cycle
 from pathlib import Path
 
@@ -23,10 +22,12 @@ from vrcomfort.session.panel_screen import PanelScreen
 
 EYES = np.array([0.3, 1.6, -0.2])
 DWELL_S = 0.4
+LOOK_FRAMES = 20
+"""A second, or longer where the machine is slow."""
 
 
 class Looker:
-    """Looks away and at the same answer in turn, a second each; holds no controller."""
+    """Looks away and at the same answer in turn, so many frames each; holds no controller."""
 
     def __init__(self, feed: RemoteFeed, answer: int) -> None:
         self.feed, self.answer = feed, answer
@@ -34,16 +35,17 @@ class Looker:
         self.looks_at = 0
         self._cell: Cell | None = None
         self._turns = cycle([False, True])
-        self._at, self._until_s = next(self._turns), 0.0
+        self._at, self._frames_left = next(self._turns), 0
 
     def watch(self, page: Page) -> None:
         cells = [each for each in page.cells if each.act is Act.ANSWER]
         self._cell = next(each for each in cells if each.value == self.answer)
-        self._until_s = time.monotonic() + 1.0
+        self._frames_left = LOOK_FRAMES
 
     def before_frame(self) -> None:
-        if time.monotonic() > self._until_s:
-            self._at, self._until_s = next(self._turns), time.monotonic() + 1.0
+        self._frames_left -= 1
+        if self._frames_left < 0:
+            self._at, self._frames_left = next(self._turns), LOOK_FRAMES
             self.looks_at += self._at
         away = RemoteHand(Pose(np.array([0.0, 1.0, 0.0])), active=False)
         self.feed.send(RemoteState(Pose(EYES, self._turn()), left=away, right=away))

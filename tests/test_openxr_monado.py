@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 import pytest
 
-from tests.support.openxr import Participant, Script, fresh_monado, needs_monado
+from tests.support.openxr import Participant, Script, fresh_monado, needs_monado, settled
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.geometry import Fov, Pose, Quad, View, axis_angle, yaw_pitch_roll
 from vrcomfort.headset.inputs import Inputs
@@ -69,7 +69,7 @@ def test_eyes_have_the_fed_offsets_and_frusta(
     eyes = View(offsets[0], fovs[0]), View(offsets[1], fovs[1])
     head = Pose([1.0, 1.5, -2.0], axis_angle([0.0, 1.0, 0.0], 0.5))
     with OpenXrHeadset(ctx, SMALL, before_wait=play(lambda _: RemoteState(head, eyes))) as headset:
-        *_, frame = islice(headset.frames(), 4)
+        frame = settled(headset.frames(), head.position)
     for view, fov, offset in zip(frame.views, fovs, offsets, strict=True):
         wanted = head @ offset
         assert np.allclose(view.pose.position, wanted.position, atol=1e-6)
@@ -94,7 +94,7 @@ def test_session_walks_through_its_states_to_the_exit(
     with OpenXrHeadset(ctx, SMALL, before_wait=play(still)) as headset:
         for frame in headset.frames():
             headset.submit(frame, None)
-            if frame.index == 6:
+            if frame.session_state == "focused":
                 headset.request_exit()
         states = [each.detail for each in headset.take_events() if each.name == "session_state"]
     assert states[:5] == ["idle", "ready", "synchronized", "visible", "focused"]
@@ -105,7 +105,11 @@ def test_nobody_sees_the_frames_before_the_session_is_visible(
     ctx: moderngl.Context, play: Callable[[Script], Participant]
 ) -> None:
     with OpenXrHeadset(ctx, SMALL, before_wait=play(still)) as headset:
-        paused = [frame.paused for frame in islice(headset.frames(), 6)]
+        paused = []
+        for frame in islice(headset.frames(), 600):
+            paused.append(frame.paused)
+            if not frame.paused:
+                break
     assert paused[0] is True
     assert paused[-1] is False
 
@@ -121,8 +125,10 @@ def test_images_reach_the_runtime_byte_for_byte(
         received.append((eye, image.read(components=4)))
 
     with OpenXrHeadset(ctx, SMALL, before_wait=play(still), mirror=mirror) as headset:
-        for frame in islice(headset.frames(), 8):
+        for frame in islice(headset.frames(), 600):
             headset.submit(frame, (left, right))
+            if len(received) >= 10:
+                break
     assert len(received) >= 10
     assert all(pixels == noise[eye] for eye, pixels in received)
 
@@ -195,7 +201,7 @@ def test_recentering_moves_the_origin_under_the_head(
 ) -> None:
     turned = RemoteState(Pose([1.0, 1.6, 2.0], axis_angle([0.0, 1.0, 0.0], 1.0)))
     with OpenXrHeadset(ctx, SMALL, before_wait=play(lambda _: turned)) as headset:
-        list(islice(headset.frames(), 4))
+        settled(headset.frames(), turned.head.position)
         headset.recenter()
         after = next(headset.frames())
     assert np.allclose(after.head_pose.position, [0.0, 1.6, 0.0], atol=1e-5)
@@ -209,7 +215,7 @@ def test_the_participant_starts_where_the_scene_says(
     spawn = Pose([5.0, 2.0, -3.0], axis_angle([0.0, 1.0, 0.0], -0.7))
     turned = RemoteState(Pose([1.0, 1.6, 2.0], axis_angle([0.0, 1.0, 0.0], 1.0)))
     with OpenXrHeadset(ctx, SMALL, before_wait=play(lambda _: turned)) as headset:
-        list(islice(headset.frames(), 4))
+        settled(headset.frames(), turned.head.position)
         headset.place(spawn=spawn)
         frame = next(headset.frames())
     world_from_head = frame.avatar_pose @ frame.head_pose

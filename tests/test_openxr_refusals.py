@@ -11,6 +11,7 @@ import pytest
 
 from tests.support.resume import go
 from tests.support.study import AheadHeadset, Scripted, strict_about_gaze
+from tests.support.waiting import WAIT_S
 from vrcomfort.cli import main
 from vrcomfort.protocol import load_protocol
 from vrcomfort.records import only_run, read_participants
@@ -30,7 +31,7 @@ def refusal(folder: Path, *options: str, protocol: str = "smoke") -> str:
         env={**os.environ, "XR_RUNTIME_JSON": nowhere, "HOME": nowhere, "XDG_RUNTIME_DIR": nowhere},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=WAIT_S,
         check=False,
     )
     assert done.returncode == 2, done.stderr

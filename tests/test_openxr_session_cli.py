@@ -17,6 +17,7 @@ import pytest
 
 from tests.support.openxr import BEST_PRACTICES, VALIDATION, needs_monado, services_of
 from tests.support.study import smoke_with
+from tests.support.waiting import SESSION_S, WAIT_S
 from vrcomfort.resources import data_folder
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
@@ -58,7 +59,7 @@ def read(folder: Path, file: str) -> pd.DataFrame:
 
 def run(*words: str) -> subprocess.CompletedProcess[str]:
     command = ["vrcomfort", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=250, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=SESSION_S, check=False)
 
 
 @pytest.fixture(scope="module")
@@ -78,7 +79,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Path:
         env=environment,
         capture_output=True,
         text=True,
-        timeout=250,
+        timeout=SESSION_S,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -163,11 +164,11 @@ def test_a_runtime_killed_in_an_exposure_is_told_and_the_session_goes_on(tmp_pat
     )
     frames = tmp_path / "study" / "sub-P01" / "ses-1" / "frames.csv"
     while not frames.exists() or frames.read_bytes().count(b"\n") < 4:
-        assert process.poll() is None
+        assert process.poll() is None, process.communicate()
         time.sleep(0.02)
     (service,) = services_of(process.pid)
     os.kill(service, signal.SIGKILL)
-    said_last = process.communicate(timeout=60)[1]
+    said_last = process.communicate(timeout=WAIT_S)[1]
     assert process.returncode == 3
     (sentence,) = [line for line in said_last.splitlines() if line.startswith("error:")]
     assert "the OpenXR runtime stopped in the middle of the session" in sentence

@@ -14,6 +14,7 @@ import pytest
 
 from tests.support.openxr import BEST_PRACTICES, VALIDATION, fresh_monado, needs_monado
 from tests.support.study import smoke_with
+from tests.support.waiting import SESSION_S
 
 pytest.importorskip("xr", reason="pyopenxr is not installed")
 
@@ -53,7 +54,7 @@ def test_a_simulated_participant_goes_through_a_session_under_a_swaying_head(
             env={**os.environ, **environment},
             capture_output=True,
             text=True,
-            timeout=250,
+            timeout=SESSION_S,
             check=False,
         )
     assert done.returncode == 0, done.stderr

@@ -13,6 +13,7 @@ import pytest
 
 from tests.support.openxr import needs_monado
 from tests.support.shortened import SHIPPED, assert_whole, first_person, shortened
+from tests.support.waiting import SESSION_S
 from vrcomfort.protocol import load_protocol
 from vrcomfort.resources import data_folder
 
@@ -25,7 +26,7 @@ TRACE = data_folder("scenes") / "temple_walk.csv"
 
 def run(*words: object) -> None:
     command = ["vrcomfort", *map(str, words), "--quiet"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=250, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=SESSION_S, check=False)
     assert done.returncode == 0, done.stderr
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from tests.support.cluster import local_cluster
 from tests.support.recordings import PERIOD_NS, frames, session
 from tests.support.report import build_report, carnegie_like
 from tests.support.study import frame
@@ -333,7 +334,6 @@ def page_of(study, out) -> str:
 
 @pytest.mark.slow
 def test_two_dask_workers_give_the_same_numbers(tmp_path):
-    distributed = pytest.importorskip("distributed")
     from vrcomfort.workers import workers
 
     files = [
@@ -342,12 +342,7 @@ def test_two_dask_workers_give_the_same_numbers(tmp_path):
     ]
     alone = frame_measures(files)
     packed(tmp_path / "sub-P1")
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address=None, protocol="tcp"
-        ) as cluster,
-        workers(1, cluster.scheduler_address) as work,
-    ):
+    with local_cluster(2) as address, workers(1, address) as work:
         assert frame_measures(files, work=work) == alone
         with pytest.raises(InputError, match="all machines see it"):
             frame_measures([tmp_path / "elsewhere" / "frames.csv"], work=work)

@@ -13,6 +13,7 @@ from tests.support import gazed
 from tests.support.recordings import PERIOD_NS
 from tests.support.report import build_report, carnegie_like
 from vrcomfort.errors import InputError
+from vrcomfort.recordings import Memory, pack_study
 from vrcomfort.report.gaze_and_head import look_at
 from vrcomfort.report.gaze_and_head.motion import read_motion
 from vrcomfort.report.plan import read_plan
@@ -197,6 +198,81 @@ def test_a_map_of_fixations_is_one_scenes_from_one_place(study):
     assert view.map.outside == pytest.approx(0.25, abs=0.03)
 
 
+def on_nodes(session, names, *, undrawn=0):
+    """Name what is under the gaze of a recording, frame by frame; the last are not drawn."""
+    gaze = pd.read_csv(session / "gaze.csv", dtype=str)
+    gaze["hit_node"] = names
+    gaze.to_csv(session / "gaze.csv", index=False)
+    frames = pd.read_csv(session / "frames.csv")
+    frames["should_render"] = (np.arange(N) < N - undrawn).astype(int)
+    frames.to_csv(session / "frames.csv", index=False)
+
+
+def nodes_of(found):
+    return {(row["situation"], row["node"]): row for row in found.nodes}
+
+
+def test_the_share_of_each_node_is_that_of_the_time_in_which_the_gaze_was_known(study):
+    session = study / "sub-P01" / "ses-1"
+    # The gaze is not valid from 10 to 20, whatever the cells say, and the last 40 are not drawn.
+    names = np.array(["a tree, tall"] * 110 + ["door"] * 100 + [""] * (N - 210))
+    on_nodes(session, names, undrawn=40)
+    rows = nodes_of(found_in(study))
+    counted = N - 10 - 40
+    assert [row["node"] for row in rows.values()][-1] == ""
+    for name, frames in (("a tree, tall", 100), ("door", 100), ("", counted - 200)):
+        row = rows["dof_off", name]
+        assert row["share"] == pytest.approx(frames / counted)
+        assert (row["standard_error"], row["people"]) == (None, 1)
+
+
+def test_people_who_never_looked_at_a_node_count_as_zero(study):
+    recorded(study / "sub-P01" / "ses-2", trial=2)
+    recorded(study / "sub-P03" / "ses-1")
+    recorded(study / "sub-P04" / "ses-1")  # without a column of nodes
+    on_nodes(study / "sub-P01" / "ses-1", "door")
+    on_nodes(study / "sub-P01" / "ses-2", "tree")
+    on_nodes(study / "sub-P03" / "ses-1", "tree")
+    found = found_in(study)
+    met = {(row["participant"], row["condition"]) for row in found.exposures}
+    assert met == {("P01", "dof_off"), ("P03", "dof_off"), ("P01", "dof_on"), ("P04", "dof_on")}
+    said = {at: (row["share"], row["people"]) for at, row in nodes_of(found).items()}
+    assert said["dof_off", "door"] == said["dof_off", "tree"] == (0.5, 2)
+    assert said["dof_on", "tree"] == (1.0, 1)  # P04's nodes are not known
+
+
+def test_few_nodes_are_shown_and_the_others_summed(study):
+    session = study / "sub-P01" / "ses-1"
+    lengths = np.arange(14) + 5
+    names = np.concatenate([np.repeat([f"n{k:02d}" for k in range(14)], lengths), [""] * N])[:N]
+    recorded(session)
+    on_nodes(session, np.roll(names, 30))
+    found = found_in(study)
+    rows = [row for row in found.results["nodes"] if row["situation"] == "dof_off"]
+    most = [f"n{k:02d}" for k in range(13, 3, -1)]
+    assert [row["node"] for row in rows] == [*most, "", "4 others"]
+    assert sum(row["share"] for row in rows) == pytest.approx(1)
+    assert rows[-1]["share"] == pytest.approx((5 + 6 + 7 + 8) / (N - 10))
+    assert len(found.nodes) == 15
+
+
+def test_a_packed_recording_says_the_same_of_nodes(study):
+    names = np.array(["door", "a tree, tall", ""])[np.arange(N) // 7 % 3]
+    on_nodes(study / "sub-P01" / "ses-1", names)
+    rows = found_in(study).nodes
+    assert list(pack_study(study, Memory()))
+    assert (study / "sub-P01" / "ses-1" / "gaze.parquet").is_file()
+    assert found_in(study).nodes == rows
+
+
+@pytest.mark.parametrize("names", [None, ""])
+def test_without_names_of_nodes_there_is_no_table_of_them(study, names):
+    if names is not None:
+        on_nodes(study / "sub-P01" / "ses-1", names)
+    found = found_in(study)
+    assert (len(found.exposures), found.nodes, found.shown) == (1, [], [])
+
+
 def test_situations_can_be_scenes(study):
     plan = PLAN + 'situations = "scene"\n'
     assert {z["situation"] for z in found_in(study, plan).zones} == {"temple"}
@@ -224,6 +300,17 @@ def test_the_page_has_a_section_where_the_plan_asks(tmp_path):
     assert 'id="gaze"' in page
     assert "standardised within each person" in page
     results = json.loads(made.results.read_text())
+    for row in results["gaze_and_head"]["nodes"]:
+        share, error = 100 * row["share"], 100 * row["standard_error"]
+        assert f"<td>{share:.1f} % ± {error:.1f}</td>" in page
+    assert {row["node"] for row in results["gaze_and_head"]["nodes"]} == {
+        "door",
+        "left wall",
+        "right wall",
+        "floor",
+        "",
+    }
+    assert "<td>nothing (the sky)</td>" in page
     rows = results["gaze_and_head"]["situations"]
     assert [row["people"] for row in rows] == [6, 6]
     assert all(f"{row['yaw_deg_rms_0.5_2_hz']:.3f}" in page for row in rows)
@@ -237,7 +324,8 @@ def test_the_page_has_a_section_where_the_plan_asks(tmp_path):
     assert "gaze_validation_error_deg" in results["mixed_models"][0]["terms"]
     names = {path.name for path in (*made.tables, *made.figures)}
     assert names >= {
-        "gaze_and_head.csv", "gaze_zones.csv", "fixations.csv", "head_spectra.csv", "z_scores.csv",
+        "gaze_and_head.csv", "gaze_zones.csv", "gaze_nodes.csv", "fixations.csv",
+        "head_spectra.csv", "z_scores.csv",
         "gaze_zones.svg", "gaze_maps.svg", "gaze_fixations.svg", "head_spectra.svg",
         "standardised.svg",
     }  # fmt: skip

@@ -214,7 +214,7 @@ def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
     assert summary.analysed == 5
     assert summary.warnings == ("manifest.json: not used, because it is no session's manifest",)
     (tmp_path / "s" / "manifest.json").write_bytes(b"\xff{}")
-    with pytest.raises(InputError, match="not UTF-8; save it as JSON in UTF-8"):
+    with pytest.raises(InputError, match="not UTF-8; save the JSON as UTF-8"):
         build_report(tmp_path / "s", out=tmp_path / "o")
 
 

@@ -2,11 +2,13 @@
 
 import json
 
+import pandas as pd
 import pytest
 
 from tests.support.report import ITEMS, Study, build_report, foreign
 from tests.test_report_study import report, total_raw
 from vrcomfort.errors import InputError
+from vrcomfort.report.orders import in_words, one_order
 
 
 def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple[int, ...] = ()):
@@ -21,8 +23,9 @@ def repeated(folder, people: int, who_repeats: tuple[int, ...], who_lacks: tuple
 def test_an_exposure_more_of_two_people_takes_nobody_out(tmp_path):
     summary = build_report(repeated(tmp_path / "s", 30, (3, 17)), out=tmp_path / "o")
     assert summary.analysed == 30
-    (notice,) = summary.warnings
+    notice, order = summary.warnings
     assert notice.startswith("P03, P17 have more exposures of a condition than are planned")
+    assert order.startswith("28 of 30 participants met a before b")  # these two: a, b, a
     assert notice in summary.index.read_text("utf-8")
 
 
@@ -86,6 +89,20 @@ def test_who_met_neither_condition_is_not_lost(tmp_path):
     assert not any("of a and b" in notice for notice in results["notices"])
 
 
+@pytest.mark.parametrize(("group", "told"), [("far", False), ("near", True)])
+def test_whose_group_never_meets_a_condition_is_not_lost(tmp_path, group, told):
+    """Half of the people meet a and b, the others a and c; grouped by that, or all together."""
+    study = Study(tmp_path / "s")
+    rows = ["participant,sequence,status,enrolled_at,note,group"]
+    for i in range(12):
+        second = "bc"[i % 2]
+        study.session(f"P{i:02d}", 1, 0, [("a", "x", 4 + i % 5), (second, "x", 3 + i % 3)])
+        rows.append(f"P{i:02d},s,completed,,,{'near' if i % 2 else group}")
+    (tmp_path / "s" / "participants.csv").write_text("\n".join(rows) + "\n")
+    warnings = build_report(tmp_path / "s", out=tmp_path / "o").warnings
+    assert any("participants are not in the tests of a and b" in each for each in warnings) == told
+
+
 def test_names_that_may_be_one_person_are_told_and_stay_two(tmp_path):
     names = ["P9", "P09", "p 10", "P10", "P1", "Q1"]
     scores = {name: {"a": 3 + i, "b": 2 * i} for i, name in enumerate(names)}
@@ -132,9 +149,39 @@ def test_a_condition_that_is_its_position_is_told_beside_the_result(tmp_path, tu
         order = [("a", "x", 4 + i % 5), ("b", "x", 3 + i % 3)]
         study.session(f"P{i}", 1, 0, order[:: -1 if turned and i % 2 else 1])
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
-    told = "everybody met a before b, so that their difference cannot be told from one of order"
+    told = (
+        "all 8 participants met a before b, so that their difference cannot be told from one of "
+        "order"
+    )
     assert (told in summary.headlines[0]) != turned
     assert (told in summary.warnings) != turned
+
+
+@pytest.mark.parametrize(
+    ("orders", "told"),
+    [
+        (["ab"] * 12, "all 12 participants met a before b, so that their difference cannot be"),
+        (["ba"] * 2, "both participants met b before a, so that"),
+        (["ab"] * 9 + ["ba"], "9 of 10 participants met a before b, so that their difference may"),
+        (["ab"] * 8 + ["ba"] * 2, None),  # p = .109
+        (["ab"], None),
+        (["aab", "aab", "ba", "ba"], None),
+        (["ab"] * 3 + ["baabb"] * 3, None),  # a is in the earlier mean place for all of them
+        (["abba"] * 6, None),
+        (["ab"] * 6 + ["abba"], "6 of 7 participants met a before b"),
+        (["ab"] * 3 + ["a"] * 9, "all 3 participants met a before b"),
+    ],
+)
+def test_one_order_is_one_of_people(orders, told):
+    rows = [
+        {"participant": f"P{i}", "session": "1", "position": place, "condition": condition}
+        for i, order in enumerate(orders)
+        for place, condition in enumerate(order, start=1)
+    ]
+    people = [f"P{i}" for i in range(len(orders))]
+    found = one_order(pd.DataFrame(rows), "a", "b", people)
+    assert (found is None) == (told is None)
+    assert found is None or in_words(found, str).startswith(told)
 
 
 @pytest.mark.slow
@@ -146,8 +193,8 @@ def test_positions_are_told_over_all_sessions(tmp_path):
         study.session(f"P{i}", 2, 0, [("b", "s", 2 + i % 4), ("y", "s", 1 + i % 5)])
     told = " ".join(build_report(tmp_path / "s", out=tmp_path / "o").warnings)
     for first, second in (("x", "a"), ("x", "b"), ("x", "y"), ("a", "b"), ("a", "y"), ("b", "y")):
-        assert f"everybody met {first} before {second}" in told
-        assert f"everybody met {second} before {first}" not in told
+        assert f"all 8 participants met {first} before {second}" in told
+        assert f"participants met {second} before {first}" not in told
 
 
 def test_an_outcome_without_a_difference_has_its_row_whatever_zeros_count(tmp_path):

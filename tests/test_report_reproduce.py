@@ -9,6 +9,7 @@ import pytest
 
 from tests.support import designs
 from tests.support.report import build_report, carnegie_like, foreign
+from tests.support.waiting import SESSION_S
 
 RSCRIPT = shutil.which("Rscript")
 
@@ -18,7 +19,11 @@ def run(folder: Path) -> subprocess.CompletedProcess[str]:
     assert RSCRIPT is not None
     script = folder / "reproduce.R"
     return subprocess.run(
-        [RSCRIPT, "--vanilla", script], capture_output=True, text=True, check=False, timeout=200
+        [RSCRIPT, "--vanilla", script],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=SESSION_S,
     )
 
 

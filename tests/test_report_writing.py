@@ -58,7 +58,9 @@ def test_what_no_report_writes_is_not_removed_whatever_results_say(tmp_path, lis
     assert (tmp_path / "a.csv").read_text() == (out / "notes.csv").read_text() == "mine"
 
 
-@pytest.mark.parametrize("text", ["{}", "[]", "no JSON", '{"files": ["tables/anova.csv"]}'])
+@pytest.mark.parametrize(
+    "text", ["{}", "[]", "no JSON", "[" * 100_000, '{"files": ["tables/anova.csv"]}']
+)
 def test_results_of_other_programs_remove_nothing(tmp_path, text):
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables" / "anova.csv").write_text("mine")

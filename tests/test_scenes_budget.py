@@ -13,6 +13,7 @@ import pytest
 from PIL import Image as PillowImage
 
 from tests.support.scene_files import Gltf, png
+from tests.support.waiting import SESSION_S
 from vrcomfort.errors import InputError
 from vrcomfort.scene.gltf.budget import SceneBudget
 from vrcomfort.scene.gltf.file import GltfFile
@@ -39,7 +40,7 @@ def peak_mib(path: Path) -> tuple[str, int]:
     """Return what loading says in a process of its own, and the memory that it took at most."""
     run = subprocess.run(
         [sys.executable, "-c", PEAK, str(path)],
-        capture_output=True, text=True, check=True, timeout=200,
+        capture_output=True, text=True, check=True, timeout=SESSION_S,
     )  # fmt: skip
     said, peak = run.stdout.splitlines()[-2:]
     return said, int(peak)

@@ -12,6 +12,7 @@ import pytest
 from tests.support.report import build_report
 from tests.support.resume import go, rows
 from tests.support.study import Scripted
+from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError
 from vrcomfort.records import QuestionnaireRow, Recorder
 from vrcomfort.respondent import Form, Heard
@@ -48,7 +49,7 @@ class Corrects(Scripted):
 @pytest.mark.slow
 def test_a_program_killed_at_a_question_has_kept_every_answer(tmp_path: Path) -> None:
     done = subprocess.run(
-        [sys.executable, "-c", KILLED, str(tmp_path), *sys.path], timeout=60, check=False
+        [sys.executable, "-c", KILLED, str(tmp_path), *sys.path], timeout=WAIT_S, check=False
     )
     assert done.returncode == -signal.SIGKILL
     kept = [(row["timepoint"], row["item"]) for row in rows(tmp_path, "questionnaires")[16:]]

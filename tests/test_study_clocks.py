@@ -50,13 +50,14 @@ def test_each_exposure_has_readings_from_its_first_frame_on(tmp_path: Path) -> N
     assert len(rows) == 3  # training, and two exposures of 10 s
     for row in rows:
         assert before_ns < int(row["monotonic_ns"]) < after_ns
-        assert abs(int(row["unix_ns"]) - unix_ns) < 60e9
-        assert 0 < int(row["took_ns"]) < 50e6
+        assert abs(int(row["unix_ns"]) - unix_ns) < 60e9 + after_ns - before_ns
+        assert 0 < int(row["took_ns"]) < after_ns - before_ns
         assert row["lsl_s"] == ""
     seconds = [float(row["session_s"]) for row in rows]
     monotonic = [int(row["monotonic_ns"]) / 1e9 for row in rows]
-    steps = zip(seconds, monotonic, strict=True)
-    assert len({round(m - s, 2) for s, m in steps}) <= 2
+    apart_s = [m - s for s, m in zip(seconds, monotonic, strict=True)]
+    took_s = sum(int(row["took_ns"]) for row in rows) / 1e9
+    assert max(apart_s) - min(apart_s) < 0.02 + took_s
     assert verify_study(tmp_path / "S").findings == []
 
 
@@ -67,6 +68,7 @@ def test_display_times_on_record_go_on_through_an_interruption(tmp_path: Path) -
     headsets = iter([Tells(), stops])
     protocol = tiny_protocol(tmp_path, text)
     go(tmp_path, protocol=protocol, headset_for=lambda *_: next(headsets), clock=WallClock())
+    before_ns = time.monotonic_ns()
     again = Tells()
     go(
         tmp_path,
@@ -75,6 +77,7 @@ def test_display_times_on_record_go_on_through_an_interruption(tmp_path: Path) -
         clock=WallClock(),
         resume=True,
     )
+    took_ns = time.monotonic_ns() - before_ns
     frames = read_rows(tmp_path / SESSION / "frames.csv")
     times = [int(row["xr_time_ns"]) for row in frames]
     assert times == sorted(times)
@@ -82,7 +85,7 @@ def test_display_times_on_record_go_on_through_an_interruption(tmp_path: Path) -
     first = next(row for row in frames if row["resumed"] == "1")
     monotonic_minus_xr_ns = int(last["monotonic_ns"]) - int(last["xr_time_ns"])
     seen_ns = int(first["xr_time_ns"]) + monotonic_minus_xr_ns
-    assert abs(seen_ns - int(last["monotonic_ns"])) < 2e9
+    assert abs(seen_ns - int(last["monotonic_ns"])) < 2e9 + took_ns
     assert last["resumed"] == "1"
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tests.support.session import go, manifest, rows, status
 from tests.support.study import AheadHeadset, Scripted
+from tests.support.waiting import WAIT_S
 from vrcomfort.frame import Frame
 
 
@@ -42,7 +43,7 @@ def test_the_records_of_a_hung_session_are_closed_from_another_thread(tmp_path: 
         go(tmp_path, Scripted(rates=None), headset=Hangs, watchdog=watchdog)
 
     threading.Thread(target=session, daemon=True).start()
-    assert hangs.wait(30.0)
+    assert hangs.wait(WAIT_S)
     assert manifest(tmp_path)["status"] == "running"
     assert watchdog.close is not None
     watchdog.close()

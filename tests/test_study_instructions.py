@@ -356,13 +356,13 @@ def silent_speaker() -> SystemSpeaker:
 
 
 def test_a_sound_plays_without_anybody_waiting_for_it(tmp_path):
-    write_wav(tmp_path / "a.wav", 0.4)
+    write_wav(tmp_path / "a.wav", 60.0)
     sound = read_sound(tmp_path / "a.wav")
     with silent_speaker() as speaker:
         speaker.prepare(sound)
         began_s = time.perf_counter()
         speaker.play(sound)
-        assert time.perf_counter() - began_s < 0.3  # it lasts longer
+        assert time.perf_counter() - began_s < 60.0  # it lasts longer
         speaker.play(sound)  # again, from its beginning
         speaker.stop()
         speaker.stop()

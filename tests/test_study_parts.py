@@ -12,9 +12,11 @@ from vrcomfort.design import Enrolment, audit, audit_study, build_design
 from vrcomfort.design.audit import Met
 from vrcomfort.design.balance import cannot_balance
 from vrcomfort.errors import InputError
+from vrcomfort.exchange.status import status_of
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.protocol import load_protocol
-from vrcomfort.records.rows import TrialRow
+from vrcomfort.records import read_participants
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.schema import columns_of_version
 from vrcomfort.report.facts import Facts
 from vrcomfort.report.plan import Plan
@@ -43,6 +45,21 @@ repeats = 2
 """
 _start, _end = PROTOCOL.index("[order]"), PROTOCOL.index("[[questionnaires]]")
 TEXT = f'{PROTOCOL[:_start]}[order]\nrule = "parts"\nassignment = "shuffled"\n{PROTOCOL[_end:]}'
+
+
+GROUPS = '\n[[groups]]\nname = "calm"\n[[groups]]\nname = "wild"\n'
+OWN = f"""
+[[parts]]
+name = "common"
+{ORDERS}
+[[parts]]
+name = "own"
+orders = [
+  {{ name = "one", group = "calm", trials = [{A}, {B}] }},
+  {{ name = "two", group = "calm", trials = [{B}, {A}] }},
+  {{ name = "long", group = "wild", trials = [{B}, {B}, {B}, {A}] }},
+]
+"""
 
 
 def in_parts(folder, more=PARTS):
@@ -95,6 +112,82 @@ def test_rules_make_orders_and_parts_may_be_in_different_sessions(tmp_path):
     assert [each.name for each in design.sequences] == ["a_1-b_1", "a_2-b_1"]
     first, second = design.sequences[0].sessions
     assert [trial.part for trial in (*first, *second)] == ["a", "a", "b"]
+
+
+def test_each_group_has_its_own_orders_dealt_within_it(tmp_path):
+    design = build_design(in_parts(tmp_path, GROUPS + OWN), seed=2)
+    assert {each.name for each in design.sequences} == {
+        *(f"calm-{a}-{b}" for a in ("ab", "ba") for b in ("one", "two")),
+        "wild-ab-long", "wild-ba-long",
+    }  # fmt: skip
+    plan = design.plan(80)
+    for group, length in (("calm", 4), ("wild", 6)):
+        own = [each for each in plan if each.group == group]
+        assert len(own) == 40
+        assert {each.name.split("-")[0] for each in own} == {group}
+        assert {len(each.trials) for each in own} == {length}
+        for start in range(0, 40, 2):  # balanced in the group as soon as it can be
+            pair = own[start : start + 2]
+            assert {each.trials[0].condition for each in pair} == {"plain", "blur"}
+    crossed = Counter(each.name for each in plan if each.group == "calm")
+    assert len(crossed) == 4
+
+
+def test_orders_that_a_rule_makes_are_of_the_groups_conditions(tmp_path):
+    groups = GROUPS.replace('"wild"', '"wild"\nconditions = ["blur"]')
+    design = build_design(
+        in_parts(tmp_path, groups + '\n[[parts]]\nname = "a"\nrule = "williams"\n')
+    )
+    met = {each.name: [trial.condition for trial in each.trials] for each in design.sequences}
+    assert met == {
+        "calm-a_1": ["plain", "blur"], "calm-a_2": ["blur", "plain"], "wild-a_1": ["blur"]
+    }  # fmt: skip
+
+
+def test_the_balance_of_groups_is_that_of_each_of_their_parts(tmp_path):
+    design = build_design(in_parts(tmp_path, GROUPS + OWN))
+    assert cannot_balance(design, 32) is None
+    assert cannot_balance(design, 31) == (
+        "31 participants cannot be divided among 2 equal groups; choose 30 or 32"
+    )
+    assert cannot_balance(design, 30) == (
+        "30 participants do not divide by the 2 and 2, or 2 and 1 orders of the parts of 2 groups, "
+        "so that some orders are met by more people; choose 28 or 32"
+    )
+    assert audit(design, design.plan(8)).remainder == (
+        "The parts' orders of group calm are dealt by themselves, evenly: ab × 2, ba × 2; one × 2, "
+        "two × 2. The parts' orders of group wild are dealt by themselves, evenly: ab × 2, ba × 2; "
+        "long × 4."
+    )
+    people = [
+        Met("P01", Enrolment("calm-ab-one"), design.sequence("calm-ab-one")),
+        Met("P02", Enrolment("wild-ba-long"), design.sequence("wild-ba-long")),
+    ]
+    assert audit_study(design, people).next_orders == ("calm-ba-two", "wild-ab-long")
+
+
+def test_groups_and_parts_are_run_recorded_and_planned(tmp_path):
+    protocol = in_parts(tmp_path, GROUPS + OWN.replace('"one"', f'"{"o" * 70}"'))
+    for participant in ("P01", "P02", "P03", "P04"):
+        assert go(tmp_path, protocol=protocol, participant=participant).status == "completed"
+    assert not verify_study(tmp_path / "S").faults
+    rows_of = {row.participant: row for row in read_participants(tmp_path / "S")}
+    groups = Counter(row.group for row in rows_of.values())
+    assert groups == {"calm": 2, "wild": 2}
+    study = read_study(tmp_path / "S")
+    parts = {
+        who: [trial["part"] for trial in study.trials if trial["participant"] == who]
+        for who in rows_of
+    }
+    length = {"calm": 2, "wild": 4}
+    for who, row in rows_of.items():
+        assert row.sequence.startswith(f"{row.group}-")
+        assert parts[who] == ["common"] * 2 + ["own"] * length[row.group]
+    posts = [sheet for sheet in study.sheets if sheet.timepoint == "post"]
+    # Both groups met plain twice; blur as often as each has it.
+    assert planned_exposures(study, PLAN, posts[:2], "ssq")["plain"] == 2
+    state = status_of(tmp_path / "S")
+    assert state.next_sequence in {each.name for each in build_design(protocol).sequences}
 
 
 def test_files_have_the_part_of_each_exposure(tmp_path):
@@ -170,7 +263,27 @@ def test_hillaires_parts_are_those_of_the_paper():
         (TEXT + PARTS + 'rule = "williams"\n', None),
         (TEXT + '\n[[parts]]\nname = "a"\nrule = "williams"\n' + ORDERS, "makes its own orders"),
         (TEXT + PARTS.replace("repeats = 2", 'scenes = ["room.glb"]'), "`scenes` does nothing"),
-        (TEXT + PARTS + '\n[[groups]]\nname = "a"\n[[groups]]\nname = "b"\n', "exclude each other"),
+        (TEXT + PARTS.replace('"ba"', '"ba"\ngroup = "calm"', 1), "there are no [[groups]]"),
+        (TEXT + GROUPS + PARTS.replace('"ba"', '"ba"\ngroup = "clam"', 1), "did you mean `calm`?"),
+        (
+            TEXT
+            + GROUPS
+            + '\n[[parts]]\nname = "a"\n'
+            + ORDERS.replace('"ab"', '"ab"\ngroup = "calm"').replace(
+                '"ba"', '"ba"\ngroup = "calm"'
+            ),
+            "group `wild` has no order of part `a`",
+        ),
+        (
+            TEXT + GROUPS.replace('"wild"', '"wild"\nconditions = ["blur"]') + PARTS,
+            "group `wild` does not meet condition `plain`",
+        ),
+        (
+            TEXT
+            + GROUPS.replace('"wild"', '"wild"\nconditions = ["blur"]')
+            + '\n[[parts]]\nname = "a"\nrule = "williams"\nconditions = ["plain"]\n',
+            "group `wild` meets no condition of part `a`",
+        ),
     ],
 )
 def test_parts_that_cannot_be_met_are_refused(tmp_path, text, says):

@@ -12,6 +12,7 @@ import pytest
 
 from tests.support.resume import folder, go
 from tests.support.study import Scripted, frame
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.geometry import Gaze
 from vrcomfort.records import (
     EventRow,
@@ -28,8 +29,6 @@ from vrcomfort.records.row_files import SYNC_EVERY_S
 TRIAL = TrialRow("P1", 1, 1, 1, 1, "a", "s", 0.0, 1.0, "completed", None, 1, 0, 9, 0)
 RATING = RatingRow("P1", 1, 1, "a", 1.0, 0.5, "fms", 3, 0)
 TIMING = TimingRow("P1", 1, 1, "a", 1, 9, 0, *[None] * 10, flagged=0)
-LATEST_S = 5.0
-"""How long a busy machine may keep a thread waiting."""
 
 
 def frame_row(index: int) -> FrameRow:
@@ -49,12 +48,13 @@ class Disk:
         self.syncs: Counter[str] = Counter()
         self.order: list[str] = []
         self.names: dict[Path, set[str]] = {}
-        self.slow_s = 0.0
+        self.works = threading.Event()
+        self.works.set()
         for name in ("fsync", "fdatasync"):
             monkeypatch.setattr(f"os.{name}", self._sync)
 
     def _sync(self, descriptor: int) -> None:
-        time.sleep(self.slow_s)
+        assert self.works.wait(WAIT_S)
         path = Path(f"/proc/self/fd/{descriptor}").readlink()
         if path.is_dir():
             self.names[path] = {each.name for each in path.iterdir()}
@@ -66,13 +66,9 @@ class Disk:
     def rows(self, name: str) -> int:
         return max(0, self.safe.get(name, b"").count(b"\n") - 1)
 
-    def until(self, name: str, rows: int) -> float:
-        """Wait until so many rows are safe; return how long that took."""
-        began_s = time.monotonic()
-        while self.rows(name) < rows:
-            assert time.monotonic() - began_s < LATEST_S, f"{name} is not synced"
-            time.sleep(0.005)
-        return time.monotonic() - began_s
+    def until(self, name: str, rows: int) -> None:
+        """Wait until so many rows are safe."""
+        wait_for(lambda: self.rows(name) >= rows, lambda: f"{name} is not synced")
 
 
 @pytest.fixture
@@ -88,23 +84,24 @@ def test_a_row_that_is_waited_for_is_safe(tmp_path, disk, row):
 
 
 def test_a_rating_in_an_exposure_is_safe_soon_and_no_frame_waits(tmp_path, disk):
-    disk.slow_s = 0.2
     with Recorder(tmp_path, "P1", 1) as recorder:
-        began_s = time.monotonic()
+        disk.works.clear()  # whoever waited for it would wait for ever
         for index in range(100):
             recorder.write(frame_row(index))
         recorder.write_soon(RATING)
         recorder.write_soon(EventRow(0.0, 0.0, "focused"))
-        assert time.monotonic() - began_s < 0.2
+        disk.works.set()
         disk.until("ratings.csv", 1)
         disk.until("events.csv", 1)
 
 
 def test_frames_gaze_and_timing_are_safe_within_the_second_without_another_row(tmp_path, disk):
     with Recorder(tmp_path, "P1", 1) as recorder:
+        began_s = time.monotonic()
         recorder.write(frame_row(0))
         recorder.write_soon(TIMING)
-        assert disk.until("frames.csv", 1) > SYNC_EVERY_S / 2  # and not at each row
+        disk.until("frames.csv", 1)
+        assert time.monotonic() - began_s > SYNC_EVERY_S / 2  # and not at each row
         disk.until("gaze.csv", 1)
         disk.until("timing.csv", 1)
         assert SYNC_EVERY_S <= 1.0
@@ -114,9 +111,10 @@ def test_rows_that_arrive_together_share_a_sync(tmp_path, disk):
     with Recorder(tmp_path, "P1", 1) as recorder:
         recorder.flush()
         before = disk.syncs["ratings.csv"]
-        disk.slow_s = 0.1
+        disk.works.clear()
         for _ in range(50):
             recorder.write_soon(RATING)
+        disk.works.set()
         recorder.flush()
         assert disk.rows("ratings.csv") == 50
         assert disk.syncs["ratings.csv"] - before <= 3

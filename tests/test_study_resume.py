@@ -15,6 +15,7 @@ import pytest
 from tests.support.report import build_report
 from tests.support.resume import attempts, folder, go, manifest, rows
 from tests.support.study import PROTOCOL, AheadHeadset, Scripted, read_rows, tiny_protocol
+from tests.support.waiting import WAIT_S
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.records import Recorder
 from vrcomfort.respondent import Form, Heard, SimulatedRespondent
@@ -138,8 +139,13 @@ from tests.support import resume as tests
 class Killed(tests.AheadHeadset):
     def frames(self):
         yield from tests.AheadHeadset(frames_left=60).frames()
-        time.sleep(0.5)  # frames of a headset come slower than rows are written
+        while written() < 57:  # frames of a headset come slower than rows are written
+            time.sleep(0.05)
         os.kill(os.getpid(), signal.SIGKILL)
+
+def written():
+    whole = (tests.folder(Path({folder!r})) / "frames.csv").read_text().rpartition("\\n")[0]
+    return sum(line.split(",")[3] == "2" for line in whole.splitlines())
 
 begun = []
 def headset_for(*_):
@@ -154,7 +160,7 @@ tests.go(Path({folder!r}), headset_for=headset_for)
 def test_a_killed_program_loses_nothing_but_its_last_rows(tmp_path):
     root = Path(__file__).parent.parent
     script = KILL.format(paths=[str(root)], folder=str(tmp_path))
-    done = subprocess.run([sys.executable, "-c", script], check=False, timeout=100)
+    done = subprocess.run([sys.executable, "-c", script], check=False, timeout=WAIT_S)
     assert done.returncode == -signal.SIGKILL
     assert attempts(tmp_path) == [("1", "1", "0", "completed", "")]
     kept = sum(row["trial"] == "2" for row in rows(tmp_path, "frames"))

@@ -9,19 +9,21 @@ import sys
 from collections import Counter
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import torture
+from tests.support.waiting import WAIT_S
 from torture import __main__ as command
 from torture import inputs, shim, victim
 from torture.case import HANG, OTHER, TRACEBACK, Outcome, Result, Rig
 from torture.damaged import damage
 from torture.mutate import worse
 from torture.rows import PARTICIPANT, Rows, by_file, missing, session_folder
-from torture.session import Ended, Findings
-from torture.worker import Workers
+from torture.session import Ended, Findings, running_since
+from torture.worker import workers
 from vrcomfort.records import EventRow, QuestionnaireRow, RatingRow, Recorder
 
 
@@ -113,14 +115,26 @@ def test_the_end_of_a_command_is_judged(ended: Ended, fault: str) -> None:
     assert ended.fault({0, 2})[0] == fault
 
 
+def test_time_in_which_the_machine_stood_still_does_not_count_as_time_to_write() -> None:
+    cut_ns, beat_ns = 20 * 10**9, 20_000_000
+    steady = [cut_ns - number * beat_ns for number in range(1, 100)]
+    assert running_since(steady, cut_ns, 0.2) == cut_ns - 10 * beat_ns
+    stood_still = [each for each in steady if each < cut_ns - 5 * beat_ns]
+    hung = [cut_ns - beat_ns, *(each - 10**10 for each in stood_still)]
+    assert running_since(hung, cut_ns, 0.2) < cut_ns - 10**10
+    assert running_since([], cut_ns, 0.2) == 0
+
+
 def test_workers_tell_tracebacks_hangs_and_ends_apart_and_go_on(tmp_path: Path) -> None:
-    pool = Workers(
-        "tests.support.torture_cases", tmp_path, name="case {}".format, gigabytes=3, case_s=2.0
-    )
-    try:
-        found = [pool.run(number, 7) for number in (0, 1, 2, 3, 4, 5, 0)]
-    finally:
-        pool.close()
+    limits: dict[str, Any] = {"name": "case {}".format, "gigabytes": 3}
+    cases = "tests.support.torture_cases"
+    with (
+        workers(cases, tmp_path, case_s=WAIT_S, **limits) as patient,
+        workers(cases, tmp_path / "hangs", case_s=1.0, **limits) as hurried,
+    ):
+        found = [
+            (hurried if number == 2 else patient).run(number, 7) for number in (0, 1, 2, 3, 4, 5, 0)
+        ]
     assert [each.fault for each in found] == ["", TRACEBACK, HANG, OTHER, TRACEBACK, OTHER, ""]
     assert [found[index].name for index in (0, 1, 2, 5)] == [
         "fine 7 in worker", "falls", "case 2", "wrong",

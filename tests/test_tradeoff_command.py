@@ -9,6 +9,7 @@ import math
 import numpy as np
 import pytest
 
+from tests.support.cluster import local_cluster
 from vrcomfort.cli import main
 from vrcomfort.tradeoff import files, truth
 from vrcomfort.tradeoff.methods import methods
@@ -201,12 +202,8 @@ def test_processes_find_what_one_finds(run, tmp_path, cache):
 
 @pytest.mark.slow
 def test_a_cluster_finds_what_one_process_finds(run, tmp_path, cache):
-    distributed = pytest.importorskip("distributed")
     run(*FEW, "--cache", cache, "--out", tmp_path / "a")
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, dashboard_address=None, protocol="tcp"
-    ) as cluster:
-        address = cluster.scheduler_address
+    with local_cluster(1) as address:
         folders = ("--cache", tmp_path / "c2", "--out", tmp_path / "b")
         code, _, err = run(*FEW, "--cluster", address, *folders)
     assert code == 0, err

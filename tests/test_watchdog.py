@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from tests.support.signals import hear_all
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.headset.watchdog import RuntimeCalls, Watchdog
 
 DEAF = """
@@ -41,7 +43,7 @@ with stopping.heard(), Watchdog(say, notice_s=0.3, patience_s=float(sys.argv[2])
 """
 
 
-def start(folder: Path, where: str, patience_s: float = 60.0) -> subprocess.Popen[str]:
+def start(folder: Path, where: str, patience_s: float = 600.0) -> subprocess.Popen[str]:
     command = [sys.executable, "-c", DEAF, where, str(patience_s)]
     environment = {"PYTHONPATH": str(Path(__file__).parent.parent)}
     return subprocess.Popen(
@@ -51,7 +53,7 @@ def start(folder: Path, where: str, patience_s: float = 60.0) -> subprocess.Pope
 
 
 def said_of(process: subprocess.Popen[str]) -> str:
-    said, wrong = process.communicate(timeout=20)
+    said, wrong = process.communicate(timeout=WAIT_S)
     assert wrong == ""
     return said
 
@@ -94,7 +96,7 @@ def test_after_the_records_are_closed_nobody_waits_for_a_hung_runtime(tmp_path: 
 class Watched:
     """A watchdog in this process, whose end of the program is only written down."""
 
-    def __init__(self, patience_s: float = 60.0) -> None:
+    def __init__(self, patience_s: float = 600.0) -> None:
         self.calls, self.said = RuntimeCalls(), list[str]()
         self.left: list[int] = []
         self.dog = Watchdog(
@@ -106,31 +108,31 @@ class Watched:
         )
 
 
-def until(holds: Callable[[], object]) -> None:
-    give_up_s = time.monotonic() + 10.0
-    while not holds():
-        assert time.monotonic() < give_up_s
-        time.sleep(0.01)
-
-
 def test_a_call_that_returns_after_all_is_told_and_recorded() -> None:
     watched = Watched()
     with watched.dog:
         watched.calls.begin("xrWaitFrame")
-        until(lambda: len(watched.said) == 1)
+        wait_for(lambda: len(watched.said) == 1)
         watched.calls.end()
-        until(lambda: len(watched.said) == 2)
-    assert "the OpenXR runtime answers again: xrWaitFrame returned after 0." in watched.said[1]
+        wait_for(lambda: len(watched.said) == 2)
+    told = r"the OpenXR runtime answers again: xrWaitFrame returned after ([\d.]+) s"
+    assert (found := re.search(told, watched.said[1])) is not None
+    assert float(found[1]) >= 0.2
     assert len(watched.calls.stalls) == 1
     assert watched.left == []
 
 
-def test_short_calls_are_nothing_to_speak_of_however_many_there_are() -> None:
+def test_short_calls_are_nothing_to_speak_of_however_many_there_are(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock = SimpleNamespace(now_s=0.0, sleep=time.sleep, monotonic=lambda: clock.now_s)
+    monkeypatch.setattr("vrcomfort.headset.watchdog.time", clock)
     watched = Watched()
     with watched.dog:
         for _ in range(6):
             watched.calls.begin("xrWaitFrame")
-            time.sleep(0.1)
+            clock.now_s += 0.15
+            time.sleep(0.15)  # the watchdog looks every 0.1 s
             watched.calls.end()
     assert watched.said == []
 
@@ -142,21 +144,21 @@ def test_a_call_that_returns_while_the_records_are_being_closed_goes_no_further(
 
     def call() -> None:
         watched.calls.begin("xrWaitFrame")
-        assert closing.wait(10.0)
+        assert closing.wait(WAIT_S)
         watched.calls.end()
         returned.append(time.monotonic())
 
     def slowly() -> None:
         closing.set()
-        assert close.wait(10.0)
+        assert close.wait(WAIT_S)
 
     caller = threading.Thread(target=call)
     with watched.dog, watched.dog.guard(slowly):
         caller.start()
-        assert closing.wait(10.0)
+        assert closing.wait(WAIT_S)
         time.sleep(0.2)
         assert returned == []
         close.set()
-        until(lambda: watched.left == [3])
+        wait_for(lambda: watched.left == [3])
         watched.calls.held = False
         caller.join()

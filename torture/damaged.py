@@ -22,7 +22,7 @@ from torture.session import Ended, Victim, run_words
 from torture.worker import named, workers
 from vrcomfort.cli import main as command_line
 
-START_S, CASE_S = 60.0, 40.0
+START_S, CASE_S = 180.0, 120.0
 BEFORE_RENEWAL = 40
 """Cases of one process: each opens OpenGL again."""
 

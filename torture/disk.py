@@ -13,7 +13,7 @@ from torture import shim
 
 IMAGE_MB = 32
 _BLOCK = 1 << 16
-_STABLE_TIMEOUT_S = 30.0
+_STABLE_TIMEOUT_S = 120.0
 
 
 class Disk(Protocol):

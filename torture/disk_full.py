@@ -18,7 +18,7 @@ from torture.session import Findings, Victim, run_words
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.errors import InputError
 
-END_S = 60.0
+END_S = 180.0
 SMALLEST_BYTES, LARGEST_BYTES = 4096, 150_000
 """The largest is about what a whole session takes."""
 

@@ -30,7 +30,7 @@ from vrcomfort.traces.trace import import_trace, read_trace
 
 SSQ = shipped_instruments()["ssq"]
 
-GIGABYTES, CASE_S = 3, 30.0
+GIGABYTES, CASE_S = 3, 120.0
 TRACE_LINES = 120
 
 

@@ -16,7 +16,7 @@ from torture.disk import Disk, LoopImage, ShimDisk, can_mount
 from torture.rows import never_asked, resume_codes
 from torture.session import LENGTH_S, QUICK_S, SLOW_S, Ended, Findings, Victim, run_words
 
-START_S, END_S = 60.0, 60.0
+START_S, END_S = 180.0, 180.0
 AFTER_END_S = 0.3
 """Each fifth cut comes so long after the session has ended: then everything must be there."""
 

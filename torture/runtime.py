@@ -22,7 +22,7 @@ from vrcomfort.headset.monado import READY_SOCKET, SERVICE
 STATE_S = 120.0
 """A session on a busy machine reaches every state in less."""
 
-END_S, PAUSE_S, TOLD_S = 60.0, 3.0, 12.0
+END_S, PAUSE_S, TOLD_S = 180.0, 3.0, 12.0
 EXIT_RUNTIME_LOST, EXIT_INTERRUPTED, EXIT_BAD_INPUT = 3, 130, 2
 
 
@@ -38,7 +38,10 @@ def _listening(victim: Victim) -> bool:
     service = _service(victim)
     if service is None:
         return False
-    variables = Path(f"/proc/{service}/environ").read_bytes().split(b"\0")
+    try:
+        variables = Path(f"/proc/{service}/environ").read_bytes().split(b"\0")
+    except OSError:
+        return False  # it has just ended
     folders = [v.partition(b"=")[2] for v in variables if v.startswith(b"XDG_RUNTIME_DIR=")]
     return any((Path(folder.decode()) / READY_SOCKET).exists() for folder in folders)
 

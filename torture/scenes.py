@@ -14,7 +14,7 @@ from torture.worker import named, workers
 from vrcomfort.errors import InputError
 from vrcomfort.scene.load import load_scene
 
-GIGABYTES, CASE_S = 3, 60.0
+GIGABYTES, CASE_S = 3, 180.0
 NAMES = (*REFUSED, *HOSTILE)
 
 

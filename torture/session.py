@@ -36,7 +36,10 @@ STATES = {
 }
 SLOW_FILES = {"frames.csv", "gaze.csv", "timing.csv"}
 SLOW_S, QUICK_S = 1.2, 0.2
-"""A row handed to the recorder so long before a power cut must be on the disk."""
+"""A row handed to the recorder so long before a power cut must be on the disk: time in which the
+machine let the session run."""
+STILL_NS = 50_000_000
+"""A session that does not say for so long that it runs does not run."""
 
 
 class Ended(NamedTuple):
@@ -95,6 +98,7 @@ class Victim:
     ) -> None:
         self._told: list[Told] = []
         self._gone: Counter[tuple[str, Any]] = Counter()
+        self._beats_ns: list[int] = []
         self._log = log
         reading, writing = os.pipe()
         pace = ["--pace", "--answer-s", str(ANSWER_S)] if slow else []
@@ -121,6 +125,9 @@ class Victim:
                     self._hear(json.loads(line))
 
     def _hear(self, word: dict[str, Any]) -> None:
+        if word["kind"] == "beat":
+            self._beats_ns.append(word["ns"])
+            return
         told = Told(word["ns"], word["file"], tuple(word["cells"].items()))
         if word["kind"] == "gone":
             self._gone[told.file, told.cells] += 1
@@ -178,13 +185,34 @@ class Victim:
 
     def must_be_there(self, cut_ns: int | None, *, slow_s: float = QUICK_S) -> Rows:
         """Return the rows that a cut at this time may not take; all where it ended by itself."""
-        margins_s = dict.fromkeys(SLOW_FILES, slow_s)
         rows: Rows = Counter()
+        if cut_ns is None:
+            rows.update((told.file, told.cells) for told in self._told)
+            return rows - self._gone
+        quick_ns, slow_ns = (
+            running_since(self._beats_ns, cut_ns, each) for each in (QUICK_S, slow_s)
+        )
         for told in self._told:
-            margin_ns = 1e9 * margins_s.get(told.file, QUICK_S)
-            if cut_ns is None or told.ns < cut_ns - margin_ns:
+            if told.ns < (slow_ns if told.file in SLOW_FILES else quick_ns):
                 rows[told.file, told.cells] += 1
         return rows - self._gone
+
+
+def running_since(beats_ns: Sequence[int], cut_ns: int, running_s: float) -> int:
+    """Return since when a session has run for so long until a cut; 0 where it has not.
+
+    Parameters
+    ----------
+    beats_ns
+        When it said that it runs. Where it said nothing for long, the machine kept it waiting.
+    """
+    later_ns, left_ns = cut_ns, round(running_s * 1e9)
+    for beat_ns in sorted((each for each in beats_ns if each < cut_ns), reverse=True):
+        left_ns -= min(later_ns - beat_ns, STILL_NS)
+        later_ns = beat_ns
+        if left_ns <= 0:
+            return beat_ns
+    return 0
 
 
 RUNNING: set[subprocess.Popen[Any]] = set()

@@ -13,7 +13,7 @@ from torture.rows import never_asked, resume_codes
 from torture.session import LENGTH_S, Findings, Victim, run_words
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)
-START_S, END_S = 60.0, 60.0
+START_S, END_S = 180.0, 180.0
 HEARD = {signal.SIGINT: 130, signal.SIGTERM: 143, signal.SIGHUP: 129}
 """Exit codes by which a program says that it heard a signal."""
 

@@ -17,6 +17,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +25,11 @@ from torture import shim
 from vrcomfort.cli import main as command_line
 from vrcomfort.headset.playback import PlaybackHeadset
 from vrcomfort.records import Recorder
-from vrcomfort.records.rows import QuestionnaireRow, Row, cell_text
+from vrcomfort.records.rows import Row, cell_text
+from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.session import VirtualClock
+
+BEAT_S = 0.02
 
 
 def main() -> None:
@@ -46,7 +50,9 @@ def main() -> None:
     if options.forget:
         forget()
     if options.tell is not None:
-        observe(Observer(options.tell), options.answer_s)
+        observer = Observer(options.tell)
+        observe(observer, options.answer_s)
+        observer.beat()
     if options.pace:
         pace()
     sys.argv = ["vrcomfort", *options.command]
@@ -66,6 +72,20 @@ class Observer:
         cells = dict(zip(row.columns(), texts, strict=True))
         cells.pop("resumed", None)  # the recorder's own word
         line = json.dumps({"kind": kind, "ns": handed_ns, "file": row.FILE, "cells": cells})
+        self._write(line)
+
+    def beat(self) -> None:
+        """Tell again and again, from a thread, that the machine lets this program run."""
+
+        def tell() -> None:
+            with suppress(OSError):  # nobody is there any more
+                while True:
+                    self._write(json.dumps({"kind": "beat", "ns": time.monotonic_ns()}))
+                    time.sleep(BEAT_S)
+
+        threading.Thread(target=tell, name="beat", daemon=True).start()
+
+    def _write(self, line: str) -> None:
         with self._lock:
             os.write(self._pipe, line.encode() + b"\n")
 

@@ -7,6 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from tests.support.waiting import SESSION_S, WAIT_S
+
+OPTIONS = ("--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage")
+"""Of a browser in a container, which may have little shared memory: its pages would crash."""
 SCRIPT = Path(__file__).parents[2] / "scripts" / "browser.sh"
 
 
@@ -26,7 +30,7 @@ class Opened:
 def find_browser() -> str | None:
     """Return the path of a browser; None where there is none (`make test` installs one)."""
     found = subprocess.run(
-        [SCRIPT, "--find"], capture_output=True, text=True, check=False, timeout=120
+        [SCRIPT, "--find"], capture_output=True, text=True, check=False, timeout=SESSION_S
     )
     return found.stdout.strip() if found.returncode == 0 else None
 
@@ -35,8 +39,8 @@ def open_page(browser: str, page: Path) -> Opened:
     """Open a file; return what it is once it has loaded, and two seconds of its time later."""
     with TemporaryDirectory() as profile:
         run = subprocess.run(
-            [browser, "--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={profile}",
+            [browser, *OPTIONS, f"--user-data-dir={profile}",
              "--enable-logging=stderr", "--virtual-time-budget=2000", "--dump-dom", page.as_uri()],
-            capture_output=True, text=True, check=True, timeout=120,
+            capture_output=True, text=True, check=True, timeout=WAIT_S,
         )  # fmt: skip
     return Opened(run.stdout, tuple(line for line in run.stderr.splitlines() if "CONSOLE" in line))

@@ -6,16 +6,21 @@ import http.client
 import json
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 from urllib.parse import parse_qs, urlsplit
 
+from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
+from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.console import ServerProcess
 
-WAIT_S = 60.0
+NOT_YET = (OSError, http.client.HTTPException, WebSocketException)
+"""How a connection fails while a server is killed and another started: it is refused, reset, or
+taken by whom it is too late for, who ends it before, or in the middle of, the first answer."""
+Answer = TypeVar("Answer")
 
 
 @dataclass
@@ -58,11 +63,7 @@ class Served:
     @contextmanager
     def page(self, cookie: str | None = None, origin: str | None = None) -> Iterator[PageSocket]:
         """Open a page's web socket."""
-        headers = {"Cookie": cookie or self.cookie()}
-        address = f"ws://127.0.0.1:{self.server.port}/session"
-        with connect(
-            address, origin=origin or self.origin, additional_headers=headers, open_timeout=WAIT_S
-        ) as socket:
+        with page_socket(self.origin, cookie or self.cookie(), origin) as socket:
             yield PageSocket(socket)
 
 
@@ -92,13 +93,32 @@ class PageSocket:
         return found
 
 
-def wait_for(wanted: Callable[[], Any]) -> Any:
-    """Return what `wanted` returns as soon as that is something."""
+def answered(ask: Callable[[], Answer]) -> Answer:
+    """Ask until a server that is killed, or started, answers."""
     deadline = time.monotonic() + WAIT_S
-    while not (found := wanted()):
-        assert time.monotonic() < deadline, "it did not come"
-        time.sleep(0.02)
-    return found
+    while True:
+        try:
+            return ask()
+        except NOT_YET:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.1)
+
+
+def page_socket(server: str, cookie: str, origin: str | None = None) -> ClientConnection:
+    """Open a page's web socket at a server ("http://127.0.0.1:1"); raises what `NOT_YET` has."""
+    return connect(
+        f"ws{server.removeprefix('http')}/session", origin=origin or server,
+        additional_headers={"Cookie": cookie}, open_timeout=WAIT_S, ping_interval=None,
+        max_queue=None,
+    )  # fmt: skip
+
+
+@contextmanager
+def page_of(server: str, cookie: str) -> Iterator[PageSocket]:
+    """Open a page as a browser does: again and again, until the server is there."""
+    with answered(lambda: page_socket(server, cookie)) as socket:
+        yield PageSocket(socket)
 
 
 @contextmanager
@@ -126,25 +146,29 @@ class Doing:
 def come_in(address: str) -> tuple[str, str]:
     """Return origin and cookie of an operator who opens an address."""
     parts = urlsplit(address)
-    connection = http.client.HTTPConnection(parts.netloc, timeout=WAIT_S)
-    connection.request("GET", f"/?{parts.query}")
-    answer = connection.getresponse()
-    cookie = answer.getheader("set-cookie") or ""
-    connection.close()
-    assert cookie, answer.status
+
+    def ask() -> tuple[int, str]:
+        connection = http.client.HTTPConnection(parts.netloc, timeout=WAIT_S)
+        with closing(connection):
+            connection.request("GET", f"/?{parts.query}")
+            answer = connection.getresponse()
+            return answer.status, answer.getheader("set-cookie") or ""
+
+    status, cookie = answered(ask)
+    assert cookie, status
     return f"http://{parts.netloc}", cookie.partition(";")[0]
 
 
 def steer(
-    page: PageSocket, plan: list[Doing], *, answer: int = 1, until: str = ""
+    page: PageSocket, plan: list[Doing], *, answer: int = 1, until: tuple[str, ...] = ()
 ) -> list[dict[str, Any]]:
     """Answer everything and follow a plan to the end of the session; return its states.
 
-    `until` ends it before, in a step whose name has these words.
+    `until` ends it before, in a step whose name has any of these words.
     """
     plan, asked = list(plan), ""
     while not page.states or not page.states[-1]["ended"]:
-        if until and page.states and until in page.states[-1]["step"]["words"]:
+        if page.states and any(each in page.states[-1]["step"]["words"] for each in until):
             break
         known = len(page.states)
         page.hear(lambda page, known=known: len(page.states) > known)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from tests.support.console import wait_for
+from tests.support.waiting import WAIT_S, wait_for
 
 PROTOCOL = """\
 name = "aloud"
@@ -62,6 +62,16 @@ class RunningSession:
     states: list[dict[str, Any]] = field(default_factory=list)
     """What a page was shown, where one has looked on."""
     pictures: list[bytes] = field(default_factory=list)
+    reading: threading.Thread = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.reading = threading.Thread(target=self._read, daemon=True)
+        self.reading.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line)
 
     @property
     def addresses(self) -> list[str]:
@@ -73,12 +83,15 @@ class RunningSession:
 
     def next_address(self, number: int = 1) -> str:
         """Return the address for the operator who comes as the first, second, …"""
-        wait_for(lambda: len(self.addresses) >= number or self.process.poll() is not None)
+        wait_for(lambda: len(self.addresses) >= number or not self.reading.is_alive())
+        assert len(self.addresses) >= number, "".join(self.lines)
         return self.addresses[number - 1]
 
-    def ended(self, timeout_s: float = 60.0) -> int:
-        """Wait for the end; return the exit code."""
-        return self.process.wait(timeout_s)
+    def ended(self) -> int:
+        """Wait for the end, and for all that it has printed; return the exit code."""
+        code = self.process.wait(WAIT_S)
+        self.reading.join(WAIT_S)
+        return code
 
 
 @contextmanager
@@ -97,20 +110,11 @@ def running_session(
         text=True,
     )
     found = RunningSession(process, folder)
-
-    def read() -> None:
-        assert process.stdout is not None
-        for line in process.stdout:
-            found.lines.append(line)
-
-    reading = threading.Thread(target=read, daemon=True)
-    reading.start()
     try:
         yield found
     finally:
         if process.poll() is None:
             process.kill()
-        process.wait(20)
-        reading.join(20)
+        found.ended()
         if process.stdout is not None:
             process.stdout.close()

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from tests.support.resume import go
-from tests.support.study import AheadHeadset
+from tests.support.study import PROTOCOL, AheadHeadset, tiny_protocol
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import EyeGaze, Gaze, Pose
 
@@ -28,9 +28,21 @@ class SeesEyes(AheadHeadset):
             yield replace(each, gaze=gaze, hands=(left, Pose(np.array([0.2, 1.1, -0.3]))))
 
 
-def with_gaze(tmp_path: Path) -> Path:
-    """Return a study whose participant's eyes and hands were tracked in both sessions."""
-    go(tmp_path, sessions=[1, 2], headset_for=lambda *_: SeesEyes())
+PRACTICE = """
+[[practice]]
+name = "look"
+trials = [{ scene = "room.glb", condition = "blur" }, { scene = "room.glb", condition = "plain" }]
+exposure_s = 1.0
+"""
+
+
+def with_gaze(tmp_path: Path, more: str = "") -> Path:
+    """Return a study whose participant's eyes and hands were tracked in both sessions.
+
+    `more` is added to its protocol.
+    """
+    protocol = tiny_protocol(tmp_path, PROTOCOL + more)
+    go(tmp_path, sessions=[1, 2], headset_for=lambda *_: SeesEyes(), protocol=protocol)
     return tmp_path / "S"
 
 

@@ -89,8 +89,16 @@ def _exposure(
     for axis in "xyz":
         eyes[f"origin_{axis}_m"] = head[f"head_{axis}_m"]
     eyes[~valid] = np.nan
+    eyes["hit_node"] = np.where(valid, _nodes(ways), "")
     eyes.insert(0, "valid", valid.astype(int))
     return head, eyes, shots
+
+
+def _nodes(ways: np.ndarray) -> np.ndarray:
+    """Return what stands where: a floor, above it a door between two walls, and the sky."""
+    right, up = np.degrees(np.arctan2(ways[:, 0], -ways[:, 2])), np.degrees(np.arcsin(ways[:, 1]))
+    walls = np.select([right < -8, right < 8], ["left wall", "door"], "right wall")
+    return np.select([up < -8, up < 8], ["floor", walls], "")
 
 
 def _sway(n: int, sd: float, random: np.random.Generator) -> np.ndarray:

@@ -7,10 +7,14 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
+import numpy as np
 import pytest
+from numpy.typing import ArrayLike
 
+from vrcomfort.frame import Frame
 from vrcomfort.headset.monado import Monado, active_environment
 from vrcomfort.headset.remote_feed import RemoteFeed, RemoteState
 
@@ -38,6 +42,14 @@ class Participant:
     def __call__(self) -> None:
         self.sent.append(self.script(len(self.sent)))
         self.feed.send(self.sent[-1])
+
+
+def settled(frames: Iterator[Frame], head_m: ArrayLike) -> Frame:
+    """Let frames pass until the head is where it is fed: a driver reads when it has time."""
+    for frame in islice(frames, 600):
+        if not frame.paused and np.allclose(frame.head_pose.position, head_m, atol=1e-5):
+            return frame
+    pytest.fail("the head is not where it is fed")
 
 
 @contextmanager

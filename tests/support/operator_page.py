@@ -16,7 +16,8 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webdriver import WebDriver
 
-WAIT_S = 120.0
+from tests.support.browser import OPTIONS
+from tests.support.waiting import WAIT_S, wait_for
 
 
 class OperatorPage:
@@ -63,11 +64,7 @@ class OperatorPage:
 
     def until(self, wanted: Callable[[], Any]) -> Any:
         """Wait for something."""
-        deadline = time.monotonic() + WAIT_S
-        while not (found := wanted()):
-            assert time.monotonic() < deadline, self.seen()
-            time.sleep(0.05)
-        return found
+        return wait_for(wanted, self.seen)
 
     def until_step(self, words: str) -> None:
         """Wait for a step whose name begins so."""
@@ -77,10 +74,14 @@ class OperatorPage:
         """Return what the page says, for the message of a test that fails."""
         return str(self.driver.find_element(By.TAG_NAME, "body").text)
 
+    def item(self) -> str:
+        """Wait until something is asked, which may be a moment after its step; return the text."""
+        return str(self.until(lambda: self.text("item")))
+
     def answer(self, *digits: str) -> None:
         """Answer question after question with number keys."""
         for digit in digits:
-            before = self.text("item")
+            before = self.item()
             self.press(digit)
             self.until(lambda before=before: self.text("item") != before)
 
@@ -94,7 +95,7 @@ def operator_page(browser: str, size_px: tuple[int, int] = (1100, 1400)) -> Iter
     options = webdriver.ChromeOptions()
     options.binary_location = browser
     width, height = size_px
-    for word in ("--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={profile}"):
+    for word in (*OPTIONS, f"--user-data-dir={profile}"):
         options.add_argument(word)
     options.add_argument(f"--window-size={width},{height}")
     service = webdriver.ChromeService(driver_path)

@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from tests.support.waiting import WAIT_S
+
 XWD_WIDTH, XWD_HEIGHT, XWD_LINE_BYTES, XWD_COLORS = 4, 5, 12, 19
 """Places in the header of the file that Xvfb keeps its pixels in (XWDFile.h)."""
 
@@ -41,7 +43,7 @@ class XServer:
     def do(self, *words: str | int) -> None:
         """Let xdotool press keys or move the mouse: ``do("key", "Return")``."""
         command = [_needed("xdotool"), *map(str, words)]
-        subprocess.run(command, env=self.environment, check=True, timeout=20)
+        subprocess.run(command, env=self.environment, check=True, timeout=WAIT_S)
 
     def picture(self) -> NDArray[np.uint8]:
         """Return (height, width, 3) RGB of the screen, top row first."""
@@ -63,7 +65,9 @@ def x_server(folder: Path, size_px: tuple[int, int] = (640, 400)) -> Iterator[XS
     with subprocess.Popen(command, pass_fds=[writer], stderr=subprocess.DEVNULL) as process:
         os.close(writer)
         with os.fdopen(reader) as answer:
-            display = f":{answer.readline().strip()}"
+            number = answer.readline().strip()
+            assert number, "Xvfb did not start"
+            display = f":{number}"
         try:
             yield XServer(display, folder / "Xvfb_screen0")
         finally:

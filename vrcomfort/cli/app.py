@@ -69,6 +69,7 @@ class OneSentence(TyperGroup):
             raise typer.Exit(stopping.exit_code()) from None
         except typer.BadParameter as error:
             words = " ".join(error.format_message().split()).rstrip(".")
+            words = words.replace(": Value error, ", ": ")  # how pydantic begins a sentence of ours
             command = ctx.command_path if error.ctx is None else error.ctx.command_path
             sentence = f"{words[0].lower()}{words[1:]}; see {command} --help"
             raise InputError(sentence) from error

@@ -66,6 +66,9 @@ def score(
     if file.suffix.lower() in {".xlsx", ".json"} and file.exists():
         message = "`score` takes CSV; other files: vrcomfort import FILE --suggest --out map.toml"
         raise InputError(message, file=file)
+    if file.is_dir():
+        message = "this is a folder; give a CSV of it, or a whole study to vrcomfort report"
+        raise InputError(message, file=file)
     if file.exists() and not os.access(file, os.R_OK):
         raise typer.BadParameter(f"path '{file}' is not readable")
     name = answers[0] if len(answers) == 2 else instrument

@@ -32,9 +32,10 @@ STARTS = 5
 """So many servers are started within `STARTS_WITHIN_S`; where all of them end, something is wrong
 with them, and no other is started."""
 STARTS_WITHIN_S = 30.0
-START_S = 30.0
+START_S = 60.0
 """So long a first server may take to be there."""
-END_S = 2.0
+END_S = 5.0
+"""So long a server may take to be given what waits, and again to show it to all pages and end."""
 
 
 def require_server() -> None:
@@ -127,14 +128,22 @@ class ServerProcess:
             return
         if self._writing is not None and self._writing.is_alive():
             process.kill()
-        with self._lock, suppress(OSError):
-            if process.stdin is not None:
-                process.stdin.close()
+        self._end_input(process)
         try:
             process.wait(END_S)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+    def _end_input(self, process: subprocess.Popen[bytes]) -> None:
+        """Have a server end, as it does where its standard input ends."""
+        if not self._lock.acquire(timeout=END_S):  # whoever has it writes to one that stands still
+            process.kill()
+            self._lock.acquire()
+        with suppress(OSError):
+            if process.stdin is not None:
+                process.stdin.close()
+        self._lock.release()
 
     def _start(self) -> None:
         self._begun.append(time.monotonic())
@@ -144,21 +153,26 @@ class ServerProcess:
             stdout=subprocess.PIPE,
             start_new_session=os.name == "posix",  # Ctrl-C is for the session
         )
-        self._process = process
         access = self._access
         settings = {"port": access.port, "key": access.key, "token": access.token}
-        self._send(wire.packed({**settings, "operators": access.operators}))
-        if self._last_state is not None:
-            self._send(self._last_state)
+        with self._lock:  # nothing else may be its first message, and no state be lost between two
+            self._process = process
+            self._put(wire.packed({**settings, "operators": access.operators}))
+            if self._last_state is not None:
+                self._put(self._last_state)
         threading.Thread(
             target=self._read, args=(process,), name="console reader", daemon=True
         ).start()
 
     def _send(self, message: bytes) -> None:
+        with self._lock:
+            self._put(message)
+
+    def _put(self, message: bytes) -> None:
         process = self._process
         if process is None or process.stdin is None:
             return
-        with self._lock, suppress(OSError, ValueError):  # gone, or just closed: `_read` sees it
+        with suppress(OSError, ValueError):  # gone, or just closed: `_read` sees it
             process.stdin.write(message)
             process.stdin.flush()
 
@@ -220,3 +234,5 @@ class ServerProcess:
         words = "the session goes on, and another server takes its place"
         self._say(f"the console's server ended ({how}); {words}: open pages come back")
         self._start()
+        if self._ending and self._process is not None:  # by now: `close` saw the one before
+            self._end_input(self._process)

@@ -6,6 +6,7 @@ Run by `process.ServerProcess`; standard input and output are the pipes. It ends
 from __future__ import annotations
 
 import asyncio
+import concurrent.futures
 import contextlib
 import io
 import json
@@ -33,8 +34,8 @@ from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_e
 
 PAGE = Path(__file__).parent / "page"
 MOST_PAGES = 100
-LAST_STATE_S = 0.3
-"""So long pages have to take the last state, which says how the session ended."""
+LAST_STATE_S = 2.0
+"""So long pages have, at most, to take the last state, which says how the session ended."""
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
     "img-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -55,6 +56,7 @@ class Page:
         self.wants_pictures = False
         self.replies: deque[str] = deque(maxlen=50)
         self._news = asyncio.Event()
+        self._told = asyncio.Event()
         self._state: str | None = None
         self._picture: bytes | None = None
 
@@ -87,6 +89,14 @@ class Page:
             picture, self._picture = self._picture, None
             if picture is not None:
                 await socket.send_bytes(picture)
+            if not self._news.is_set():
+                self._told.set()
+
+    async def told(self) -> None:
+        """Wait until all that was shown so far is on its way."""
+        self._told.clear()
+        self._news.set()
+        await self._told.wait()
 
 
 class ConsoleServer:
@@ -125,6 +135,12 @@ class ConsoleServer:
         self._state = body.decode()
         for page in self._pages:
             page.show(self._state)
+
+    async def show_last(self) -> None:
+        """Wait until all pages have what they were shown, but no longer than `LAST_STATE_S`."""
+        telling = [asyncio.create_task(page.told()) for page in self._pages]
+        if telling:
+            await asyncio.wait(telling, timeout=LAST_STATE_S)
 
     def _refusal(self, connection: HTTPConnection, *, socket: bool = False) -> str:
         refusal = self._access.refusal(connection.headers, socket=socket)
@@ -241,10 +257,11 @@ class _Serving(uvicorn.Server):
 def _read_pipe(
     server: ConsoleServer, uvicorn_server: uvicorn.Server, loop: asyncio.AbstractEventLoop
 ) -> None:
-    """Pass messages of the session on, until it is gone."""
+    """Pass messages of the session on, until it is gone; pages get to know how it ended."""
     while (message := wire.read_message(sys.stdin.buffer)) is not None:
         loop.call_soon_threadsafe(server.take, *message)
-    time.sleep(LAST_STATE_S)
+    with contextlib.suppress(concurrent.futures.CancelledError):
+        asyncio.run_coroutine_threadsafe(server.show_last(), loop).result()
     uvicorn_server.should_exit = True
 
 

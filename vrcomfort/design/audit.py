@@ -108,8 +108,9 @@ def _audit_factor(
 
 def _remainder(design: Design, used: Counter[str], participants: int) -> str:
     pool = len(design.sequences)
-    if design.parts is not None:
-        return _of_parts(design.parts, list(used.elements()))
+    if design.parts:
+        names = list(used.elements())
+        return " ".join(_of_parts(each, names) for each in design.parts.values())
     if not pool:
         return "Each participant has a random order of their own, so no number has to divide."
     each, left = divmod(participants, pool)
@@ -135,7 +136,8 @@ def _of_parts(parts: Combined, sequences: list[str]) -> str:
         for each in parts.filled(sequences)
     )
     how = "evenly" if parts.even(sequences) else "not evenly"
-    return f"The parts' orders are dealt by themselves, {how}: {counts}."
+    whose = f" of group {parts.group}" if parts.group else ""
+    return f"The parts' orders{whose} are dealt by themselves, {how}: {counts}."
 
 
 def _some(names: list[str], shown: int = 6) -> str:
@@ -215,13 +217,13 @@ _STAYING = frozenset({"enrolled", "completed"})
 def _wanted(design: Design, counting: list[Enrolment]) -> list[str]:
     """Return the sequences of the next participants until all orders are met alike."""
     names = [each.sequence for each in counting]
-    if design.parts is None:
+    if not design.parts:
         return _lacking(design, Counter(names))
     wanted: list[str] = []
     shuffled = design.assignment == "shuffled"
-    while not design.parts.even([*names, *wanted]):
-        taken = [*names, *wanted]
-        wanted.append(design.parts.next(taken, seed=design.seed, shuffled=shuffled))
+    for parts in design.parts.values():
+        while not parts.even([*names, *wanted]):
+            wanted.append(parts.next([*names, *wanted], seed=design.seed, shuffled=shuffled))
     return wanted
 
 

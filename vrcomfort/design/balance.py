@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable, Mapping
 from math import lcm
 
 from vrcomfort.design.parts import Combined
@@ -11,9 +12,8 @@ from vrcomfort.design.pool import Design
 
 def cannot_balance(design: Design, participants: int) -> str | None:
     """Say why so many people cannot fill all sequences of each group alike; None if they can."""
-    if design.parts is not None:
-        return _of_parts(design.parts, participants)
-    pools = Counter(sequence.group or "" for sequence in design.sequences)
+    sizes = {name: lcm(*map(len, each.pools)) for name, each in design.parts.items()}
+    pools = sizes or Counter(sequence.group or "" for sequence in design.sequences)
     shares = dict(design.groups.shares) if design.groups else {"": 1}
     total = sum(shares.values())
     if participants % total:
@@ -23,26 +23,23 @@ def cannot_balance(design: Design, participants: int) -> str | None:
     if not pools or not participants % step:
         return None
     of = f" of {len(pools)} groups" if design.groups else ""
+    some = f"some orders are met by more people; choose {_nearest(participants, step)}"
+    if design.parts:
+        orders = _orders(design.parts.values())
+        return f"{participants} participants do not divide by the {orders}{of}, so that {some}"
     return (
         f"{participants} participants do not divide by {sum(pools.values())} sequences{of}, so "
-        "that some orders are met by more people; choose "
-        f"{_nearest(participants, step)}, or another rule"
+        f"that {some}, or another rule"
     )
 
 
-def _of_parts(parts: Combined, participants: int) -> str | None:
-    sizes = [len(pool) for pool in parts.pools]
-    step = lcm(*sizes)
-    if not participants % step:
-        return None
-    orders = " and ".join(map(str, sizes))
-    return (
-        f"{participants} participants do not divide by the {orders} orders of the parts, so that "
-        f"some orders are met by more people; choose {_nearest(participants, step)}"
-    )
+def _orders(parts: Iterable[Combined]) -> str:
+    """Return how many orders there are of each part, of each group that has others."""
+    sizes = dict.fromkeys(" and ".join(str(len(pool)) for pool in each.pools) for each in parts)
+    return f"{', or '.join(sizes)} orders of the parts"
 
 
-def _least_number(pools: Counter[str], shares: dict[str, int]) -> int:
+def _least_number(pools: Mapping[str, int], shares: dict[str, int]) -> int:
     """Return the least number of people who fill all sequences alike."""
     total, people = sum(shares.values()), 0
     while True:

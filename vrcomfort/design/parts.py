@@ -10,7 +10,8 @@ from vrcomfort.design.random_numbers import generator
 from vrcomfort.protocol import Protocol, Trial
 from vrcomfort.protocol import Sequence as TrialSequence
 from vrcomfort.protocol.levels import part_trials
-from vrcomfort.protocol.parts import Part, PartOrder
+from vrcomfort.protocol.order import Group
+from vrcomfort.protocol.parts import Part, PartOrder, orders_of
 
 _PARTS = 8
 
@@ -28,13 +29,22 @@ class Combined:
         Names of the orders of each part.
     orders
         Sequence → the name of its order in each part.
+    group
+        Whose they are; blank without groups.
+    first
+        Number of the first part among all that random numbers are drawn for.
     """
 
     pools: tuple[tuple[str, ...], ...]
     orders: dict[str, tuple[str, ...]]
+    group: str = ""
+    first: int = 0
 
     def filled(self, sequences: Iterable[str]) -> list[dict[str, int]]:
-        """Return, for each part, how many of these sequences have each of its orders."""
+        """Return, for each part, how many of these sequences have each of its orders.
+
+        Those of other groups do not count.
+        """
         counts = [dict.fromkeys(pool, 0) for pool in self.pools]
         for name in sequences:
             for count, order in zip(counts, self.orders.get(name, ()), strict=False):
@@ -47,27 +57,34 @@ class Combined:
         for number, count in enumerate(self.filled(sequences)):
             fewest, names = min(count.values()), list(count)
             if shuffled:
-                places = generator(seed, _PARTS, number, fewest).permutation(len(names))
+                rng = generator(seed, _PARTS, self.first + number, fewest)
+                places = rng.permutation(len(names))
                 names = [names[place] for place in places]
             wanted.append(next(name for name in names if count[name] == fewest))
-        return self.name(wanted)
+        return self.name(self.group, wanted)
 
     def even(self, sequences: Iterable[str]) -> bool:
         """Return whether each part has all of its orders equally often."""
         return all(len(set(count.values())) == 1 for count in self.filled(sequences))
 
     @staticmethod
-    def name(orders: Iterable[str]) -> str:
+    def name(group: str, orders: Iterable[str]) -> str:
         """Return the name of a combination of orders."""
-        return "-".join(orders)
+        return "-".join((group, *orders) if group else orders)
 
 
 def combined(
-    protocol: Protocol, seed: int, rules: dict[str, Rule]
+    protocol: Protocol, seed: int, rules: dict[str, Rule], group: Group | None = None
 ) -> tuple[tuple[TrialSequence, ...], Combined]:
-    """Return every combination of the parts' orders, and how they are dealt."""
-    parts = protocol.parts
-    orders = [_orders(protocol, part, n, seed, rules) for n, part in enumerate(parts)]
+    """Return every combination of the orders that a group has of the parts, and how they are dealt.
+
+    Without groups, `group` is None.
+    """
+    parts, whose = protocol.parts, group.name if group else ""
+    first = len(parts) * protocol.groups.index(group) if group else 0
+    orders = [
+        _orders(protocol, part, n, seed, rules, group) for n, part in enumerate(parts, start=first)
+    ]
     sequences, names = [], {}
     for chosen in product(*orders):
         sessions: list[list[Trial]] = [[] for _ in range(max(part.session for part in parts))]
@@ -75,19 +92,26 @@ def combined(
             named = [trial.model_copy(update={"part": part.name}) for trial in order.trials]
             sessions[part.session - 1] += named * part.repeats
         key = tuple(order.name for order in chosen)
-        name = Combined.name(key)
+        name = Combined.name(whose, key)
         names[name] = key
-        sequences.append(TrialSequence(name=name, sessions=tuple(map(tuple, sessions))))
+        sequences.append(
+            TrialSequence(name=name, group=whose or None, sessions=tuple(map(tuple, sessions)))
+        )
     pools = tuple(tuple(order.name for order in each) for each in orders)
-    return tuple(sequences), Combined(pools, names)
+    return tuple(sequences), Combined(pools, names, whose, first)
 
 
 def _orders(
-    protocol: Protocol, part: Part, number: int, seed: int, rules: dict[str, Rule]
+    protocol: Protocol,
+    part: Part,
+    number: int,
+    seed: int,
+    rules: dict[str, Rule],
+    group: Group | None,
 ) -> Sequence[PartOrder]:
     if part.rule == "explicit":
-        return part.orders
-    trials = part_trials(protocol, part)
+        return orders_of(part, group.name if group else "")
+    trials = part_trials(protocol, part, group)
     rows = rules[part.rule](len(trials), seed, number)
     return [
         PartOrder(name=f"{part.name}_{index}", trials=tuple(trials[entry] for entry in row))

@@ -59,7 +59,7 @@ class Design:
     groups, covariates
         How people come into groups; None without groups.
     parts
-        How the orders of parts are dealt; None where the study has no parts.
+        Group ("" without groups) → how the orders of its parts are dealt; empty without parts.
     return_places
         Whether those who withdrew or were excluded leave their places to others.
     """
@@ -73,7 +73,7 @@ class Design:
     groups: Groups | None = None
     covariates: tuple[Covariate, ...] = ()
     return_places: bool = True
-    parts: Combined | None = None
+    parts: Mapping[str, Combined] = field(default_factory=dict)
 
     def sequence(self, name: str) -> Sequence:
         """Return a sequence by name.
@@ -105,10 +105,10 @@ class Design:
         group = self._group(before, covariates or {})
         if group in self.own_orders:
             return self._own_order(group, len(before) + 1)
-        if self.parts is not None:
+        if group in self.parts:
             taken = [each.sequence for each in before if self.counts(each)]
             shuffled = self.assignment == "shuffled"
-            return self.sequence(self.parts.next(taken, seed=self.seed, shuffled=shuffled))
+            return self.sequence(self.parts[group].next(taken, seed=self.seed, shuffled=shuffled))
         pool = [each for each in self.sequences if (each.group or "") == group]
         filled = Counter(each.sequence for each in before if self.counts(each))
         fewest = min(filled[sequence.name] for sequence in pool)
@@ -242,12 +242,13 @@ def build_design(protocol: Protocol, *, seed: int = 0) -> Design:
     order = protocol.order
     sequences: tuple[Sequence, ...] = ()
     own: dict[str, OwnOrders] = {}
-    parts: Combined | None = None
-    if order.rule == "parts":
-        sequences, parts = combined(protocol, seed, _RULES)
+    parts: dict[str, Combined] = {}
     for number, group in enumerate(protocol.groups or (None,)):
         name, trials = group.name if group else "", trials_of(protocol, group)
-        if order.rule == "random":
+        if order.rule == "parts":
+            made, parts[name] = combined(protocol, seed, _RULES, group)
+            sequences += made
+        elif order.rule == "random":
             own[name] = OwnOrders(trials, 1, None)
         elif order.rule == "block_random":
             own[name] = OwnOrders(trials, order.blocks, _limits(protocol, trials))

@@ -25,23 +25,19 @@ from vrcomfort.exchange.room import new_folder, require_whole
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.checksums import seal
 from vrcomfort.records.disk import Access, make_folders, replace_text
+from vrcomfort.records.exposure_rows import BallRow, DialRow, PracticeRow, TaskRow
 from vrcomfort.records.frame_rows import RAYS, FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.pose_columns import AVATAR, EYES, HANDS, HEAD
 from vrcomfort.records.recorder import session_folder
 from vrcomfort.records.row_files import SESSION_ROWS
-from vrcomfort.records.rows import (
+from vrcomfort.records.rows import cell_text, csv_line
+from vrcomfort.records.session_rows import (
     IPD_RULE,
-    BallRow,
-    DialRow,
     EventRow,
     GazeValidationRow,
     ParticipantRow,
-    PracticeRow,
     ScreeningRow,
-    TaskRow,
-    cell_text,
-    csv_line,
 )
 from vrcomfort.records.study import DESCRIPTION, access_of, read_participants, recorded_sessions
 
@@ -114,6 +110,8 @@ def _require_room_for_key(study: Path, out: Path, key: Path | None) -> None:
     if any(each.resolve() in key.resolve().parents for each in (study, out)):
         message = "the key would lie in a folder that is handed on; choose a place outside"
         raise InputError(message, file=key)
+    if not key.resolve().parent.is_dir():
+        raise InputError("there is no such folder for the key; make it first", file=key.parent)
     if key.exists():
         raise InputError("is there already; choose a new file for the key", file=key)
 

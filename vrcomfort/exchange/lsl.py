@@ -25,6 +25,8 @@ _KINDS = {
     "gaze": ("Gaze", GAZE),
 }
 """Stream → its type, and its channels."""
+_TRIES = 3
+"""Of readings of two clocks the one that took the least time counts: others were interrupted."""
 _UNITS = {"x": "meters", "y": "meters", "z": "meters"}
 
 
@@ -103,8 +105,17 @@ class LslRelay:
         self.close()
 
     def _seen_s(self, monotonic_ns: int | None) -> float:
-        now_s = self.now_s()
-        return now_s if monotonic_ns is None else now_s + (monotonic_ns - time.monotonic_ns()) / 1e9
+        if monotonic_ns is None:
+            return self.now_s()
+        _, lsl_minus_monotonic_s = min(self._clocks() for _ in range(_TRIES))
+        return monotonic_ns / 1e9 + lsl_minus_monotonic_s
+
+    def _clocks(self) -> tuple[int, float]:
+        """Read both clocks; return how many ns that took, and how far they are apart."""
+        before_ns = time.monotonic_ns()
+        lsl_s = self.now_s()
+        took_ns = time.monotonic_ns() - before_ns
+        return took_ns, lsl_s - (before_ns + took_ns / 2) / 1e9
 
     def _mark(self, content: dict[str, Any], at_s: float) -> None:
         self._push("markers", [json.dumps(content, ensure_ascii=False)], at_s)

@@ -15,22 +15,18 @@ from pathlib import Path
 
 from vrcomfort import __version__
 from vrcomfort.csv_table import CsvTable
+from vrcomfort.exchange.meanings import MEANINGS
 from vrcomfort.exchange.room import new_folder, require_whole
-from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import DescriptionShape
+from vrcomfort.records.exposure_rows import DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import (
-    DialRow,
-    ParticipantRow,
-    QuestionnaireRow,
-    RatingRow,
-    Row,
-    ScreeningRow,
-    TaskRow,
-    TextRow,
-    TrialRow,
+from vrcomfort.records.rows import Row
+from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow, ScreeningRow, TextRow
+from vrcomfort.records.study import (
+    DESCRIPTION,
+    read_description,
+    read_participants,
+    recorded_sessions,
 )
-from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
 
 _README = """# {name}
 
@@ -52,73 +48,10 @@ _OPTIONAL: Mapping[type[Row], str] = {
     TextRow: "- `{texts}`: a row for each answer in one's own words, which may tell who gave it;\n"
     "  in `text`, `\\n` is a line end and `\\\\` a backslash.\n",
     ScreeningRow: "- `{screening}`: a row for each number beyond a screening rule.\n",
+    PracticeRow: "- `{practice}`: a row for each exposure of practice, which is no trial.\n",
     DialRow: "- `{dials}`: a row for each turn of a dial, and each sample of a slider.\n",
 }
 """What not every study has, and what is said of it."""
-
-_MEANINGS: Mapping[str, str] = {
-    "participant": "Identifier of a participant",
-    "sequence": "The order of conditions and scenes, as the protocol names it",
-    "status": "Of a participant: enrolled, completed, withdrawn or excluded. Of a trial: "
-    "completed, withdrawn (by the participant), stopped (by the stop rule), "
-    "skipped (by an operator) or aborted",
-    "enrolled_at": "When the participant was enrolled, ISO 8601",
-    "group": "Level of the between-subject factor",
-    "session": "Number of the session, from 1",
-    "period": "Place of the exposure among all of the participant's, from 1",
-    "block": "Number of the block in the session, from 1",
-    "trial": "Number of the exposure in the session, from 1; blank where the session is meant",
-    "condition": "Condition of the protocol; blank where the session is meant",
-    "scene": "Scene that was shown",
-    "start_s": "Begin of the exposure on the session's clock, in seconds",
-    "end_s": "End of the exposure on the session's clock, in seconds",
-    "abort_code": "What ended an exposure early",
-    "attempt": "1, and one more each time that the exposure was begun again",
-    "resumed": "1 where it was recorded after the session was resumed",
-    "frames": "Frames that were shown",
-    "dropped": "Frames whose interval exceeded 1.2 times the frame period",
-    "missed_refreshes": "Refreshes of the display without a new frame",
-    "live_s": "Seconds in which frames came",
-    "frozen_s": "Seconds in which the picture stood still",
-    "hidden_s": "Seconds in which the participant saw nothing of the frames",
-    "unfocused_s": "Seconds in which a menu of the headset's was in front",
-    "part": "Part of the study, where it has parts with orders of their own",
-    "timepoint": "When in the session it was asked, as the protocol names it",
-    "instrument": "Questionnaire or rating scale",
-    "item": "Question of the instrument",
-    "response": "The answer, as the instrument codes it; blank: rather not say, or missed",
-    "asked_s": "When it was asked on the session's clock, in seconds",
-    "answered_s": "When it was answered on the session's clock, in seconds",
-    "order": "Place in the presentation, from 1",
-    "onset_s": "When it began, or was asked, on the session's clock, in seconds",
-    "latency_s": "Seconds until the rating came; blank where it was missed",
-    "missed": "0 where a rating came in time, else 1, or the protocol's `missed_code`",
-    "task": "What was done during the exposure, as the protocol names it",
-    "kind": "Of a row of a task: target, shot, sample or (the whole) trial; of a dial: start, "
-    "change, sample, confirmed or end",
-    "dial": "The dial that was turned, as the protocol names it",
-    "rule": "What was beyond which bound of a screening rule",
-    "decision": "What the experimenter decided: go_on or stop",
-    "decided_s": "When it was decided on the session's clock, in seconds",
-    "question": "What was asked to be answered in one's own words, as the protocol names it",
-    "text": "The answer in one's own words, in one line; blank: nothing was said",
-    "setting": "What an adjustment changes in the condition",
-    "value": "Where the dial stood from then on, in the unit of what it changes; of a screening "
-    "rule, the number that was beyond its bound",
-    "number": "Counts the rows of one kind in an attempt, from 1",
-    "what": "Name of the target",
-    "reaction_s": "Seconds from the beginning of a target until it was met",
-    "hit": "1 for a target that was met and a shot that met one, else 0",
-    "error_deg": "Degrees between where was pointed or looked and the middle of the target",
-    "distance_m": "Metres to the target, from the path, or of the way that was gone",
-    "x_m": "Place of the target, or of the head in a sample, in metres (right)",
-    "y_m": "The same, upwards",
-    "z_m": "The same, backwards",
-    "targets": "Targets of a trial",
-    "hits": "Targets that were met in a trial",
-    "shots": "Shots of a trial",
-    "score": "What the task is about, of a trial",
-}
 
 
 @dataclass(frozen=True)
@@ -139,7 +72,7 @@ def export_psych_ds(study: Path, out: Path) -> list[str]:
         If the study is an import or not whole, or the folder is there already.
     """
     require_whole(study)
-    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     label = re.sub("[^A-Za-z0-9]", "", protocol) or "comfort"
     tables = [_participants(study, label)]
@@ -172,6 +105,7 @@ _KINDS = (
     "dials",
     "texts",
     "screening",
+    "practice",
 )
 
 
@@ -222,7 +156,7 @@ def _description(
             {
                 "@type": "PropertyValue",
                 "name": column,
-                "description": _MEANINGS.get(column, f"{column}, as entered at the enrolment"),
+                "description": MEANINGS.get(column, f"{column}, as entered at the enrolment"),
                 **({"unitText": "s"} if column.endswith("_s") else {}),
             }
             for column in columns

@@ -15,14 +15,14 @@ from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.designs import design_of, protocol_of
-from vrcomfort.records.json_file import read_json
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ParticipantRow, TrialRow
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     DESCRIPTION,
     enrolment_of,
+    read_description,
     read_participants,
     recorded_sessions,
 )
@@ -118,7 +118,7 @@ def status_of(study: Path) -> StudyState:
         raise InputError(message, file=study)
     if not (study / DESCRIPTION).is_file():
         raise InputError(f"this is no study folder: it has no {DESCRIPTION}", file=study)
-    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    description = read_description(study)
     rows = read_participants(study)
     manifests = {row.participant: _manifests(study, row.participant) for row in rows}
     read = [each for sessions in manifests.values() for each in sessions.values()]

@@ -23,7 +23,7 @@ from vrcomfort.headset.remote_feed import RemoteFeed
 
 SERVICE = "monado-service"
 READY_SOCKET = "monado_comp_ipc"
-START_TIMEOUT_S = 30.0
+START_TIMEOUT_S = 60.0
 STOP_TIMEOUT_S = 10.0
 
 

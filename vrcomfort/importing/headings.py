@@ -74,8 +74,8 @@ def transposed(grid: Grid) -> Grid:
 
 
 def _fault(grid: Grid, message: str) -> InputError:
-    sheet = f"sheet {grid.sheet}, " if grid.sheet else ""
-    return InputError(f"{grid.file}, {sheet}{message}")
+    sheet = f"sheet {grid.sheet}: " if grid.sheet else ""
+    return InputError(f"{sheet}{message}", file=grid.file)
 
 
 def _joined(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,9 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.importing.source import Grid, Reading, cell_text
 from vrcomfort.importing.text_files import decode, encoding_of, read_bytes
+from vrcomfort.json_text import parse_json
 
+_ADVICE = "mend it there, or export it again"
 KEY = "key"
 """The column of the names under which records stand, where an object holds them."""
 
@@ -46,18 +47,19 @@ def read_json_table(file: Path, reading: Reading) -> Grid:
 
 def _parsed(text: str, file: Path) -> Any:
     try:
-        return json.loads(text)
-    except RecursionError:
-        raise InputError("this JSON is nested too deep", file=file) from None
-    except json.JSONDecodeError as error:
-        lines = [line for line in text.splitlines() if line.strip()]
+        return parse_json(text, file, advice=_ADVICE)
+    except InputError as error:
+        lines = ((n, each) for n, each in enumerate(text.split("\n"), start=1) if each.strip())
         try:
-            return [json.loads(line) for line in lines]
-        except ValueError:
-            message = f"this is not valid JSON: {error.msg}"
-            raise InputError(message, file=file, line=error.lineno) from None
-    except ValueError as error:
-        raise InputError(f"this is not valid JSON: {error}", file=file) from None
+            found = [_record(next(lines), file)]
+        except (StopIteration, InputError):
+            raise error from None
+        return found + [_record(each, file) for each in lines]
+
+
+def _record(numbered: tuple[int, str], file: Path) -> Any:
+    line, text = numbered
+    return parse_json(text, file, advice=_ADVICE, line=line)
 
 
 def _records(content: Any) -> Iterator[dict[str, str]]:

@@ -16,16 +16,11 @@ from vrcomfort.importing.mapping import MappingFile
 from vrcomfort.importing.rows import Imported
 from vrcomfort.questionnaire import FOLDER
 from vrcomfort.records.disk import OWNER, make_folders, replace_text
+from vrcomfort.records.exposure_rows import RatingRow
 from vrcomfort.records.names import check_study
-from vrcomfort.records.rows import (
-    Cell,
-    ParticipantRow,
-    QuestionnaireRow,
-    RatingRow,
-    cell_text,
-    csv_line,
-)
+from vrcomfort.records.rows import Cell, cell_text, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
+from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
 
 PROVENANCE = "import.json"
 MAPPING = "mapping.toml"

@@ -66,6 +66,8 @@ def read_bytes(file: Path) -> bytes:
         content = file.read_bytes()
     except FileNotFoundError:
         raise InputError("there is no such file", file=file) from None
+    except IsADirectoryError:
+        raise InputError("this is a folder; give the files in it", file=file) from None
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}", file=file) from None
     if not content.strip(b"\0 \t\r\n"):

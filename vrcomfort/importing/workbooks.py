@@ -34,8 +34,8 @@ def read_workbook(file: Path, reading: Reading) -> list[Grid]:
             warnings.simplefilter("ignore", UserWarning)  # styles and such that it does not keep
             book = load_workbook(file, data_only=True)
             formulas = load_workbook(file)
-    except (InvalidFileException, zipfile.BadZipFile, KeyError, ValueError, OSError) as error:
-        message = f"this is not a workbook that can be read ({error}); save it as .xlsx or CSV"
+    except (InvalidFileException, zipfile.BadZipFile, KeyError, ValueError, OSError):
+        message = "this is not a workbook that can be read; save it as .xlsx or CSV"
         raise InputError(message, file=file) from None
     sheets = [book[name] for name in book.sheetnames if hasattr(book[name], "iter_rows")]
     grids = [_grid(file, sheet, formulas[sheet.title], reading) for sheet in sheets]

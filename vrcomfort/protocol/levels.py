@@ -6,7 +6,7 @@ from collections import Counter
 
 from vrcomfort.protocol.model import Protocol
 from vrcomfort.protocol.order import Group, Trial
-from vrcomfort.protocol.parts import Part
+from vrcomfort.protocol.parts import Part, orders_of
 
 
 def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ...]:
@@ -20,11 +20,11 @@ def trials_of(protocol: Protocol, group: Group | None = None) -> tuple[Trial, ..
     )
 
 
-def part_trials(protocol: Protocol, part: Part) -> tuple[Trial, ...]:
-    """Return the condition-scene pairs of a part whose orders a rule makes."""
+def part_trials(protocol: Protocol, part: Part, group: Group | None = None) -> tuple[Trial, ...]:
+    """Return the condition-scene pairs, or a group's, of a part whose orders a rule makes."""
     return tuple(
         trial
-        for trial in trials_of(protocol)
+        for trial in trials_of(protocol, group)
         if (not part.conditions or trial.condition in part.conditions)
         and (not part.scenes or trial.scene in part.scenes)
     )
@@ -54,10 +54,18 @@ def trial_counts(protocol: Protocol) -> tuple[int, int]:
         lengths = [len(session) for each in sessions for session in each]
         return max(map(len, sessions), default=0), max(lengths, default=0)
     if order.rule == "parts":
-        counts = Counter[int]()
-        for part in protocol.parts:
-            made = part.orders[0].trials if part.orders else part_trials(protocol, part)
-            counts[part.session] += len(made) * part.repeats
-        return len(counts), max(counts.values(), default=0)
+        each_group = [_by_session(protocol, group) for group in protocol.groups or (None,)]
+        longest = max(max(counts.values(), default=0) for counts in each_group)
+        return max(map(len, each_group)), longest
     most = max(len(trials_of(protocol, group)) for group in protocol.groups or (None,))
     return order.sessions, most * order.blocks // order.sessions
+
+
+def _by_session(protocol: Protocol, group: Group | None) -> Counter[int]:
+    """Return how many trials of its parts a group meets in each session."""
+    counts = Counter[int]()
+    for part in protocol.parts:
+        written = orders_of(part, group.name if group else "")
+        made = written[0].trials if written else part_trials(protocol, part, group)
+        counts[part.session] += len(made) * part.repeats
+    return counts

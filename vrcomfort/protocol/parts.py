@@ -16,6 +16,8 @@ class PartOrder(Settings):
 
     name: Name
     """Within the part; names of sequences are put together from these."""
+    group: Name | None = None
+    """Who meets it, where the protocol has [[groups]]; without it, every group."""
     trials: Annotated[tuple[Trial, ...], Field(min_length=1)]
     """What is shown, in this order."""
 
@@ -41,6 +43,11 @@ class Part(Settings):
     """Those of `explicit`."""
     repeats: Annotated[int, Field(ge=1, le=100)] = 1
     """So many times an order is met, one after the other."""
+
+
+def orders_of(part: Part, group: str) -> tuple[PartOrder, ...]:
+    """Return the written orders that a group meets; `group` is blank without groups."""
+    return tuple(order for order in part.orders if not group or order.group in (None, group))
 
 
 def written_orders(parts: tuple[Part, ...]) -> Iterator[tuple[int, int, PartOrder]]:

@@ -65,6 +65,8 @@ def guess_for_file(file: Path) -> Instrument:
         If the file holds none, or several.
     """
     table = CsvTable.read(file)
+    if not table.header:
+        raise InputError("there is nothing in this file", file=file)
     known = shipped_instruments()
     headings = {heading.lower() for heading in table.header}
     if {"item", "response"} <= headings:

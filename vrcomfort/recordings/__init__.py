@@ -8,14 +8,17 @@ from vrcomfort.recordings.exposures import ExposureFrames, frame_measures
 from vrcomfort.recordings.memory import Memory
 from vrcomfort.recordings.pack import Packed, pack_study
 from vrcomfort.recordings.source import Source, find_source, read_columns
+from vrcomfort.recordings.words import Words, read_words
 
 __all__ = [
     "ExposureFrames",
     "Memory",
     "Packed",
     "Source",
+    "Words",
     "find_source",
     "frame_measures",
     "pack_study",
     "read_columns",
+    "read_words",
 ]

@@ -1,5 +1,14 @@
 """What a study leaves on disk: row types (their fields are the CSV columns), recorder."""
 
+from vrcomfort.records.exposure_rows import (
+    BallRow,
+    DialRow,
+    PracticeRow,
+    RatingRow,
+    TaskRow,
+    TimingRow,
+    TrialRow,
+)
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.interrupted import Interrupted, take_up
 from vrcomfort.records.kinds_of_participants import told_of_the_other_kind
@@ -7,23 +16,16 @@ from vrcomfort.records.manifest import Machine, Manifest, facts_of_run, read_man
 from vrcomfort.records.met import what_was_met
 from vrcomfort.records.recorder import Recorder, overwriting, session_folder
 from vrcomfort.records.row_files import Durability
-from vrcomfort.records.rows import (
+from vrcomfort.records.rows import Row
+from vrcomfort.records.session_rows import (
     FACTS,
-    BallRow,
     ClockRow,
-    DialRow,
     EventRow,
     GazeValidationRow,
     ParticipantRow,
-    PracticeRow,
     QuestionnaireRow,
-    RatingRow,
-    Row,
     ScreeningRow,
-    TaskRow,
     TextRow,
-    TimingRow,
-    TrialRow,
 )
 from vrcomfort.records.study import (
     access_of,

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 from vrcomfort.errors import InputError
-from vrcomfort.records.rows import ParticipantRow
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import (
     now,
     only_run,

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from vrcomfort.geometry import EyeGaze, Gaze, Pose, View
+from vrcomfort.records.exposure_rows import BallRow
 from vrcomfort.records.pose_columns import HANDS, POSE_COLUMNS
-from vrcomfort.records.rows import BallRow, Cell, FlatRow
+from vrcomfort.records.rows import Cell, FlatRow
 
 CUT, SNAP_TURN = 1, 2
 """Of `discontinuity`: nothing of the frame before counts; or all but the avatar's heading."""

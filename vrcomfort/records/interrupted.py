@@ -13,27 +13,15 @@ from vrcomfort.protocol import Trial
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.checksums import unseal
 from vrcomfort.records.disk import OWNER, Access, refused
+from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
 from vrcomfort.records.row_files import OPTIONAL_ROWS, SESSION_ROWS
-from vrcomfort.records.rows import (
-    OVER,
-    DialRow,
-    EventRow,
-    PracticeRow,
-    QuestionnaireRow,
-    RatingRow,
-    Row,
-    ScreeningRow,
-    TaskRow,
-    TextRow,
-    TrialRow,
-    cell_text,
-    csv_line,
-)
+from vrcomfort.records.rows import Row, cell_text, csv_line
+from vrcomfort.records.session_rows import EventRow, QuestionnaireRow, ScreeningRow, TextRow
 from vrcomfort.records.withdrawal import ENDED_THE_STUDY, undone_trials
 
 _TRIAL_STATUS = ("completed", "withdrawn", "stopped", "aborted", "skipped")

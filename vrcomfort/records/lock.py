@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import IO
 
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.records.disk import Access, open_new
 
 if sys.platform == "win32":
@@ -98,7 +99,7 @@ def _wipe(stream: IO[str]) -> None:
 
 def _holder(file: Path) -> str:
     try:
-        said = json.loads(file.read_text(encoding="utf-8"))
+        said = parse_json(file.read_text(encoding="utf-8"), file)
         return f"process {said['pid']} on {said['host']}"
     except (OSError, ValueError, KeyError, TypeError):
         return "another program"

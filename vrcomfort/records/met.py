@@ -7,8 +7,9 @@ from pathlib import Path
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design.audit import Met
 from vrcomfort.protocol import Sequence, Trial
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import ParticipantRow, TrialRow
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.records.study import enrolment_of, read_participants, recorded_sessions
 
 

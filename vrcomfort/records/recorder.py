@@ -11,9 +11,11 @@ from typing import Self
 from vrcomfort.errors import InputError
 from vrcomfort.records.background import CAPACITY, BackgroundWriter
 from vrcomfort.records.disk import OWNER, Access, make_folders, refused
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.frame_rows import FrameRow
 from vrcomfort.records.row_files import SESSION_ROWS, Durability, RowFiles
-from vrcomfort.records.rows import EventRow, Row, TrialRow, csv_line
+from vrcomfort.records.rows import Row, csv_line
+from vrcomfort.records.session_rows import EventRow
 
 
 def session_folder(study: Path, participant: str, session: int) -> Path:

@@ -11,24 +11,24 @@ from typing import Literal, TypeAlias
 
 from vrcomfort.records.appended_file import AppendedFile
 from vrcomfort.records.disk import Access, refused, replace_text, sync_folder
-from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
-from vrcomfort.records.rows import (
+from vrcomfort.records.exposure_rows import (
     BallRow,
-    ClockRow,
     DialRow,
-    EventRow,
-    GazeValidationRow,
     PracticeRow,
-    QuestionnaireRow,
     RatingRow,
-    Row,
-    ScreeningRow,
     TaskRow,
-    TextRow,
     TimingRow,
     TrialRow,
-    cell_text,
-    csv_line,
+)
+from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
+from vrcomfort.records.rows import Row, cell_text, csv_line
+from vrcomfort.records.session_rows import (
+    ClockRow,
+    EventRow,
+    GazeValidationRow,
+    QuestionnaireRow,
+    ScreeningRow,
+    TextRow,
 )
 
 SESSION_ROWS: tuple[type[Row], ...] = (

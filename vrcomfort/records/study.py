@@ -10,10 +10,12 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from vrcomfort.csv_table import CsvTable
 from vrcomfort.design import Design, Enrolment
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.protocol import Protocol
 from vrcomfort.questionnaire import FOLDER as INSTRUMENTS
 from vrcomfort.records.disk import (
@@ -31,8 +33,9 @@ from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.names import check_case, check_participant, check_study
 from vrcomfort.records.recorder import is_begun, session_folder
-from vrcomfort.records.rows import ParticipantRow, cell_text, csv_line
+from vrcomfort.records.rows import cell_text, csv_line
 from vrcomfort.records.schema import SCHEMA_VERSION
+from vrcomfort.records.session_rows import ParticipantRow
 from vrcomfort.settings import read_text
 
 DESCRIPTION = "dataset_description.json"
@@ -118,8 +121,28 @@ def access_of(study: Path) -> Access:
     file = study / DESCRIPTION
     if not file.exists():
         return OWNER
-    readers = read_json(file, DescriptionShape, "study description").get("readable_by")
+    readers = read_description(study).get("readable_by")
     return GROUP if readers == "group" else OWNER
+
+
+def read_description(study: Path) -> dict[str, Any]:
+    """Return what a study says of itself.
+
+    Raises
+    ------
+    InputError
+        If it is damaged, or describes a dataset that is no study of ours: BIDS and Psych-DS call
+        their files so, too.
+    """
+    file = study / DESCRIPTION
+    try:
+        return read_json(file, DescriptionShape, "study description")
+    except InputError:
+        content = parse_json(read_text(file, "study description"), file)
+        if isinstance(content, dict) and not {"protocol", "seed"} & content.keys():
+            message = "this describes a dataset, and no study that vrcomfort recorded"
+            raise InputError(f"{message}; give the folder of the study", file=file) from None
+        raise
 
 
 def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, object]:
@@ -143,7 +166,7 @@ def _description(protocol: Protocol, seed: int, access: Access) -> dict[str, obj
 
 
 def _same_study(file: Path, protocol: Protocol, seed: int | None, group_readable: bool) -> int:
-    content = read_json(file, DescriptionShape, "study description")
+    content = read_description(file.parent)
     name, kept = content["protocol"], int(content["seed"])
     if name != protocol.name:
         message = f"this folder holds a study with protocol `{name}`, not `{protocol.name}`"
@@ -168,10 +191,16 @@ def read_participants(study: Path) -> list[ParticipantRow]:
         If the file is damaged: nobody is left out silently.
     """
     file = study / ParticipantRow.FILE
-    if not file.exists():
-        return []
-    now = file.stat()
-    return list(_participants(file, (now.st_ino, now.st_size, now.st_mtime_ns)))
+    rows: tuple[ParticipantRow, ...] = ()
+    if file.exists():
+        now = file.stat()
+        rows = _participants(file, (now.st_ino, now.st_size, now.st_mtime_ns))
+    begun = () if rows else sorted(study.glob("sub-*/ses-*/manifest.json"))
+    if begun:  # going on would enrol them again
+        who = begun[0].parent.parent.name
+        message = f"nobody is in it, and {who} has a session; restore it from a copy"
+        raise InputError(message, file=file)
+    return list(rows)
 
 
 @lru_cache(maxsize=1)
@@ -203,14 +232,19 @@ def _check_participants(found: CsvTable) -> None:
         seen.add(row["participant"])
         for column, shape in _PARTICIPANT_CELLS.items():
             if not shape.fullmatch(row[column]):
-                shown = row[column][:40]
-                raise found.fault(f"{shown!r} cannot be here; mend it first", line, column)
+                message = f"{row[column][:40]!r} cannot be here; {_PARTICIPANT_WORDS[column]}"
+                raise found.fault(message, line, column)
 
 
 _PARTICIPANT_CELLS = {
     "participant": re.compile(r"[A-Za-z0-9]{1,64}"),
-    "sequence": re.compile(r"[A-Za-z0-9_-]{1,64}"),
+    "sequence": re.compile(r"[A-Za-z0-9_-]+"),
     "status": re.compile("enrolled|completed|withdrawn|excluded"),
+}
+_PARTICIPANT_WORDS = {
+    "participant": "a name is 1 to 64 letters (A to Z) and digits",
+    "sequence": "write the sequence that the session's manifest has",
+    "status": "write enrolled, completed, withdrawn or excluded",
 }
 
 

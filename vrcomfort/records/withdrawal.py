@@ -10,11 +10,11 @@ from typing import Any
 from vrcomfort.errors import InputError
 from vrcomfort.records.checksums import seal_again
 from vrcomfort.records.disk import Access, replace_text
+from vrcomfort.records.exposure_rows import TrialRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import TrialRow
 from vrcomfort.records.study import (
     access_of,
     now,

@@ -11,7 +11,7 @@ from vrcomfort.report.further_answers import (
     line_of,
     mean_and_sd,
 )
-from vrcomfort.report.notices import met_before
+from vrcomfort.report.orders import in_words
 from vrcomfort.report.words import NONE, fraction, interval, number, p_equals
 from vrcomfort.stats.ranks import fewest_for_interval
 
@@ -88,7 +88,7 @@ def _order_of(test: Test, words: Vocabulary) -> str:
     """Return what makes the result of a test one of the order as well."""
     if not test["confounded"]:
         return ""
-    return f" But {met_before(*map(words.condition, test['confounded']))}."
+    return f" But {in_words(test['confounded'], words.condition)}."
 
 
 def _shift(test: Test, words: Vocabulary) -> str:

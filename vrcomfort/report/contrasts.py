@@ -11,6 +11,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.descriptives import describe, describe_with_interval
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.orders import one_order
 from vrcomfort.report.pairs import Pairs, Side, needed_of, pair_up, sides_of
 from vrcomfort.settings import did_you_mean
 from vrcomfort.stats.signed_rank import signed_rank
@@ -19,8 +20,6 @@ from vrcomfort.stats.withdrawal import worst_rank
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    import pandas as pd
 
     from vrcomfort.report.exposures import Exposures
     from vrcomfort.report.plan import Contrast, Plan
@@ -151,7 +150,7 @@ def _test(scored: Exposures, plan: Plan, contrast: Compared, outcome: str, lost:
         people = pairs.participants
         result["confounded"] = scored.looked_up(
             ("confounded", a, b, people),
-            lambda: _confounded(scored.table, a.name, b.name, people),
+            lambda: one_order(scored.table, a.name, b.name, people),
         )
     if len(pairs.participants) < FEWEST_PAIRS:
         result["not_tested"] = _too_few(scored, outcome, contrast, len(pairs.participants))
@@ -210,25 +209,6 @@ def _worst_rank(
     )
     keep = ("w_plus", "w_minus", "z", "zeros", "ties", "p_exact", "p_asymptotic", "p", "method")
     return {name: value for name, value in describe_test(test).items() if name in keep}
-
-
-def _confounded(
-    table: pd.DataFrame, a: str, b: str, participants: tuple[str, ...]
-) -> tuple[str, str] | None:
-    """Return both conditions in the order in which everybody in a test met them, if all did."""
-    part = table[table["participant"].isin(participants) & (table["position"] > 0)]
-    part = part.sort_values(
-        ["session", "position"],
-        key=lambda column: column.map(natural) if column.name == "session" else column,
-    )
-    part = part.assign(place=part.groupby("participant").cumcount())
-    places = part.groupby(["participant", "condition"])["place"].mean().unstack()  # noqa: PD010
-    if not {a, b} <= set(places.columns):
-        return None
-    gaps = (places[a] - places[b]).dropna()
-    if gaps.empty or gaps.min() <= 0 <= gaps.max():
-        return None
-    return (a, b) if gaps.max() < 0 else (b, a)
 
 
 def _interval_n(pairs: Pairs, plan: Plan) -> int | None:

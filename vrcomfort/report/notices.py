@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from vrcomfort.importing.suspects import alike
 from vrcomfort.questionnaire import never_zero
 from vrcomfort.report.ordering import natural
+from vrcomfort.report.orders import in_words
 from vrcomfort.report.withdrawals import early_endings, everybody
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ def _losses(
     excluded |= {row["participant"] for row in exclusions if row["what"] == "participant"}
     primary = {(test["a"], test["b"]): test for test in reversed(tests)}
     for test in reversed(primary.values()):
-        people = {who for side in test["sides"] for who in _met(study, side)} - excluded
+        people = _of_both(study, [_met(study, side) for side in test["sides"]]) - excluded
         lost = sorted(people.difference(test["participants"]), key=natural)
         if len(lost) > TOLERATED_LOSS * len(people):
             needed = test["exposures_per_condition"]
@@ -72,6 +73,14 @@ def _losses(
                 f"which a score of every planned exposure{of_each} is needed: {names(lost)}"
             )
     return found
+
+
+def _of_both(study: StudyData, sides: list[set[str]]) -> set[str]:
+    """Return who met a side of a contrast, less groups of people of whom nobody met the other."""
+    group = {row["participant"]: row.get("group", "") for row in study.participants}
+    groups = [{group.get(who, "") for who in side} for side in sides]
+    both = set.intersection(*groups)
+    return {who for side in sides for who in side if group.get(who, "") in both}
 
 
 _BY = {
@@ -169,14 +178,11 @@ def _coded_from_one(study: StudyData, of_choices: Collection[str]) -> list[str]:
     return found
 
 
-def met_before(first: str, second: str) -> str:
-    """Say that the order of two conditions may be their difference."""
-    return (
-        f"everybody met {first} before {second}, so that their difference cannot be told from one "
-        "of order"
-    )
-
-
 def _confounded(study: StudyData, tests: list[dict[str, Any]]) -> list[str]:
-    pairs = dict.fromkeys(test["confounded"] for test in tests if test.get("confounded"))
-    return [met_before(*(study.labels.get(name, name) for name in pair)) for pair in pairs]
+    """Say which conditions were met in one order, of the first score of each pair."""
+    orders: dict[tuple[str, str], dict[str, Any]] = {}
+    for test in tests:
+        order = test.get("confounded")
+        if order:
+            orders.setdefault((test["a"], test["b"]), order)
+    return [in_words(each, lambda name: study.labels.get(name, name)) for each in orders.values()]

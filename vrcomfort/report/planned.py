@@ -42,7 +42,9 @@ def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str,
         if not asks or not isinstance(order, dict) or not isinstance(scenes, list):
             continue
         if order.get("rule") == "parts":
-            return _of_parts(settings.get("parts") or [])
+            groups = [str(each["name"]) for each in settings.get("groups") or []]
+            parts = settings.get("parts") or []
+            return _alike([_of_parts(parts, group) for group in groups or [""]])
         if order.get("rule") != "explicit":
             return {str(each["name"]): len(scenes) for each in settings.get("conditions", [])}
         trials = [Counter(_conditions_of(sequence)) for sequence in order.get("sequences", [])]
@@ -51,16 +53,28 @@ def _of_the_protocol(study: StudyData, plan: Plan, instrument: str) -> dict[str,
     return {}
 
 
-def _of_parts(parts: list[dict[str, Any]]) -> dict[str, int]:
-    """Return the exposures per condition of written parts, whose orders have the same trials."""
+def _alike(groups: list[Counter[str]]) -> dict[str, int]:
+    """Return the exposures per condition that all groups have which meet it at all."""
+    numbers: dict[str, set[int]] = defaultdict(set)
+    for counts in groups:
+        for condition, number in counts.items():
+            numbers[condition].add(number)
+    return {name: each.pop() for name, each in numbers.items() if len(each) == 1}
+
+
+def _of_parts(parts: list[dict[str, Any]], group: str) -> Counter[str]:
+    """Return the exposures per condition of written parts; a group's orders have the same trials.
+
+    None are known where a rule makes the orders of a part.
+    """
     counts: Counter[str] = Counter()
     for part in parts:
-        for order in part.get("orders", [])[:1]:
-            for trial in order["trials"]:
-                counts[str(trial["condition"])] += int(part.get("repeats", 1))
-        if not part.get("orders"):
-            return {}
-    return dict(counts)
+        orders = [o for o in part.get("orders", []) if not group or o.get("group") in (None, group)]
+        if not orders:
+            return Counter()
+        for trial in orders[0]["trials"]:
+            counts[str(trial["condition"])] += int(part.get("repeats", 1))
+    return counts
 
 
 def _conditions_of(sequence: dict[str, Any]) -> list[str]:

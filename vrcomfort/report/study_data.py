@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -11,6 +10,7 @@ from typing import Any
 
 from vrcomfort.csv_table import CsvTable, number_or_none
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.questionnaire import (
     FOLDER,
     Instrument,
@@ -23,7 +23,9 @@ from vrcomfort.questionnaire import (
 )
 from vrcomfort.recordings import ExposureFrames, Memory, frame_measures
 from vrcomfort.records.schema import check_schema_version
+from vrcomfort.report.gaps import gaps, unreadable
 from vrcomfort.report.ordering import natural
+from vrcomfort.settings import read_text
 from vrcomfort.workers import workers
 
 _KEYS = (
@@ -123,10 +125,12 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     InputError
         If there is no questionnaire, or a table is wrong, with file, line and column.
     """
+    warnings = unreadable(source) if source.is_dir() else []
     files = _files(source, "questionnaires.csv")
     if not files and not any(_files(source, name) for name in _INSTEAD):
         raise InputError("there is no questionnaires.csv in this folder", file=source)
-    warnings: list[str] = []
+    if source.is_file() and not source.stat().st_size:
+        raise InputError("there is nothing in this file", file=source)
     known = _known_instruments(source)
     only = None if instrument is None else find_instrument(instrument, known=known)
     if only is not None:
@@ -138,6 +142,9 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
     if files and not sheets and not any(instead):
         raise InputError("no known questionnaire is answered in this table", file=source)
     description = _json(source / "dataset_description.json") if source.is_dir() else {}
+    participants = _table(source, "participants.csv", warnings)
+    manifests = _manifests(source, warnings)
+    warnings += gaps(source, description, participants, manifests)
     dials = _of_last_attempts(_table(source, "dials.csv", warnings))
     return StudyData(
         title=str(description.get("name") or source.resolve().name),
@@ -145,10 +152,10 @@ def read_study(source: Path, instrument: str | None = None) -> StudyData:
         labels=_labels(description.get("conditions")),
         instruments=known,
         sheets=tuple(sorted(sheets, key=lambda s: natural(s.participant))),
-        participants=_table(source, "participants.csv", warnings),
+        participants=participants,
         trials=_last_attempts(_table(source, "trials.csv", warnings)),
         ratings=(*_table(source, "ratings.csv", warnings), *_slid(dials)),
-        manifests=_manifests(source, warnings),
+        manifests=manifests,
         files=len(files),
         warnings=tuple(warnings),
         tasks=_of_last_attempts(_table(source, "tasks.csv", warnings)),
@@ -281,8 +288,19 @@ def _table(source: Path, name: str, warnings: list[str]) -> tuple[dict[str, str]
             found.require_numbers(_NUMBERS)
             rows += found.dicts()
     if name == "participants.csv":
+        _require_each_once(source, rows)
         rows = [{"status": "", **row} for row in rows]
     return tuple(rows)
+
+
+def _require_each_once(source: Path, rows: list[dict[str, str]]) -> None:
+    """Raise `InputError` where somebody has two statuses: which of them counts is not known."""
+    known: dict[str, str] = {}
+    for row in rows:
+        who, status = row["participant"], row.get("status", "")
+        if known.setdefault(who, status) != status:
+            message = f"participants.csv has {who} twice, as `{known[who]}` and as `{status}`"
+            raise InputError(f"{message}; leave one", file=source)
 
 
 def _last_attempts(trials: tuple[dict[str, str], ...]) -> tuple[dict[str, str], ...]:
@@ -323,13 +341,7 @@ def _slid(dials: Iterable[dict[str, str]]) -> Iterator[dict[str, str]]:
 def _json(file: Path) -> dict[str, Any]:
     if not file.is_file():
         return {}
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-        json.dumps(content, ensure_ascii=False).encode()  # half of a pair is no text
-    except UnicodeDecodeError:
-        raise InputError("this is not UTF-8; save it as JSON in UTF-8", file=file) from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"this is not valid JSON: {error}", file=file) from error
+    content = parse_json(read_text(file, "JSON"), file)
     return content if isinstance(content, dict) else {}
 
 

@@ -107,6 +107,7 @@ def _gaze_and_head(looked: Looked) -> dict[str, list[Row]]:
     return {
         "gaze_and_head": looked.exposures,
         "gaze_zones": looked.zones,
+        "gaze_nodes": looked.nodes,
         "fixations": looked.fixations,
         "head_spectra": looked.spectra,
     }

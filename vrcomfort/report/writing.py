@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -11,6 +10,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 
 RESULTS = "results.json"
 _REMOVABLE = re.compile(r"tables/[a-z_]+\.csv|figures/[^/\\]+\.(svg|png|pdf)")
@@ -74,7 +74,7 @@ def _make_room(path: Path) -> None:
 def _of_the_report_before(out: Path) -> set[str]:
     """Return the tables and figures that results.json lists, if it is that of a report."""
     try:
-        found: Any = json.loads((out / RESULTS).read_text(encoding="utf-8"))
+        found: Any = parse_json((out / RESULTS).read_text(encoding="utf-8"), out / RESULTS)
     except (OSError, ValueError):
         return set()
     listed = found.get("files") if isinstance(found, dict) and "software" in found else None

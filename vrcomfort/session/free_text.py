@@ -5,7 +5,7 @@ from __future__ import annotations
 from vrcomfort.protocol.free_texts import FreeText
 from vrcomfort.records import TextRow
 from vrcomfort.records.recorded_rows import read_rows
-from vrcomfort.records.rows import LONGEST_TEXT, one_line
+from vrcomfort.records.session_rows import LONGEST_TEXT, one_line
 from vrcomfort.respondent.base import Writes
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog, TrialPlace

@@ -10,7 +10,7 @@ from vrcomfort.questionnaire import score
 from vrcomfort.questionnaire.answers import Answer
 from vrcomfort.records import ScreeningRow, enrolled
 from vrcomfort.records.recorded_rows import read_rows
-from vrcomfort.records.rows import IPD_RULE
+from vrcomfort.records.session_rows import IPD_RULE
 from vrcomfort.respondent.base import Decides
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog

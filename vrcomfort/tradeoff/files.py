@@ -9,6 +9,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+from vrcomfort.json_text import parse_json
 from vrcomfort.tradeoff.cases import Case
 from vrcomfort.tradeoff.figures import pareto_figure
 from vrcomfort.tradeoff.keys import figure_name, key_of_row
@@ -57,7 +58,8 @@ def _remove_earlier(out: Path) -> None:
     that could lead out of the folder.
     """
     try:
-        rows = json.loads((out / "tradeoff.json").read_text(encoding="utf-8"))["rows"]
+        numbers = out / "tradeoff.json"
+        rows = parse_json(numbers.read_text(encoding="utf-8"), numbers)["rows"]
         earlier = [file for row in rows for file in _pictures_of(row)]
     except (OSError, ValueError, KeyError, TypeError):
         return

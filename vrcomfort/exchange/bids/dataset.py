@@ -17,14 +17,17 @@ from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.exchange.bids.gaze import write_gazes
 from vrcomfort.exchange.bids.motion import SYSTEMS, recorded, write_motion
 from vrcomfort.exchange.bids.phenotype import write_phenotype
+from vrcomfort.exchange.bids.practice import write_practice
 from vrcomfort.exchange.bids.runs import Run, read_runs
 from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.room import new_folder, require_whole
-from vrcomfort.records.json_file import read_json
 from vrcomfort.records.manifest import read_manifest
-from vrcomfort.records.manifest_shape import DescriptionShape
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.study import DESCRIPTION, read_participants, recorded_sessions
+from vrcomfort.records.study import (
+    read_description,
+    read_participants,
+    recorded_sessions,
+)
 
 BIDS_VERSION = "1.11.1"
 _EVENT_COLUMNS = ("onset", "duration", "trial_type", "value", "condition", "scene")
@@ -49,6 +52,7 @@ A comfort study recorded with vrcomfort (protocol `{protocol}`) and exported as 
 - `*_recording-cyclopean_physio.tsv.gz`: gaze, where it was recorded; `recording-left` and
   `recording-right` where the eye tracker tells them apart.
 - `*_events.tsv`: the exposure, the ratings in it, and what the headset noted.
+- `beh/*practice_beh.tsv`: a row for each exposure of practice, where there was any.
 - `phenotype/`: a table for each questionnaire, a row for each participant, a column for an answer.
 
 Head motion, hand motion and gaze can identify people. Times are the study's own: `vrcomfort
@@ -70,7 +74,7 @@ def export_bids(study: Path, out: Path) -> list[str]:
 
 
 def _write(study: Path, out: Path) -> list[str]:
-    description = read_json(study / DESCRIPTION, DescriptionShape, "study description")
+    description = read_description(study)
     name, protocol = str(description.get("name") or study.name), str(description["protocol"])
     write_json(
         out / "dataset_description.json",
@@ -148,6 +152,7 @@ def _session(study: Path, out: Path, who: str, number: int, task: str) -> list[s
         _write_events(stem, run)
     if scans:
         write_tsv(folder / f"sub-{who}_ses-{number}_scans.tsv", ("filename", "acq_time"), scans)
+    write_practice(source, folder, f"sub-{who}_ses-{number}", task)
     return left_out
 
 

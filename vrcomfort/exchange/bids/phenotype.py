@@ -11,7 +11,7 @@ from vrcomfort.exchange.bids.files import write_json, write_tsv
 from vrcomfort.questionnaire import Instrument, instruments_in, shipped_instruments
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorder import session_folder
-from vrcomfort.records.rows import QuestionnaireRow
+from vrcomfort.records.session_rows import QuestionnaireRow
 from vrcomfort.records.study import recorded_sessions
 
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.csv_table import CsvTable
+from vrcomfort.records.exposure_rows import DialRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow, GazeRow
-from vrcomfort.records.rows import DialRow, EventRow, RatingRow, TaskRow, TrialRow
+from vrcomfort.records.session_rows import EventRow
 
 _EPSILON_S = 1e-6
 Cells = dict[str, str]

@@ -73,5 +73,11 @@ class Verified:
         """Add what a reader says of a file."""
         self.fault(file if error.file is None else Path(error.file), error.message, error.line)
 
+    def unreadable(self, error: OSError, folder: Path) -> None:
+        """Add a file or folder, in `folder`, that the system does not let us read."""
+        file = Path(error.filename or folder)
+        message = f"cannot be read: {error.strerror}; ask for access, or restore it from a copy"
+        self.fault(file if file.is_relative_to(folder) else folder, message)
+
     def _name(self, file: Path) -> str:
         return file.relative_to(self.study).as_posix() if file != self.study else "."

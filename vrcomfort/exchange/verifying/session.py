@@ -21,24 +21,26 @@ from vrcomfort.exchange.verifying.practice import check_practice
 from vrcomfort.exchange.verifying.rows import read
 from vrcomfort.exchange.verifying.session_files import check_checksums, check_files
 from vrcomfort.protocol import Trial
+from vrcomfort.records.exposure_rows import (
+    OVER,
+    BallRow,
+    DialRow,
+    PracticeRow,
+    RatingRow,
+    TaskRow,
+    TimingRow,
+    TrialRow,
+)
 from vrcomfort.records.frame_rows import FrameRow, GazeRow, ImageRow
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.recorded_rows import RecordedRow
-from vrcomfort.records.rows import (
-    OVER,
-    BallRow,
+from vrcomfort.records.rows import Row
+from vrcomfort.records.session_rows import (
     ClockRow,
-    DialRow,
     EventRow,
-    PracticeRow,
     QuestionnaireRow,
-    RatingRow,
-    Row,
     ScreeningRow,
-    TaskRow,
     TextRow,
-    TimingRow,
-    TrialRow,
 )
 
 _EPSILON_S = 1e-6

@@ -14,11 +14,11 @@ from vrcomfort.exchange.verifying.findings import Verified
 from vrcomfort.exchange.verifying.session import check_order, verify_session
 from vrcomfort.records.checksums import sha256_of
 from vrcomfort.records.consents import ConsentRow, read_consents
+from vrcomfort.records.exposure_rows import RatingRow, TrialRow
 from vrcomfort.records.json_file import read_json
-from vrcomfort.records.manifest_shape import DescriptionShape, ImportShape
-from vrcomfort.records.recorder import is_begun
-from vrcomfort.records.rows import ParticipantRow, QuestionnaireRow, RatingRow, TrialRow
-from vrcomfort.records.study import DESCRIPTION, read_participants
+from vrcomfort.records.manifest_shape import ImportShape
+from vrcomfort.records.session_rows import ParticipantRow, QuestionnaireRow
+from vrcomfort.records.study import DESCRIPTION, read_description, read_participants
 
 IMPORT = "import.json"
 _ANONYMISED = "anonymised.json"
@@ -53,7 +53,7 @@ def verify_study(study: Path, told: Callable[[], object] = lambda: None) -> Veri
     _strangers(study, people, found)
     manifests = {
         name: _sessions(study / f"sub-{name}", found, told)
-        for name in _folders(study) | set(people)
+        for name in sorted(_folders(study) | set(people))
     }
     _consents(study, people, manifests, found)
     for name, sessions in sorted(manifests.items()):
@@ -88,21 +88,26 @@ def _consents(
 
 
 def session_folders(study: Path) -> list[Path]:
-    """Return the folders of all sessions that were begun."""
-    return sorted(folder for folder in study.glob("sub-*/ses-*") if is_begun(folder))
+    """Return the folders of all sessions."""
+    return sorted(folder for folder in study.glob("sub-*/ses-*") if folder.is_dir())
 
 
 def _description(study: Path, found: Verified, *, imported: bool) -> int | None:
     """Check the study's description; return its seed."""
-    file, shape = study / DESCRIPTION, ImportShape if imported else DescriptionShape
+    file = study / DESCRIPTION
     if not file.exists():
         found.fault(file, "is missing; restore it from a copy")
         return None
     try:
-        seed = read_json(file, shape, "study description").get("seed")
+        content = (
+            read_json(file, ImportShape, "study description")
+            if imported
+            else read_description(study)
+        )
     except InputError as error:
         found.refusal(error, file)
         return None
+    seed = content.get("seed")
     return int(seed) if seed is not None else None
 
 
@@ -142,15 +147,32 @@ def _sessions(
 ) -> dict[int, dict[str, Any] | None]:
     """Verify a participant's sessions; return session → manifest."""
     manifests: dict[int, dict[str, Any] | None] = {}
-    for each in sorted(folder.iterdir()) if folder.is_dir() else []:
+    for each in _entries(folder, found):
         number = re.fullmatch("ses-([1-9][0-9]{0,8})", each.name)
         if number and each.is_dir() and not each.is_symlink():
             found.counts["sessions"] += 1
-            manifests[int(number[1])] = verify_session(each, found)
+            manifests[int(number[1])] = _session(each, found)
             told()
         elif each.name != "lock":
             found.fault(each, "is neither a session nor the lock; move it out of the study")
     return manifests
+
+
+def _entries(folder: Path, found: Verified) -> list[Path]:
+    try:
+        return sorted(folder.iterdir()) if folder.is_dir() else []
+    except OSError as error:
+        found.unreadable(error, folder)
+        return []
+
+
+def _session(folder: Path, found: Verified) -> dict[str, Any] | None:
+    """Verify one session; what the system does not let us read is a finding like others."""
+    try:
+        return verify_session(folder, found)
+    except OSError as error:
+        found.unreadable(error, folder)
+        return None
 
 
 def _agree(

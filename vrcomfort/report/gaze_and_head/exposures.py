@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vrcomfort.report.gaze_and_head.nodes import node_shares
 from vrcomfort.stats.gaze import (
     Fixation,
     Map,
@@ -44,6 +45,8 @@ class Seen:
         Its numbers, for the table.
     shares
         Event, or `WHOLE` → share of the gaze in each of the plan's zones.
+    nodes
+        Node → share of the gaze on it; empty where that is not known.
     head_map
         Where the gaze was, seen from the head.
     fixations
@@ -57,6 +60,7 @@ class Seen:
 
     row: Row
     shares: dict[str, list[float]] = field(default_factory=dict)
+    nodes: dict[str, float] = field(default_factory=dict)
     head_map: Map | None = None
     fixations: list[Fixation] = field(default_factory=list)
     viewpoint_m: NDArray[np.float64] = field(default_factory=lambda: np.full(3, np.nan))
@@ -78,6 +82,7 @@ def look(motion: Motion, asked: GazeAndHead, events: dict[str, Times]) -> Seen:
     if motion.valid.any():
         _zones(seen, motion, asked, events)
         _fixations(seen, motion, asked)
+        seen.nodes = node_shares(motion)
     _spectrum(seen, motion, asked)
     return seen
 

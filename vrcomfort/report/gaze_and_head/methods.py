@@ -38,6 +38,11 @@ def _gaze(asked: Results, found: Results) -> Paragraph:
             "2011); each fixation counts for its length. "
         )
         cited.append("mantiuk_2011")
+    if found["nodes"]:
+        text += (
+            "What was looked at is the node of the scene that the line of sight meets first; a "
+            "node’s share is of the time in which the gaze was known and the scene drawn. "
+        )
     return "Gaze", f"{text}Every person counts alike.", tuple(cited)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vrcomfort.csv_table import CsvTable
-from vrcomfort.recordings import Memory, find_source, read_columns
+from vrcomfort.recordings import Memory, Words, find_source, read_columns, read_words
 from vrcomfort.records.frame_rows import CUT
 from vrcomfort.rotations import rotate
 from vrcomfort.stats.gaze import angles_deg
@@ -25,8 +25,8 @@ _HEAD = tuple(f"head_{part}" for part in _POSE)
 _AVATAR = tuple(f"avatar_{part}" for part in _POSE)
 _SIDES = ("left", "right", "up", "down")
 _FOV = tuple(f"{eye}_fov_{side}_rad" for eye in ("left", "right") for side in _SIDES)
-_FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid", *_HEAD,
-           *_AVATAR, *_FOV)  # fmt: skip
+_FRAMES = ("session_s", "xr_time_ns", "period_ns", "trial", "discontinuity", "head_valid",
+           "should_render", *_HEAD, *_AVATAR, *_FOV)  # fmt: skip
 _GAZE = ("xr_time_ns", "valid", "direction_x", "direction_y", "direction_z")
 _ROUNDING_S = 1e-6
 _FORWARD = (0.0, 0.0, -1.0)
@@ -51,6 +51,10 @@ class Motion:
         (n, 2) tangents of half an eye's image in width and height; NaN where not recorded.
     in_head, in_world
         (n, 3) directions of the gaze; NaN where it was not valid. None without an eye tracker.
+    drawn
+        (n,) where the scene was drawn, and not left out as nobody could see it.
+    nodes
+        What is under the gaze, of n frames; None where it was not recorded.
     """
 
     time_s: Floats
@@ -63,6 +67,8 @@ class Motion:
     half_widths: Floats
     in_head: Floats | None
     in_world: Floats | None
+    drawn: NDArray[np.bool_]
+    nodes: Words | None = None
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -85,25 +91,33 @@ def read_motion(
     memory = memory or Memory()
     table = read_columns(find_source(frames), _FRAMES, memory)
     gaze_file = frames.with_name("gaze.csv")
-    gaze = None
-    if gaze_file.is_file():
-        gaze = _aligned(table["xr_time_ns"], read_columns(find_source(gaze_file), _GAZE, memory))
-    return [_motion(table, gaze, trial) for trial in trials]
+    if not gaze_file.is_file():
+        return [_motion(table, None, None, trial) for trial in trials]
+    source = find_source(gaze_file)
+    samples = read_columns(source, _GAZE, memory)
+    rows = _aligned(table["xr_time_ns"], samples)
+    ways = np.column_stack([samples[f"direction_{axis}"] for axis in "xyz"])
+    gaze = np.where(rows[:, None] < 0, np.nan, ways[rows])
+    nodes = read_words(source, "hit_node", memory)
+    if nodes is not None:
+        nodes = nodes._replace(places=np.where(rows < 0, -1, nodes.places[rows]))
+    return [_motion(table, gaze, nodes, trial) for trial in trials]
 
 
-def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> Floats:
-    """Return (n, 3) directions at the frames' times; NaN where not valid."""
-    found = np.full((len(time_ns), 3), np.nan)
-    known = gaze["valid"] == 1
-    directions = np.column_stack([gaze[f"direction_{axis}"] for axis in "xyz"])[known]
+def _aligned(time_ns: Floats, gaze: dict[str, Floats]) -> NDArray[np.int64]:
+    """Return (n,) the row of the gaze at each frame's time; −1 where none is valid."""
+    found = np.full(len(time_ns), -1)
+    known = np.flatnonzero(gaze["valid"] == 1)
     place = np.searchsorted(time_ns, gaze["xr_time_ns"][known])
     there = place < len(time_ns)
     there[there] = time_ns[place[there]] == gaze["xr_time_ns"][known][there]
-    found[place[there]] = directions[there]
+    found[place[there]] = known[there]
     return found
 
 
-def _motion(table: dict[str, Floats], gaze: Floats | None, trial: dict[str, str]) -> Motion | None:
+def _motion(
+    table: dict[str, Floats], gaze: Floats | None, nodes: Words | None, trial: dict[str, str]
+) -> Motion | None:
     start, end = float(trial["start_s"]) - _ROUNDING_S, float(trial["end_s"]) + _ROUNDING_S
     at = table["session_s"]
     mine = (table["trial"] == int(trial["trial"])) & (at >= start) & (at <= end)
@@ -131,6 +145,8 @@ def _motion(table: dict[str, Floats], gaze: Floats | None, trial: dict[str, str]
         half_widths=_half_widths(part),
         in_head=None if directions is None else rotate(back, directions),
         in_world=None if directions is None else rotate(carrying, directions),
+        drawn=part["should_render"] != 0,
+        nodes=None if nodes is None else nodes._replace(places=nodes.places[mine]),
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from vrcomfort.errors import InputError
 from vrcomfort.report.gaze_and_head.exposures import HELD, SIGNALS, WHOLE, Row, Seen, look
 from vrcomfort.report.gaze_and_head.motion import read_motion, times_of
+from vrcomfort.report.gaze_and_head.nodes import node_rows, shown_nodes
 from vrcomfort.report.gaze_and_head.viewpoints import Viewpoint, viewpoints
 from vrcomfort.report.ordering import natural
 
@@ -58,6 +59,9 @@ class Looked:
         A row for each exposure; for each situation, means over people.
     zones
         A row for each situation, event and zone: mean share over people, with its error.
+    nodes, shown
+        A row for each situation and node: mean share of the gaze over people, with its error; and
+        those of the longest looked at, the others summed.
     spectra
         A row for each situation, signal and frequency: mean density over people.
     fixations
@@ -73,6 +77,8 @@ class Looked:
     exposures: list[Row] = field(default_factory=list)
     situations: list[Row] = field(default_factory=list)
     zones: list[Row] = field(default_factory=list)
+    nodes: list[Row] = field(default_factory=list)
+    shown: list[Row] = field(default_factory=list)
     spectra: list[Row] = field(default_factory=list)
     fixations: list[Row] = field(default_factory=list)
     maps: dict[str, Map] = field(default_factory=dict)
@@ -85,6 +91,7 @@ class Looked:
         names = ("exposures", "situations", "zones", "notes")
         return {
             **{name: getattr(self, name) for name in names},
+            "nodes": self.shown,
             "outside_map": {name: found.outside for name, found in self.maps.items()},
             "viewpoints": [each.facts for each in self.viewpoints],
         }
@@ -111,6 +118,7 @@ def look_at(
     found.situations = _means(found.exposures, situations, asked.situations)
     shown = [*situations, *([EVERYBODY] if len(situations) > 1 else [])]
     found.zones = _zone_rows(met, shown, asked)
+    found.nodes, found.shown = _nodes(met, situations)
     found.spectra = _spectrum_rows(met, situations)
     found.maps = _mean_maps(met, situations)
     scenes = [(each.scene, each.seen) for each in met]
@@ -207,6 +215,18 @@ def _zone_rows(met: list[Met], situations: list[str], asked: GazeAndHead) -> lis
 
 def _shares(event: str, seen: Seen) -> NDArray[np.float64] | None:
     return np.array(seen.shares[event]) if event in seen.shares else None
+
+
+def _nodes(met: list[Met], situations: list[str]) -> tuple[list[Row], list[Row]]:
+    """Return the rows of all nodes, and those that stand on the page."""
+    names = sorted({name for each in met for name in each.seen.nodes})
+
+    def shares(seen: Seen) -> NDArray[np.float64] | None:
+        return np.array([seen.nodes.get(name, 0.0) for name in names]) if seen.nodes else None
+
+    people = {situation: _by_person(met, situation, shares) for situation in situations}
+    rows = node_rows(names, people)
+    return rows, shown_nodes(rows, names, people)
 
 
 def _spectrum_rows(met: list[Met], situations: list[str]) -> list[Row]:

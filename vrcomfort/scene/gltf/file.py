@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import binascii
 import io
-import json
 import struct
 import urllib.parse
 import warnings
@@ -23,6 +22,7 @@ from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 from vrcomfort.errors import InputError
+from vrcomfort.json_text import parse_json
 from vrcomfort.scene.gltf.budget import Account, SceneBudget
 from vrcomfort.scene.gltf.schema import check_structure, count_items
 
@@ -240,18 +240,22 @@ def read_gltf_file(path: Path, budget: SceneBudget | None = None) -> GltfFile:
     text, binary = _unpack_glb(data, path) if data[:4] == _GLB_MAGIC else (data, None)
     account.spend("json_bytes", len(text), "the file")
     account.spend("json_marks", sum(map(bytes(text).count, (b"[", b"{", b","))), "the file")
-    try:
-        root = json.loads(str(text, "utf-8-sig"))
-    except ValueError:
-        raise InputError("is not glTF: no GLB header and no JSON text", file=path) from None
-    except RecursionError:
-        message = "is not glTF: its JSON is nested too deep; export it again"
-        raise InputError(message, file=path) from None
+    root = _parsed(bytes(text), path)
     if not isinstance(root, dict) or not str(_version(root)).startswith("2."):
         raise InputError("is not glTF 2.0; convert it to version 2.0", file=path)
     account.spend("items", count_items(root), "the file")
     check_structure(root, path)
     return GltfFile(path, root, binary, account)
+
+
+def _parsed(text: bytes, path: Path) -> Any:
+    try:
+        words = str(text, "utf-8-sig")
+    except ValueError:
+        words = ""
+    if not words.lstrip().startswith(("{", "[")):
+        raise InputError("is not glTF: no GLB header and no JSON text", file=path)
+    return parse_json(words, path, what="glTF", advice="export it again")
 
 
 def _version(root: dict[str, Any]) -> Any:

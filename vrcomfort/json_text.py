@@ -1,0 +1,135 @@
+"""Reads JSON of files from elsewhere; what is wrong is one plain sentence with line and column."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from json.decoder import JSONDecoder
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from vrcomfort.errors import InputError
+
+KeyPath: TypeAlias = tuple[str | int, ...]
+
+_SPACE = re.compile(r"[ \t\r\n]*")
+_HALF = re.compile(r"\\u[dD][89a-fA-F]")
+"""How half of a character is written; a text that was decoded has no other."""
+_FAULTS = {
+    "Expecting ',' delimiter": "a comma or a closing bracket is missing before this place",
+    "Expecting ':' delimiter": "a colon is missing before this place",
+    "Expecting property name": "a name in double quotes is needed here",
+    "Expecting value": "a value is needed here; a text stands in double quotes",
+    "Illegal trailing comma": "this comma is one too many",
+    "Extra data": "the JSON is over before this place",
+    "Unterminated string": "the text that begins here has no closing quote",
+    "Invalid control character": "a text is not closed before the end of its line",
+    "Invalid \\": "this backslash means nothing here; a backslash is written as two",
+}
+"""Beginning of what the parser says → what a reader needs to know."""
+
+
+def parse_json(
+    text: str, file: Path, *, what: str = "JSON", advice: str = "restore it", line: int = 1
+) -> Any:
+    """Return what a text of JSON says.
+
+    Parameters
+    ----------
+    what, advice
+        The file in words, and what is to be done where it is damaged: "manifest", "restore it".
+    line
+        The line of the file in which the text begins, from 1.
+
+    Raises
+    ------
+    InputError
+        If it is no JSON, is nested too deep, or has a number or text that no program can hold.
+    """
+
+    def fault(said: str, at: tuple[int, int] | None = None) -> InputError:
+        message = f"{said}: this {what} is damaged; {advice}"
+        row, column = at or (None, None)
+        return InputError(message, file=file, line=row and row + line - 1, column=column)
+
+    try:
+        content = json.loads(text)
+    except json.JSONDecodeError as error:
+        raise fault(_in_words(error), (error.lineno, error.colno)) from None
+    except RecursionError:
+        raise fault("it is nested too deep") from None
+    except ValueError:  # a number of 5000 digits
+        raise fault("a number is too long") from None
+    if _HALF.search(text):
+        try:
+            found = next(_halves(content), None)
+        except RecursionError:
+            raise fault("it is nested too deep") from None
+        if found:
+            raise fault(found[1], place_of(text, found[0]))
+    return content
+
+
+def _in_words(error: json.JSONDecodeError) -> str:
+    if not error.doc.strip():
+        return "there is nothing in it"
+    if not error.doc[error.pos :].strip():
+        return "it ends before it is whole"
+    said = (words for start, words in _FAULTS.items() if error.msg.startswith(start))
+    return next(said, "this is no JSON from here on")
+
+
+def _halves(value: Any, path: KeyPath = ()) -> Iterator[tuple[KeyPath, str]]:
+    """Yield what Python reads and no text in UTF-8 can hold: half of a surrogate pair."""
+    if isinstance(value, str) and not _is_whole(value):
+        yield path, f"{name_of(path)} has half a character"
+    elif isinstance(value, dict | list):
+        for key, each in value.items() if isinstance(value, dict) else enumerate(value):
+            if isinstance(key, str) and not _is_whole(key):
+                yield path, "the name of a key has half a character"
+            yield from _halves(each, (*path, key))
+
+
+def _is_whole(text: str) -> bool:
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
+def name_of(path: KeyPath) -> str:
+    """Return the name of a value in a sentence."""
+    return f"`{'.'.join(map(str, path))}`" if path else "the whole"
+
+
+def place_of(text: str, path: KeyPath) -> tuple[int, int]:
+    """Return the 1-based line and column of a value of a valid JSON text."""
+    try:
+        at = _offset(text, path)
+    except (IndexError, ValueError):  # a path that the text does not have
+        at = 0
+    before = text[:at]
+    return before.count("\n") + 1, at - before.rfind("\n")
+
+
+def _offset(text: str, path: KeyPath, at: int = 0) -> int:
+    at = _after_space(text, at)
+    if not path:
+        return at
+    at, index = _after_space(text, at + 1), 0
+    while True:
+        key: str | int = index
+        if isinstance(path[0], str):
+            key, at = JSONDecoder().raw_decode(text, at)
+            at = _after_space(text, at) + 1
+        if key == path[0]:
+            return _offset(text, path[1:], at)
+        _, at = JSONDecoder().raw_decode(text, _after_space(text, at))
+        at, index = _after_space(text, _after_space(text, at) + 1), index + 1
+
+
+def _after_space(text: str, at: int) -> int:
+    found = _SPACE.match(text, at)
+    return found.end() if found else at

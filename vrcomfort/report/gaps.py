@@ -1,0 +1,83 @@
+"""What a study folder of vrcomfort's lacks, and what of a folder cannot be read."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+from vrcomfort.errors import InputError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from pathlib import Path
+
+_RESTORE = "restore it from a copy"
+
+
+def unreadable(source: Path) -> list[str]:
+    """Say which folders of a study cannot be read; their files would be passed over in silence.
+
+    Raises
+    ------
+    InputError
+        If none can, as the whole cannot be read.
+    """
+    refused: list[OSError] = []
+    for _ in os.walk(source, onerror=refused.append):
+        pass
+    found = []
+    for error in refused:
+        folder = str(error.filename)
+        message = f"cannot be read: {error.strerror}"
+        if folder == str(source):
+            raise InputError(f"{message}; ask for access, or choose another folder", file=source)
+        name = folder.removeprefix(f"{source}/")
+        found.append(f"{name}: {message}; nothing in it is in this report")
+    return found
+
+
+def gaps(
+    source: Path,
+    description: Mapping[str, Any],
+    participants: Sequence[Mapping[str, str]],
+    manifests: Sequence[Mapping[str, Any]],
+) -> list[str]:
+    """Say what is missing of a study that vrcomfort recorded; of other folders, nothing.
+
+    Parameters
+    ----------
+    description
+        The content of dataset_description.json; empty where there is none.
+    """
+    if "seed" not in description and not any("seed" in each for each in manifests):
+        return []
+    sessions = sorted(each for each in source.glob("sub-*/ses-*") if each.is_dir())
+    if not sessions:
+        return []
+    found = []
+    if not description:
+        message = "conditions are called as in the protocol"
+        found.append(f"dataset_description.json is missing or damaged: {message}; {_RESTORE}")
+    if not participants:
+        message = "who withdrew, or is excluded, is not known"
+        found.append(f"participants.csv is missing, or nobody is in it: {message}; {_RESTORE}")
+    for folder in sessions:
+        if not _is_there(folder / "manifest.json"):
+            name = folder.relative_to(source).as_posix()
+            message = "whether its participant was simulated is not known, and taken for no"
+            found.append(f"{name}/manifest.json is missing: {message}; {_RESTORE}")
+    begun = {folder.parent.name.removeprefix("sub-") for folder in sessions}
+    found += [
+        f"participants.csv: {each['participant']} is completed, and has no session here; restore "
+        "the folder"
+        for each in participants
+        if each.get("status") == "completed" and each["participant"] not in begun
+    ]
+    return found
+
+
+def _is_there(file: Path) -> bool:
+    try:
+        return file.is_file()
+    except OSError:  # its folder cannot be read, which is told
+        return True
