@@ -2,7 +2,8 @@
 
 ``python -m bench.motion_blur`` prints the table of ``docs/motion_blur.md``. Times are processor
 time of the passes between two ``glFinish``, the methods in turn: the median of their ratios to
-`per_pixel` with 8 samples in the same round. `per_pixel 8 again` is the same work (A/A).
+`per_pixel` with 8 samples in the same round. `per_pixel 8 again` is the same work (A/A). Reads and
+bytes are counted, for each pixel: see ``vrcomfort.gpu.traffic``.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose
-from vrcomfort.gpu import gl
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.traffic import Recorder, added_up
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
@@ -46,7 +48,8 @@ def main() -> None:
     parser.add_argument("--shutter", type=float, default=1.0, help="open for so much of the frame")
     options = parser.parse_args()
     width, height = (int(side) for side in options.size.split("x"))
-    print("| scene | method | processor time | RMS · 10³ |\n|---|---|---|---|")
+    print("| scene | method | processor time | reads / px | bytes / px | RMS · 10³ |")
+    print("|---|---|---|---|---|---|")
     for scene in ("temple", "mountain"):
         _measure(scene, (width, height), options.samples, options.rounds, options.shutter)
 
@@ -67,16 +70,16 @@ def _measure(
     )
     exposure = scene.environment.exposure
     seen = sure(reference.halves, exposure=exposure)
-    passes = {
-        each: _pass(context(), shot, {**SHUTTER, **METHODS[each], **opening}) for each in METHODS
-    }
+    settings = {each: {**SHUTTER, **METHODS[each], **opening} for each in METHODS}
+    passes = {each: _pass(context(), shot, settings[each]) for each in METHODS}
     frame = EyeFrame(0, 0, Pose(), shot.camera, shot.previous)
     seconds = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
     cost = {each: np.median(seconds[each] / seconds["per_pixel 8"]) for each in METHODS}
     for each, effect in passes.items():
         image = judged(read_rgb(effect.target), seen, exposure)
         error = 1e3 * rms(image, judged(reference.image, seen, exposure))
-        print(f"| {name} | {each} | {cost[each]:.2f} | {error:.2f} |")
+        moved = _traffic(shot, settings[each], frame)
+        print(f"| {name} | {each} | {cost[each]:.2f} | {moved} | {error:.2f} |")
 
 
 def _pass(ctx: moderngl.Context, shot: Shot, settings: dict[str, Any]) -> MotionBlurPass:
@@ -97,6 +100,17 @@ def _pass(ctx: moderngl.Context, shot: Shot, settings: dict[str, Any]) -> Motion
         settings=MotionBlur.model_validate(settings),
         size_px=size_px,
     )
+
+
+def _traffic(shot: Shot, settings: dict[str, Any], frame: EyeFrame) -> str:
+    """Return texture reads and bytes for each pixel, as two cells of the table."""
+    with shaders.counting_reads():
+        effect = _pass(context(), shot, settings)
+    recorder = Recorder(context())
+    with recorder.recording():
+        effect.render(frame)
+    moved, pixels = added_up(recorder.draws), shot.depth.size
+    return f"{(moved.reads or 0) / pixels:.1f} | {moved.bytes / pixels:.1f}"
 
 
 def _half(values: NDArray[np.float32]) -> bytes:

@@ -208,7 +208,7 @@ def test_tiles_are_told_by_what_can_be_seen_in_them(ctx, rng):
 
 @pytest.mark.parametrize("slowest_px", [0.0, 60.0])
 def test_streaks_that_grow_slowly_across_the_image_hide_nothing(ctx, rng, slowest_px):
-    """As where the camera goes forward: 0.4 px more for each pixel, but no jump. Depth is not asked."""
+    """As where the camera goes forward: 0.4 px more for each pixel, no jump; depth is not asked."""
     x = np.arange(256.0)[None, :].repeat(64, axis=0)
     velocity = np.stack([slowest_px + 0.4 * np.abs(x - 128), 0 * x], axis=-1)
     rgb = rng.uniform(0, 1, (64, 256, 3))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, degrees, inf
+from math import atan2, degrees
 from typing import NamedTuple
 
 import numpy as np
@@ -24,16 +24,17 @@ _CUBIC_ABOVE = 16
 _MOST_PAIRS = 7
 """Reads to each side of a pixel, in one step."""
 _ONE_STEP_SPACING_PX = {False: 2.5, True: 1.9}
-"""Between the reads of one step along the longest streak of a frame, without and with cubic reads: a
-wider spacing makes steps in a moving edge, and cubic reads are softened less by two steps."""
+"""Between the reads of one step along a frame's longest streak, without and with cubic reads: a wider
+spacing makes steps in a moving edge, and two steps soften cubic reads less."""
 
 
 class Sampling(NamedTuple):
     """How streaks are averaged.
 
-    In one step a pixel is the mean of itself and `pairs` reads to each side. In two it is the mean
-    of `parts` means of `taps` reads: `taps` · `parts` samples for `taps` + `parts` reads. Two are
-    taken in frames with a half streak longer than `one_step_px`; with one tap, in none.
+    In one step a pixel is the mean of itself and `pairs` reads to each side, which lie so that they
+    leave nothing out. In two it is the mean of `parts` means of `taps` reads: `taps` · `parts`
+    samples for `taps` + `parts` reads. Two are taken in frames with a half streak longer than
+    `one_step_px`; with one tap, `parts` reads that share the streak evenly.
     """
 
     taps: int
@@ -56,7 +57,7 @@ class Sampling(NamedTuple):
     @property
     def one_step_px(self) -> float:
         """Return the longest half streak of a frame that is averaged in one step."""
-        return inf if self.taps == 1 else _ONE_STEP_SPACING_PX[self.cubic] * (self.pairs + 0.5)
+        return _ONE_STEP_SPACING_PX[self.cubic] * (self.pairs + 0.5)
 
 
 def sampling_of(samples: int, width_px: int) -> Sampling:

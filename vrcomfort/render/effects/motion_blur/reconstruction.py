@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from types import MappingProxyType
 from typing import NamedTuple
 
 import moderngl
@@ -54,43 +52,41 @@ class Reconstruction:
         self._tile_max = TileMaxPass(ctx, velocity=velocity, limit_px=limit_px, jump=sampling.jump)
         self._dilate = _dilation(ctx, self._tile_max, limit_px, sampling.jump)
         self.target = gl.color_texture(ctx, colour.size)
-        self._averages = tuple(self._one_step() if sampling.taps == 1 else self._one_step_or_two())
+        average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
+        in_parts = colour if average is None else average.target
+        self._averages = (
+            *(() if average is None else (average,)),
+            self._average("motion_blur_long", in_parts, self.target),
+            self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
+        )
         self._foreground = self._mixed_tiles(depth)
-
-    def _one_step(self) -> Iterator[FullscreenPass]:
-        yield self._average("motion_blur", self._colour, self.target, "common/fullscreen.vert")
-
-    def _one_step_or_two(self) -> Iterator[FullscreenPass]:
-        by_frame = "motion_blur/frame_of_streaks.vert"
-        average = self._average("streak_average", self._colour, None, by_frame, {"LONG": 1})
-        yield average
-        yield self._average("motion_blur_long", average.target, self.target, by_frame, {"LONG": 1})
-        yield self._average("motion_blur", self._colour, self.target, by_frame)
 
     def _average(
         self,
         name: str,
         source: moderngl.Texture,
         target: moderngl.Texture | None,
-        vertex: str,
-        frames: Defines = MappingProxyType({}),
+        short: Defines | None = None,
     ) -> FullscreenPass:
-        """Return a pass over the whole image, in all frames or in those that `vertex` draws."""
+        """Return a pass over the whole image: in frames with long streaks, or in `short` ones."""
         sampling = self._sampling
-        inputs = {"velocity": self._velocity, "source": source}
-        defines: dict[str, int | float | str] = {"CUBIC": 1} if sampling.cubic else {}
-        defines |= {"TAPS": sampling.taps, "PARTS": sampling.parts, "PAIRS": sampling.pairs}
-        if sampling.taps > 1:
-            inputs["frame"] = self._tile_max.frame.target
-            defines["ONE_STEP_PX"] = sampling.one_step_px
+        steps = {"LONG": 1, "TAPS": sampling.taps, "PARTS": sampling.parts}
         return FullscreenPass(
             self._ctx,
             f"motion_blur/{name}.frag",
             size_px=self._colour.size,
-            inputs=inputs,
+            inputs={
+                "frame": self._tile_max.frame.target,
+                "velocity": self._velocity,
+                "source": source,
+            },
             filtered={"source"},
-            defines={**defines, **frames},
-            vertex=vertex,
+            defines={
+                "ONE_STEP_PX": sampling.one_step_px,
+                **(steps if short is None else short),
+                **({"CUBIC": 1} if sampling.cubic else {}),
+            },
+            vertex="motion_blur/frame_of_streaks.vert",
             target=target,
         )
 
