@@ -24,8 +24,8 @@ _CUBIC_ABOVE = 16
 _MOST_PAIRS = 7
 """Reads to each side of a pixel, in one step."""
 _ONE_STEP_SPACING_PX = {False: 2.5, True: 1.9}
-"""Between the reads of one step along a frame's longest streak, without and with cubic reads: a wider
-spacing makes steps in a moving edge, and two steps soften cubic reads less."""
+"""Between the reads of one step along a frame's longest streak, without and with cubic reads: a
+wider spacing makes steps in a moving edge, and two steps soften cubic reads less."""
 
 
 class Sampling(NamedTuple):
