@@ -45,9 +45,9 @@ install() { # install PACKAGES...
     fi
     say "Installing: $*"
     {
-        "${as_root[@]}" apt-get update -qq &&
+        "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
             "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-                apt-get install -y -qq --no-install-recommends "$@"
+                apt-get -o Acquire::Retries=5 install -y -qq --no-install-recommends "$@"
     } >/dev/null || return 1
 }
 

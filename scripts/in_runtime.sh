@@ -26,7 +26,7 @@ PYTHON
     wanted=$(cat "$venv/requirements.txt" "$checkout/requirements.lock" | sha256sum)
     [ "$(cat "$venv/installed" 2>/dev/null)" != "$wanted" ] || return 0
     echo "Installing the Python packages next to Monado ..." >&2
-    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check \
+    "$venv/bin/python" -m pip install --quiet --disable-pip-version-check --retries 10 \
         --constraint "$checkout/requirements.lock" --requirement "$venv/requirements.txt" >&2
     printf '#!%s/bin/python\nfrom vrcomfort.cli import main\nmain()\n' "$venv" \
         >"$venv/bin/vrcomfort"

@@ -78,9 +78,9 @@ make_folder() { # make_folder FOLDER MIRROR
     mount -t proc proc "$folder/proc"
     printf '#!/bin/sh\nexit 101\n' >"$folder/usr/sbin/policy-rc.d" # no daemons in the folder
     chmod +x "$folder/usr/sbin/policy-rc.d"
-    chroot "$folder" apt-get update >>"$folder.log" 2>&1
-    DEBIAN_FRONTEND=noninteractive chroot "$folder" apt-get install -y --no-install-recommends \
-        "${packages[@]}" >>"$folder.log" 2>&1
+    chroot "$folder" apt-get -o Acquire::Retries=5 update >>"$folder.log" 2>&1
+    DEBIAN_FRONTEND=noninteractive chroot "$folder" apt-get -o Acquire::Retries=5 \
+        install -y --no-install-recommends "${packages[@]}" >>"$folder.log" 2>&1
     copy_network_settings "$folder" # installing ca-certificates wrote its own bundle
     chroot "$folder" apt-get clean
 }
@@ -100,7 +100,10 @@ if [ ! -e "$root/complete" ]; then
         fail "making a folder with Monado needs root." \
             "Install Monado 25 or newer yourself (Debian 13, Ubuntu 25.04: ${packages[*]:0:4})."
     command -v debootstrap >/dev/null ||
-        { "${as_root[@]}" apt-get update -qq && "${as_root[@]}" apt-get install -y -qq debootstrap; } >&2 ||
+        {
+            "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
+                "${as_root[@]}" apt-get -o Acquire::Retries=5 install -y -qq debootstrap
+        } >&2 ||
         fail "debootstrap is missing and cannot be installed from here." \
             "Install debootstrap, then run the same command again."
     say "Making a Debian 13 folder with Monado in $root (2 minutes, once) ..."

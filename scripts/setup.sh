@@ -14,9 +14,9 @@ install_system_packages() {
     fi
     command -v apt-get >/dev/null || return 1
     echo "Installing: $*"
-    "${as_root[@]}" apt-get update -qq &&
+    "${as_root[@]}" apt-get -o Acquire::Retries=5 update -qq &&
         "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-            apt-get install -y -qq --no-install-recommends "$@" >/dev/null
+            apt-get -o Acquire::Retries=5 install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
 require() { # require WHAT PACKAGES...
@@ -56,7 +56,7 @@ python=${python:-$(find_python)} || {
 wanted=$(cat pyproject.toml requirements.lock | sha256sum)
 if [ "$(cat .venv/installed 2>/dev/null)" != "$wanted" ]; then
     echo "Installing the Python packages into .venv (about 400 MB) ..."
-    .venv/bin/python -m pip install --quiet --disable-pip-version-check \
+    .venv/bin/python -m pip install --quiet --disable-pip-version-check --retries 10 \
         --constraint requirements.lock --editable '.[dev]'
     echo "$wanted" >.venv/installed
 fi

@@ -103,15 +103,20 @@ def test_a_blurred_foreground_is_the_disc_integral_at_its_edge(
 
 @pytest.mark.parametrize(("samples", "radius_px"), [(36, 3.3), (72, 4.7), (256, 9.0), (72, 16.0)])
 @pytest.mark.parametrize("aspect", [1.25, 2.5])
-def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(ctx, samples, radius_px, aspect):
+@pytest.mark.parametrize("upwards", [False, True])
+def test_a_front_reaches_over_all_tiles_however_tall_pixels_are(
+    ctx, samples, radius_px, aspect, upwards
+):
     """Its edge lies between two tiles; radii are widths, so that more rows than columns blur."""
     near = np.arange(96)[:, None].repeat(64, axis=1) < 24
+    near = near[::-1] if upwards else near
     rgb = np.where(near[..., None], 1.0, [0.0, 0.0, 0.0])
     settings = {"samples": samples, "pixel_aspect": aspect, "limit_px": radius_px}
     found = blur(ctx, "vrcomfort", rgb, np.where(near, -radius_px, 0.0), **settings)
     x = np.clip((np.arange(96) - 23.5) / (radius_px * aspect), -1, 1)
     covered = 0.5 - (x * np.sqrt(1 - x**2) + np.arcsin(x)) / np.pi
-    np.testing.assert_allclose(found.rgb[24:, 32, 0], covered[24:], atol=0.03)
+    column = found.rgb[::-1, 32, 0] if upwards else found.rgb[:, 32, 0]
+    np.testing.assert_allclose(column[24:], covered[24:], atol=0.03)
 
 
 BESIDE_FOCUS = [(-4.0, 6.0), (-9.0, 9.0), (-3.0, 3.0)]

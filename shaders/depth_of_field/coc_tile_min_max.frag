@@ -6,7 +6,7 @@
 // Output: one texel per tile; signed RADIUS in pixels of image width, negative in front of the focus:
 //         r, g = least and greatest within the limit, with peripheral blur;
 //         b = largest |RADIUS| before the limit, for the record;
-//         a = bits: the levels that discs are drawn on, and EDGE.
+//         a = bits (levels.glsl): the levels that discs are drawn on, the quarters in which surfaces end.
 //         b grows away from the focus, so that the nearest or the farthest point has the largest;
 //         a tile counts as being where its middle is.
 // Source: colour_and_coc.frag.
@@ -25,12 +25,16 @@ vec2 depths = vec2(1.0, 0.0);  // farthest, nearest
 vec2 radii = vec2(1e4, -1e4);  // least, greatest
 int bits = 0;
 
-// Takes down whether a surface ends between pixels beside each other.
-void compare(vec2 these, vec2 those) {
+// Takes down whether a surface ends between pixels beside each other, in a quarter of the tile.
+void compare(vec2 these, vec2 those, int quarter) {
     vec2 far = max(these, those), step_px = abs(these - those);
     vec2 widest = max(abs(these), abs(those));
     bvec2 apart = greaterThan(step_px, max(vec2(0.35), 0.06 * abs(far)));
-    bits |= (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5) ? EDGE : 0;
+    bool ends = (apart.x && widest.x > 0.5) || (apart.y && widest.y > 0.5);
+    bits |= ends ? 1 << (LEVEL_BITS + quarter) : 0;
+    // The pixel beyond the tile may be the one whose disc comes far.
+    radii = ends ? vec2(min(radii.x, min(min(these.x, these.y), min(those.x, those.y))),
+                        max(radii.y, max(max(these.x, these.y), max(those.x, those.y)))) : radii;
 }
 
 void main() {
@@ -45,12 +49,13 @@ void main() {
             vec2 l = uv - 0.5 / size, u = uv + 0.5 / size;
             vec4 r = vec4(radius_at(z.x, vec2(l.x, u.y)), radius_at(z.y, u),
                           radius_at(z.z, vec2(u.x, l.y)), radius_at(z.w, l));
-            compare(r.xw, r.yz);
-            compare(r.xy, r.wz);
+            int quarter = (4 * x < TILE ? 0 : 1) + (4 * y < TILE ? 0 : 2);
+            compare(r.xw, r.yz, quarter);
+            compare(r.xy, r.wz, quarter);
             if (x > 0)
-                compare(r.wx, left);
+                compare(r.wx, left, quarter);
             if (y > 0)
-                compare(r.wz, below[x]);
+                compare(r.wz, below[x], quarter);
             left = r.zy;
             below[x] = r.xy;
             if (x < BLOCKS - 1 && y < BLOCKS - 1) {

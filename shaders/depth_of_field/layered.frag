@@ -26,7 +26,8 @@
 //                                 constant), the foreground's opacity is absolute and stops at 1.
 //
 // Every texel of a disc counts once, on the level (include/levels.glsl) on which it has not too many: no
-// sample lies between two others, so that lamps make no beads. No noise, hence the same
+// sample lies between two others, so that lamps make no beads. What is behind is a soft mean and part of a
+// pixel: one level coarser does for it. No noise, hence the same
 // kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
 //
@@ -59,6 +60,10 @@ ivec2 pixel = ivec2(gl_FragCoord.xy);
 vec4 p = texelFetch(colour_and_coc, pixel, 0);
 float own_px = abs(p.a);
 
+// 1 where p is in a quarter of its tile within whose reach a surface ends, else 0: all around is its surface.
+ivec2 quarter = 2 * pixel / POINT_PX & 1;
+float near_end = float(int(tile.g) >> (quarter.x + 2 * quarter.y) & 1);
+
 vec4 surface = vec4(0.0);     // rgb * part of p's disc, part
 vec4 behind = vec4(0.0);      // rgb * weight, weight
 vec4 foreground = vec4(0.0);  // rgb * opacity, opacity
@@ -70,7 +75,12 @@ float cells_of(float row, float reach) {
 
 // 0 where q may be the surface of p or is nearer, 1 where it is behind.
 float farther(float q) {
-    return clamp((q - p.a) / (0.2 * own_px + 0.25) - 0.5, 0.0, 1.0);
+    return near_end * clamp((q - p.a) / (0.2 * own_px + 0.25) - 0.5, 0.0, 1.0);
+}
+
+// 0 where q may be the surface of p or is behind it, 1 where it is nearer.
+float nearer_than_p(float q) {
+    return near_end * nearer(p.a, q);
 }
 
 // The radius of a disc behind p (px).
@@ -97,13 +107,12 @@ void add_surface(float own, vec4 found, float free) {
     surface += own > 0.0 ? own * (all > 1e-4 ? found / all : vec4(p.rgb, 1.0)) : vec4(0.0);
 }
 
-// All pixels around: the surface where `own`, and the foreground that is drawn on pixels.
-void gather_pixels(float own, float foreground_px) {
+// All pixels around: the surface where `own`, and, unless it is left out, the foreground that is drawn on pixels.
+void gather_pixels(float own, float foreground_px, bool with_foreground) {
     float slack_px = slack_of(own_px);
     float widest_px = max(own > 0.0 ? own_px + slack_px : 0.0, foreground_px);
     float reach = widest_px > 0.0 ? grid_radius_px(widest_px) + 0.5 * RIM_PX : -1.0;
     int rows = int(floor(reach * pixel_aspect));
-    float per_margin = 1.0 / margin_px(p.a);
     ivec2 last = textureSize(colour_and_coc, 0) - 1;
     vec4 found = vec4(0.0), over = vec4(0.0);
     float free = 0.0;
@@ -114,14 +123,15 @@ void gather_pixels(float own, float foreground_px) {
             vec4 q = texelFetch(colour_and_coc, clamp(pixel + ivec2(x, y), ivec2(0), last), 0);
             float away = sqrt(float(x * x) + row * row);
             float radius = abs(q.a);
-            float is_nearer = clamp((p.a - q.a) * per_margin - 1.0, 0.0, 1.0), is_farther = farther(q.a);
+            float is_nearer = nearer_than_p(q.a), is_farther = farther(q.a);
             float as_own = clamp(radius, own_px - slack_px, own_px + slack_px);
             float share = disc_share(away, grid_radius_px(mix(as_own, radius, is_nearer)));
             found += (1.0 - is_nearer - is_farther) * share * vec4(q.rgb, 1.0);
             free += is_farther * share;
             note_behind(q.a, is_farther * share);
-            over += (radius > 0.5 ? is_nearer * (1.0 - coarser_part(0, radius)) : 0.0)
-                  * share * vec4(q.rgb, 1.0);
+            if (with_foreground)
+                over += (radius > 0.5 ? is_nearer * (1.0 - coarser_part(0, radius)) : 0.0)
+                      * share * vec4(q.rgb, 1.0);
         }
     }
     add_surface(own, found, free);
@@ -160,8 +170,8 @@ Rows rows_within(float texel_px, float texels) {
     return Rows(place, reach, int(ceil(place.y - rows)), reach > 0.0 ? int(floor(place.y + rows)) : -1000000);
 }
 
-// All texels of a level around: the surface where `own`, and the foreground that is drawn there.
-void gather_texels(usampler2D layers, int level, float own, float foreground_px) {
+// All texels of a level around: the surface where `own`, and, unless left out, the foreground drawn there.
+void gather_texels(usampler2D layers, int level, float own, float foreground_px, bool with_foreground) {
     float texel_px = float(1 << level);
     float own_texels = grid_radius_px(disc_texels(own_px, texel_px));
     float front_texels = grid_radius_px(disc_texels(foreground_px, texel_px));
@@ -179,33 +189,35 @@ void gather_texels(usampler2D layers, int level, float own, float foreground_px)
             float away = length(vec2(float(x) - rows.place.x, row));
             float share = disc_share(away, own_texels);
             float front = q.coverage, back = 1.0 - q.coverage;
-            float front_nearer = nearer(p.a, q.front.a), back_nearer = nearer(p.a, q.back.a);
+            float front_nearer = nearer_than_p(q.front.a), back_nearer = nearer_than_p(q.back.a);
             float front_farther = farther(q.front.a), back_farther = farther(q.back.a);
             found += share * (front * (1.0 - front_nearer - front_farther) * vec4(q.front.rgb, 1.0)
                             + back * (1.0 - back_nearer - back_farther) * vec4(q.back.rgb, 1.0));
             free += share * (front * front_farther + back * back_farther);
             note_behind(q.front.a, share * front * front_farther);
             note_behind(q.back.a, share * back * back_farther);
-            float front_px = abs(q.front.a), back_px = abs(q.back.a);
-            over += front_nearer * front * level_part(level, front_px)
-                  * disc_share(away, grid_radius_px(disc_texels(front_px, texel_px))) * vec4(q.front.rgb, 1.0);
-            over += back_nearer * back * level_part(level, back_px)
-                  * disc_share(away, grid_radius_px(disc_texels(back_px, texel_px))) * vec4(q.back.rgb, 1.0);
+            if (with_foreground) {
+                float front_px = abs(q.front.a), back_px = abs(q.back.a);
+                over += front_nearer * front * level_part(level, front_px)
+                      * disc_share(away, grid_radius_px(disc_texels(front_px, texel_px))) * vec4(q.front.rgb, 1.0);
+                over += back_nearer * back * level_part(level, back_px)
+                      * disc_share(away, grid_radius_px(disc_texels(back_px, texel_px))) * vec4(q.back.rgb, 1.0);
+            }
         }
     }
     add_surface(own, found, free);
     foreground += over / (PI * pixel_aspect);
 }
 
-// What a texel adds of one surface that is behind.
-vec4 part_behind(int level, float away, vec4 q, float coverage) {
+// What a texel adds of one surface that is behind, of the discs that are `for_level`.
+vec4 part_behind(int level, int for_level, float away, vec4 q, float coverage) {
     float radius = radius_behind(q.a);
-    return farther(q.a) * is_seen(q.a) * coverage * level_part(level, radius)
+    return farther(q.a) * is_seen(q.a) * coverage * level_part(for_level, radius)
          * disc_share(away, grid_radius_px(disc_texels(radius, float(1 << level)))) * vec4(q.rgb, 1.0);
 }
 
-// All texels of a level around: what is behind and drawn there.
-void gather_texels_behind(usampler2D layers, int level, float widest_px) {
+// All texels of a level around: what is behind, of the discs that are `for_level`.
+void gather_texels_behind(usampler2D layers, int level, int for_level, float widest_px) {
     float texel_px = float(1 << level);
     Rows rows = rows_within(texel_px, widest_px > 0.0 ? grid_radius_px(disc_texels(widest_px, texel_px)) : 0.0);
     ivec2 last = textureSize(layers, 0) - 1;
@@ -216,8 +228,8 @@ void gather_texels_behind(usampler2D layers, int level, float widest_px) {
         for (int x = int(ceil(rows.place.x - cells)); x <= right; ++x) {
             Layers q = unpack_layers(texelFetch(layers, clamp(ivec2(x, y), ivec2(0), last), 0));
             float away = length(vec2(float(x) - rows.place.x, row));
-            behind += part_behind(level, away, q.front, q.coverage)
-                    + part_behind(level, away, q.back, 1.0 - q.coverage);
+            behind += part_behind(level, for_level, away, q.front, q.coverage)
+                    + part_behind(level, for_level, away, q.back, 1.0 - q.coverage);
         }
     }
 }
@@ -228,7 +240,7 @@ float widest_of(int level) {
 
 // The widest foreground disc of a level that may come here, 0 for none.
 float foreground_of(int level) {
-    bool there = tile.r < p.a - margin_px(p.a) && (int(tile.b) & (1 << level)) != 0;
+    bool there = near_end > 0.0 && tile.r < p.a - margin_px(p.a) && (int(tile.b) & (1 << level)) != 0;
     return there ? min(max(-tile.r, p.a), widest_of(level)) : 0.0;
 }
 
@@ -244,33 +256,49 @@ float own_part(int level) {
     return own_px > 0.5 ? level_part(level, own_px) : 0.0;
 }
 
+// A level in one of two loops: where nothing nearer may cover p, one that does not ask for it.
+void gather_level_0() {
+    float own = own_part(0), foreground_px = foreground_of(0);
+    gather_pixels(foreground_px > 0.0 ? 0.0 : own, 0.0, false);
+    gather_pixels(foreground_px > 0.0 ? own : 0.0, foreground_px, true);
+}
+
+void gather_level(usampler2D layers, int level) {
+    float own = own_part(level), foreground_px = foreground_of(level);
+    gather_texels(layers, level, foreground_px > 0.0 ? 0.0 : own, 0.0, false);
+    gather_texels(layers, level, foreground_px > 0.0 ? own : 0.0, foreground_px, true);
+}
+
 void main() {
     surface = own_px <= 0.5 ? vec4(p.rgb, 1.0) : vec4(0.0);
-    gather_pixels(own_part(0), foreground_of(0));
+    gather_level_0();
 #if LEVELS > 1
-    gather_texels(layers_1, 1, own_part(1), foreground_of(1));
+    gather_level(layers_1, 1);
 #endif
 #if LEVELS > 2
-    gather_texels(layers_2, 2, own_part(2), foreground_of(2));
+    gather_level(layers_2, 2);
 #endif
 #if LEVELS > 3
-    gather_texels(layers_3, 3, own_part(3), foreground_of(3));
+    gather_level(layers_3, 3);
 #endif
 #if LEVELS > 4
-    gather_texels(layers_4, 4, own_part(4), foreground_of(4));
+    gather_level(layers_4, 4);
 #endif
     gather_pixels_behind(behind_of(0));
-#if LEVELS > 1
-    gather_texels_behind(layers_1, 1, behind_of(1));
-#endif
-#if LEVELS > 2
-    gather_texels_behind(layers_2, 2, behind_of(2));
-#endif
-#if LEVELS > 3
-    gather_texels_behind(layers_3, 3, behind_of(3));
-#endif
-#if LEVELS > 4
-    gather_texels_behind(layers_4, 4, behind_of(4));
+#if LEVELS == 2
+    gather_texels_behind(layers_1, 1, 1, behind_of(1));
+#elif LEVELS == 3
+    gather_texels_behind(layers_2, 2, 1, behind_of(1));
+    gather_texels_behind(layers_2, 2, 2, behind_of(2));
+#elif LEVELS == 4
+    gather_texels_behind(layers_2, 2, 1, behind_of(1));
+    gather_texels_behind(layers_3, 3, 2, behind_of(2));
+    gather_texels_behind(layers_3, 3, 3, behind_of(3));
+#elif LEVELS == 5
+    gather_texels_behind(layers_2, 2, 1, behind_of(1));
+    gather_texels_behind(layers_3, 3, 2, behind_of(2));
+    gather_texels_behind(layers_4, 4, 3, behind_of(3));
+    gather_texels_behind(layers_4, 4, 4, behind_of(4));
 #endif
     vec3 own = behind.a > 1e-5 ? surface.rgb + (1.0 - surface.a) * behind.rgb / behind.a
                                : surface.rgb / max(surface.a, 1e-5);

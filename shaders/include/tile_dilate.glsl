@@ -7,14 +7,19 @@ float widest_px(vec4 tile) {
     return max(pixel_aspect, 1.0) * max(abs(tile.r), abs(tile.g)) + 1.0;
 }
 
-// Whether the discs of a tile come so many tiles far.
-bool reaches(int away, vec4 tile) {
-    return float((away - 1) * TILE) <= widest_px(tile);
+// How many pixels there are between two tiles so many tiles apart.
+float gap_px(ivec2 apart) {
+    return float(TILE) * length(vec2(max(abs(apart) - 1, 0)));
 }
 
-// Whether what is so many tiles away matters here: its discs come as far, or those of here do.
-bool matters(int away, vec4 here, vec4 there) {
-    return reaches(away, here) || reaches(away, there);
+// Whether the discs of a tile come so far.
+bool reaches(float gap, vec4 tile) {
+    return gap <= widest_px(tile);
+}
+
+// Whether what is so far away matters here: its discs come as far, or those of here do.
+bool matters(float gap, vec4 here, vec4 there) {
+    return reaches(gap, here) || reaches(gap, there);
 }
 
 // How many tiles away anything may matter.

@@ -41,7 +41,7 @@ SHUTTER: dict[str, Any] = {"mode": "full", "shutter_fraction": 1.0, "max_radius_
 PER_PIXEL_SAMPLES = 8
 """Samples along every streak of the method that does not know who hides whom."""
 
-SAMPLES = (16, 20, 36, 72, 128)
+SAMPLES = (16, 20, 36, 72, 96)
 STREAK_SAMPLES = (8, 16, 32)
 VIEWS = (1, 4, 16, 64, 256)
 
