@@ -1,8 +1,9 @@
 """Motion blur as walked: error against brute force and processor time, ours beside per_pixel.
 
 ``python -m bench.motion_blur`` prints the table of ``docs/motion_blur.md``. Times are processor
-time of the passes between two ``glFinish``, the methods in turn, over that of `per_pixel` with 8
-samples.
+time of the passes between two ``glFinish``, the methods in turn: the median of their ratios to
+`per_pixel` with 8 samples in the same round. `per_pixel 8 again` is the same work (A/A). Reads and
+bytes are counted, for each pixel: see ``vrcomfort.gpu.traffic``.
 """
 
 from __future__ import annotations
@@ -10,13 +11,15 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable
+from typing import Any
 
 import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
 from vrcomfort.geometry import Pose
-from vrcomfort.gpu import gl
+from vrcomfort.gpu import gl, shaders
+from vrcomfort.gpu.traffic import Recorder, added_up
 from vrcomfort.protocol.conditions import MotionBlur
 from vrcomfort.render.effects.effect import EyeFrame
 from vrcomfort.render.effects.motion_blur.effect import MotionBlurPass
@@ -28,8 +31,9 @@ from vrcomfort.tradeoff.shots import Shot, context, shoot
 from vrcomfort.tradeoff.store import scene_and_hash
 from vrcomfort.tradeoff.walk import time_s
 
-METHODS = {
+METHODS: dict[str, dict[str, Any]] = {
     "per_pixel 8": {"method": "per_pixel", "samples": 8},
+    "per_pixel 8 again": {"method": "per_pixel", "samples": 8},
     "per_pixel 16": {"method": "per_pixel", "samples": 16},
     **{f"ours {samples}": {"samples": samples} for samples in (4, 8, 16, 32)},
 }
@@ -41,16 +45,24 @@ def main() -> None:
     parser.add_argument("--size", default="640x800", help="of an eye's image")
     parser.add_argument("--samples", type=int, default=128, help="of the reference")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--shutter", type=float, default=1.0, help="open for so much of the frame")
     options = parser.parse_args()
     width, height = (int(side) for side in options.size.split("x"))
-    print("| scene | method | processor time | RMS · 10³ |\n|---|---|---|---|")
+    print("| scene | method | processor time | reads / px | bytes / px | RMS · 10³ |")
+    print("|---|---|---|---|---|---|")
     for scene in ("temple", "mountain"):
-        _measure(scene, (width, height), options.samples, options.rounds)
+        _measure(scene, (width, height), options.samples, options.rounds, options.shutter)
 
 
-def _measure(name: str, size_px: tuple[int, int], samples: int, rounds: int) -> None:
+def _measure(
+    name: str, size_px: tuple[int, int], samples: int, rounds: int, shutter_fraction: float
+) -> None:
     scene, _ = scene_and_hash(name)
+    opening = {"shutter_fraction": shutter_fraction}
     condition = base_condition("motion_blur")
+    if condition.motion_blur is not None:
+        streaks = condition.motion_blur.model_copy(update=opening)
+        condition = condition.model_copy(update={"motion_blur": streaks})
     pair = frames(Case(name, 0, "walk", "motion_blur"), Scope(size_px=size_px))
     shot = shoot(scene, condition, pair, size_px)[0]
     reference = Reference(context(), scene, condition, size_px).render(
@@ -58,16 +70,19 @@ def _measure(name: str, size_px: tuple[int, int], samples: int, rounds: int) -> 
     )
     exposure = scene.environment.exposure
     seen = sure(reference.halves, exposure=exposure)
-    passes = {each: _pass(context(), shot, each) for each in METHODS}
+    settings = {each: {**SHUTTER, **METHODS[each], **opening} for each in METHODS}
+    passes = {each: _pass(context(), shot, settings[each]) for each in METHODS}
     frame = EyeFrame(0, 0, Pose(), shot.camera, shot.previous)
-    cost = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
+    seconds = _processor_s({k: lambda p=p: p.render(frame) for k, p in passes.items()}, rounds)
+    cost = {each: np.median(seconds[each] / seconds["per_pixel 8"]) for each in METHODS}
     for each, effect in passes.items():
         image = judged(read_rgb(effect.target), seen, exposure)
         error = 1e3 * rms(image, judged(reference.image, seen, exposure))
-        print(f"| {name} | {each} | {cost[each] / cost['per_pixel 8']:.2f} | {error:.2f} |")
+        moved = _traffic(shot, settings[each], frame)
+        print(f"| {name} | {each} | {cost[each]:.2f} | {moved} | {error:.2f} |")
 
 
-def _pass(ctx: moderngl.Context, shot: Shot, name: str) -> MotionBlurPass:
+def _pass(ctx: moderngl.Context, shot: Shot, settings: dict[str, Any]) -> MotionBlurPass:
     height, width = shot.depth.shape
     size_px = width, height
     alpha = np.ones((height, width, 1), np.float32)
@@ -82,17 +97,30 @@ def _pass(ctx: moderngl.Context, shot: Shot, name: str) -> MotionBlurPass:
         colour=colour,
         depth=depth,
         velocity=velocity,
-        settings=MotionBlur.model_validate({**SHUTTER, **METHODS[name]}),
+        settings=MotionBlur.model_validate(settings),
         size_px=size_px,
     )
+
+
+def _traffic(shot: Shot, settings: dict[str, Any], frame: EyeFrame) -> str:
+    """Return texture reads and bytes for each pixel, as two cells of the table."""
+    with shaders.counting_reads():
+        effect = _pass(context(), shot, settings)
+    recorder = Recorder(context())
+    with recorder.recording():
+        effect.render(frame)
+    moved, pixels = added_up(recorder.draws), shot.depth.size
+    return f"{(moved.reads or 0) / pixels:.1f} | {moved.bytes / pixels:.1f}"
 
 
 def _half(values: NDArray[np.float32]) -> bytes:
     return values.astype(np.float16).tobytes()
 
 
-def _processor_s(draws: dict[str, Callable[[], None]], rounds: int) -> dict[str, float]:
-    """Return the median seconds of each, after one that warms up."""
+def _processor_s(
+    draws: dict[str, Callable[[], None]], rounds: int
+) -> dict[str, NDArray[np.float64]]:
+    """Return (rounds,) seconds of each, after one that warms up."""
     found: dict[str, list[float]] = {name: [] for name in draws}
     for _ in range(rounds + 1):
         for name, draw in draws.items():
@@ -101,7 +129,7 @@ def _processor_s(draws: dict[str, Callable[[], None]], rounds: int) -> dict[str,
             draw()
             context().finish()
             found[name].append(time.process_time() - start)
-    return {name: float(np.median(seconds[1:])) for name, seconds in found.items()}
+    return {name: np.array(seconds[1:]) for name, seconds in found.items()}
 
 
 if __name__ == "__main__":

@@ -249,10 +249,11 @@ def test_reads_share_a_streak_evenly(reach, samples, width_px):
     assert weights @ pixels == pytest.approx(0, abs=1e-9)
     beyond = np.abs(pixels) > np.ceil(reach) + 1
     assert weights[beyond].sum() == pytest.approx(0, abs=1e-12)
-    if reach <= how.short_px:  # no pixel is passed over
+    if reach <= min(how.one_step_px, 2 * how.pairs + 0.5):  # no pixel is passed over
         assert weights[np.abs(pixels) <= reach - 1].min(initial=1) > 0
     assert how.taps + how.parts <= max(samples + 3, 6)
     assert how.taps * how.parts >= 0.6 * samples
+    assert 2 * how.pairs + 1 <= how.taps + how.parts + 1
 
 
 def test_shader_time_over_is_the_twin(ctx, rng):

@@ -59,3 +59,8 @@ float class_of(vec2 around, float shortest, float steepness) {
         return STILL;
     return steepness <= jump_px(shortest) ? ALIKE : MIXED;
 }
+
+// Whether any tile of a frame may be MIXED; frame: of all its tiles (frame_streaks.vert).
+bool may_be_mixed(vec3 frame) {
+    return frame.x >= LEAST_PX && frame.y > jump_px(-frame.z);
+}

@@ -1,18 +1,27 @@
 #version 450 core
-// A triangle that covers the image, in frames with LONG streaks or, without LONG, in the others.
+// A triangle that covers the image, in frames of one kind.
 //
-// Input:  gl_VertexID 0, 1, 2; frame_longest = the longest half velocity of the frame, px; SHORT_PX, up
-//         to which half velocities are averaged in one step.
+// Input:  gl_VertexID 0, 1, 2; frame (frame_streaks.vert). Which frames: with PASSING those in which
+//         things may pass each other, with LONG those whose longest half velocity is above
+//         ONE_STEP_PX, otherwise those where it is not.
 // Output: gl_Position; the triangle has no area where it is not to be drawn.
-uniform sampler2D frame_longest;
+#include "velocity.glsl"
+#include "motion_tile_classes.glsl"
+
+uniform sampler2D frame;
+
+bool is_drawn(vec3 streaks) {
+#if defined PASSING
+    return may_be_mixed(streaks);
+#elif defined LONG
+    return streaks.x > ONE_STEP_PX;
+#else
+    return streaks.x <= ONE_STEP_PX;
+#endif
+}
 
 void main() {
-    bool is_long = texelFetch(frame_longest, ivec2(0), 0).r > SHORT_PX;
-#ifdef LONG
-    bool drawn = is_long;
-#else
-    bool drawn = !is_long;
-#endif
     vec2 corner = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2);
+    bool drawn = is_drawn(texelFetch(frame, ivec2(0), 0).xyz);
     gl_Position = vec4(drawn ? 2.0 * corner - 1.0 : vec2(-2.0), 0.0, 1.0);
 }

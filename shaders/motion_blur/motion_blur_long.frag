@@ -14,7 +14,6 @@
 #include "half_velocity.glsl"
 #include "motion_tile_classes.glsl"
 
-
 #include "streak_reads.glsl"
 
 out vec4 blurred;
@@ -22,13 +21,14 @@ out vec4 blurred;
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec2 half_velocity = half_velocity_at(pixel);
-    vec2 step = half_velocity * (2.0 / float(PARTS)), across = axis_across(half_velocity);
     blurred = texelFetch(source, pixel, 0);
+    if (dot(half_velocity, half_velocity) < LEAST_PX * LEAST_PX)
+        return;
+    vec2 step = half_velocity * (2.0 / float(PARTS)), across = axis_across(half_velocity);
     vec3 sum = blurred.rgb;
     for (int i = 1; i <= PARTS / 2; ++i) {
         sum += read_across(gl_FragCoord.xy - float(i) * step, across);
         sum += read_across(gl_FragCoord.xy + float(i) * step, across);
     }
-    if (dot(half_velocity, half_velocity) >= LEAST_PX * LEAST_PX)
-        blurred.rgb = mean_of_reads(sum / float(PARTS), blurred.rgb);
+    blurred.rgb = mean_of_reads(sum / float(PARTS), blurred.rgb);
 }

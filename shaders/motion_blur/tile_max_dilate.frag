@@ -2,11 +2,11 @@
 // What can reach a tile (McGuire et al. 2012, NeighborMax): of the half velocities around it that are
 // long enough to come here, the longest and the one that crosses it.
 //
-// Input:  tile_max, tile_max_crossing (tile_max.frag); frame_longest = the longest half velocity of the
-//         frame, which says how far one has to look.
+// Input:  tile_max, tile_max_crossing (tile_max.frag); frame (frame_streaks.vert), which says how far one
+//         has to look. Drawn in frames in which a tile may be MIXED (frame_of_streaks.vert).
 // Output: longest: xy = longest half velocity that reaches this tile, at most radius_limit_px;
-//         z = which pass the tile needs (motion_tile_classes.glsl); w = steepness of the steepest tile
-//         within that reach.
+//         z = which pass the tile needs (motion_tile_classes.glsl); w = in tiles of class MIXED, steepness
+//         of the steepest tile within that reach.
 //         crossing: in tiles of class MIXED, of the half velocities that reach the tile the one whose
 //         end lies farthest beside the longest one's line, at most radius_limit_px; 0 where it
 //         does not go clearly another way (motion_tile_classes.glsl, crosses).
@@ -15,7 +15,7 @@
 
 uniform sampler2D tile_max;
 uniform sampler2D tile_max_crossing;
-uniform sampler2D frame_longest;
+uniform sampler2D frame;
 uniform float radius_limit_px;
 
 layout(location = 0) out vec4 longest;
@@ -50,20 +50,28 @@ vec2 reaching(vec2 half_velocity, ivec2 step) {
 
 void main() {
     vec2 around = vec2(0.0);
-    int far = rings(texelFetch(frame_longest, ivec2(0), 0).r);
+    float steepness = 0.0;
+    int far = rings(texelFetch(frame, ivec2(0), 0).x);
     for (int y = -far; y <= far; ++y)
         for (int x = -far; x <= far; ++x) {
-            vec2 s = reaching(at(ivec2(x, y)).xy, ivec2(x, y));
+            vec4 there = at(ivec2(x, y));
+            vec2 s = reaching(there.xy, ivec2(x, y));
             around = dot(s, s) > dot(around, around) ? s : around;
+            steepness = max(steepness, there.w);
         }
-    float steepness = 0.0;
+    // Where nothing is steep as far as the frame's longest streak comes, nothing is within this reach.
+    float shortest = at(ivec2(0)).z;
+    bool mixed = class_of(around, shortest, steepness) == MIXED;
     far = rings(length(around));
-    for (int y = -far; y <= far; ++y)
-        for (int x = -far; x <= far; ++x)
-            steepness = max(steepness, at(ivec2(x, y)).w);
-    longest = vec4(around, class_of(around, at(ivec2(0)).z, steepness), steepness);
+    for (bool asked = false; mixed && !asked; asked = true) {
+        steepness = 0.0;
+        for (int y = -far; y <= far; ++y)
+            for (int x = -far; x <= far; ++x)
+                steepness = max(steepness, at(ivec2(x, y)).w);
+    }
+    longest = vec4(around, class_of(around, shortest, steepness), steepness);
     crossing = vec2(0.0);
-    for (bool mixed = longest.z == MIXED; mixed; mixed = false)
+    for (mixed = longest.z == MIXED; mixed; mixed = false)
         for (int y = -far; y <= far; ++y)
             for (int x = -far; x <= far; ++x) {
                 ivec2 step = ivec2(x, y);

@@ -93,8 +93,8 @@ def _tent_integral(x: Array) -> Array:
 def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
     """Return (2 n + 1,): how much each pixel from -n to n px away counts in a streak's average.
 
-    Where all streaks are alike and lie along a row. ``motion_blur.frag`` averages short ones in one
-    step, ``streak_average.frag`` and ``motion_blur_long.frag`` longer ones in two.
+    Where all streaks are alike and lie along a row. ``motion_blur.frag`` averages in one step,
+    ``streak_average.frag`` and ``motion_blur_long.frag`` in two.
 
     Parameters
     ----------
@@ -107,18 +107,19 @@ def streak_weights(reach_px: float, /, *, samples: int, width_px: int) -> Array:
     """
     how = sampling_of(samples, width_px)
     pixels = np.arange(-ceil(reach_px) - 2, ceil(reach_px) + 3, dtype=np.float64)
-    if reach_px <= how.short_px:
-        return _short_streak_weights(reach_px, pixels, how.short_pairs)
+    if reach_px <= how.one_step_px:
+        return _one_step_weights(reach_px, pixels, how.pairs)
     first = _comb_weights(reach_px / how.parts, pixels, how.taps)
     second = _comb_weights(reach_px, pixels, how.parts)
     both: Array = np.convolve(first, second, mode="same")
     return both
 
 
-def _short_streak_weights(reach_px: float, pixels: Array, pairs: int) -> Array:
-    own = float(time_over(0.0, reach_px))
+def _one_step_weights(reach_px: float, pixels: Array, pairs: int) -> Array:
+    even = min(2 * reach_px / (2 * pairs + 1), reach_px - 2 * pairs + 0.5)
+    own = max(float(time_over(0.0, reach_px)), even)
     part_px = (reach_px - own / 2) / pairs
-    middle_px = 0.75 if reach_px < 1 else 0.5 + part_px * pairs / 2
+    middle_px = 0.75 if reach_px < 1 else own / 2 + part_px * pairs / 2
     at_px = middle_px + part_px * (np.arange(pairs) - (pairs - 1) / 2)
     taps = part_px * _tents(pixels, np.concatenate([-at_px, at_px]))
     weights: Array = (taps + np.where(pixels == 0, own, 0)) / (2 * reach_px)

@@ -21,16 +21,20 @@ _DIAL = (
 """Up to so many samples: taps and parts of narrow images, of others, and of wide ones."""
 _CUBIC_ABOVE = 16
 
-_MOST_SHORT_PAIRS = 7
-"""Reads to each side of a short streak."""
+_MOST_PAIRS = 7
+"""Reads to each side of a pixel, in one step."""
+_ONE_STEP_SPACING_PX = {False: 2.5, True: 1.9}
+"""Between the reads of one step along a frame's longest streak, without and with cubic reads: a
+wider spacing makes steps in a moving edge, and two steps soften cubic reads less."""
 
 
 class Sampling(NamedTuple):
     """How streaks are averaged.
 
-    A streak of at most 2 `short_px` is its pixel and `short_pairs` reads to each side, at most 2 px
-    apart. A longer one is the mean of `parts` means of `taps` reads: `taps` · `parts` samples for
-    `taps` + `parts` reads. With one tap it is read in one step.
+    In one step a pixel is the mean of itself and `pairs` reads to each side, which lie so that they
+    leave nothing out. In two it is the mean of `parts` means of `taps` reads: `taps` · `parts`
+    samples for `taps` + `parts` reads. Two are taken in frames with a half streak longer than
+    `one_step_px`; with one tap, `parts` reads that share the streak evenly.
     """
 
     taps: int
@@ -45,15 +49,15 @@ class Sampling(NamedTuple):
     """Things pass each other where half velocities differ by this part of the shorter one."""
 
     @property
-    def short_pairs(self) -> int:
-        """Return the reads to each side of a short streak: as many as a longer one takes."""
+    def pairs(self) -> int:
+        """Return the reads to each side in one step: no more in all than two steps take."""
         reads = self.taps + self.parts if self.taps > 1 else self.parts
-        return min(reads // 2, _MOST_SHORT_PAIRS)
+        return min(reads // 2, _MOST_PAIRS)
 
     @property
-    def short_px(self) -> float:
-        """Return the longest half streak that one step reads without a gap."""
-        return 2 * self.short_pairs + 0.5
+    def one_step_px(self) -> float:
+        """Return the longest half streak of a frame that is averaged in one step."""
+        return _ONE_STEP_SPACING_PX[self.cubic] * (self.pairs + 0.5)
 
 
 def sampling_of(samples: int, width_px: int) -> Sampling:

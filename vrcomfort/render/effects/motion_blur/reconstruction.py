@@ -32,8 +32,9 @@ class Reconstruction:
 
     Notes
     -----
-    Each frame is averaged in one step or in two, for how long its longest streak is: the vertex
-    shaders decide, so that the CPU need not know. ``docs/motion_blur.md`` has the graph of passes.
+    Each frame is averaged in one step or in two, for how long its longest streak is, and is looked
+    at for what passes where its streaks jump: the vertex shaders decide, so that the CPU need not
+    know. ``docs/motion_blur.md`` has the graph of passes.
     """
 
     def __init__(
@@ -53,11 +54,10 @@ class Reconstruction:
         self.target = gl.color_texture(ctx, colour.size)
         average = None if sampling.taps == 1 else self._average("streak_average", colour, None)
         in_parts = colour if average is None else average.target
-        short = {"TAPS": sampling.short_pairs}
         self._averages = (
             *(() if average is None else (average,)),
             self._average("motion_blur_long", in_parts, self.target),
-            self._average("motion_blur", colour, self.target, short),
+            self._average("motion_blur", colour, self.target, {"PAIRS": sampling.pairs}),
         )
         self._foreground = self._mixed_tiles(depth)
 
@@ -76,13 +76,13 @@ class Reconstruction:
             f"motion_blur/{name}.frag",
             size_px=self._colour.size,
             inputs={
-                "frame_longest": self._tile_max.frame_longest.target,
+                "frame": self._tile_max.frame.target,
                 "velocity": self._velocity,
                 "source": source,
             },
             filtered={"source"},
             defines={
-                "SHORT_PX": sampling.short_px,
+                "ONE_STEP_PX": sampling.one_step_px,
                 **(steps if short is None else short),
                 **({"CUBIC": 1} if sampling.cubic else {}),
             },
@@ -103,9 +103,11 @@ class Reconstruction:
                 "depth": depth,
                 "longest": longest,
                 "crossing": crossing,
+                "frame": self._tile_max.frame.target,
             },
             filtered={"colour"},
             defines={
+                "JUMP": self._sampling.jump,
                 "TILE": tile_px,
                 "POINT_PX": tile_px,
                 "CLASS": "MIXED",
@@ -119,7 +121,10 @@ class Reconstruction:
 
     @property
     def tiles(self) -> tuple[moderngl.Texture, moderngl.Texture]:
-        """Return what reaches each tile and its class, and what crosses it."""
+        """Return what reaches each tile and its class, and what crosses it.
+
+        Of the last frame in which things may have passed each other.
+        """
         longest, crossing = self._dilate.targets
         return longest, crossing
 
@@ -133,7 +138,7 @@ class Reconstruction:
 
     def longest_half_velocity_px(self) -> float:
         """Return the longest half streak of all frames, before the limit; waits for the GPU."""
-        return self._tile_max.longest.read()
+        return self._tile_max.frame.longest_of_all_px()
 
 
 def _dilation(
@@ -146,9 +151,10 @@ def _dilation(
         inputs={
             "tile_max": tile_max.target,
             "tile_max_crossing": tile_max.crossing,
-            "frame_longest": tile_max.frame_longest.target,
+            "frame": tile_max.frame.target,
         },
         more_components=(2,),
         constants=_Limit(limit_px),
-        defines={"TILE": tile_max.tile_px, "JUMP": jump},
+        defines={"TILE": tile_max.tile_px, "JUMP": jump, "PASSING": 1},
+        vertex="motion_blur/frame_of_streaks.vert",
     )

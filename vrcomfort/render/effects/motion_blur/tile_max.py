@@ -6,15 +6,20 @@ from math import ceil
 from typing import NamedTuple
 
 import moderngl
+import numpy as np
 
+from vrcomfort.gpu import gl, shaders
 from vrcomfort.gpu.fullscreen_pass import FullscreenPass
-from vrcomfort.gpu.max_reduction import MaxReductionPass
 
 LEAST_TILE_PX = 16
 MOST_TILES = 8
 """Tiles that the longest half velocity may cross: more are finer, and more to look at."""
 ROWS = 4
 """Rows of pixels that are summed up first; a tile has a multiple of them."""
+AT_ONCE_PX = 400
+"""Images up to so wide have few tiles: each is summed up at once."""
+_LEAST = -1e30
+"""Less than what any tile has."""
 
 
 class _Opening(NamedTuple):
@@ -37,8 +42,8 @@ class TileMaxPass:
     ----------
     target, crossing
         RGBA16F and RG16F, see ``tile_max.frag``; one texel for `tile_px` pixels each way.
-    frame_longest, longest
-        The longest half velocity of the frame and of all frames, before the limit.
+    frame
+        The streaks of the whole frame.
     """
 
     def __init__(
@@ -46,31 +51,63 @@ class TileMaxPass:
     ) -> None:
         width, height = velocity.size
         self.tile_px = max(LEAST_TILE_PX, ROWS * ceil(limit_px / MOST_TILES / ROWS))
-        columns, strips = ceil(width / self.tile_px), ceil(height / ROWS)
+        at_once = width <= AT_ONCE_PX and self.tile_px == LEAST_TILE_PX
+        rows = self.tile_px if at_once else ROWS
         self._strips = FullscreenPass(
             ctx,
             "motion_blur/tile_max.frag",
-            size_px=(columns, strips),
+            size_px=(ceil(width / self.tile_px), ceil(height / rows)),
             inputs={"velocity": velocity},
             more_components=(2,),
-            defines={"TILE": self.tile_px, "ROWS": ROWS, "JUMP": jump},
+            defines={"TILE": self.tile_px, "ROWS": rows, "JUMP": jump},
         )
-        self._tiles = FullscreenPass(
+        self._tiles = None if at_once else self._of_strips(ctx, height)
+        self.target, self.crossing = (self._tiles or self._strips).targets
+        self.frame = FrameStreaks(ctx, self.target)
+
+    def _of_strips(self, ctx: moderngl.Context, height: int) -> FullscreenPass:
+        strips = self._strips.targets
+        return FullscreenPass(
             ctx,
             "motion_blur/tile_max.frag",
-            size_px=(columns, ceil(height / self.tile_px)),
-            inputs=dict(zip(("source", "source_crossing"), self._strips.targets, strict=True)),
+            size_px=(strips[0].width, ceil(height / self.tile_px)),
+            inputs=dict(zip(("source", "source_crossing"), strips, strict=True)),
             more_components=(2,),
             defines={"STRIPS": self.tile_px // ROWS},
         )
-        self.target, self.crossing = self._tiles.targets
-        self.frame_longest = MaxReductionPass(ctx, self.target)
-        self.longest = MaxReductionPass(ctx, self.frame_longest.target, components="x")
 
     def render(self, shutter_fraction: float) -> None:
         """Find the present streaks; the shutter is open for this part of a frame period."""
         self._strips.render(_Opening(shutter_fraction))
-        self._tiles.render()
-        self.frame_longest.forget()
-        self.frame_longest.render()
-        self.longest.render()
+        if self._tiles is not None:
+            self._tiles.render()
+        self.frame.render()
+
+
+class FrameStreaks:
+    """Sums up the tiles of a frame in one pixel, `target`: see ``frame_streaks.vert``."""
+
+    def __init__(self, ctx: moderngl.Context, tile_max: moderngl.Texture) -> None:
+        self._ctx, self._tile_max = ctx, tile_max
+        self.target = gl.color_texture(ctx, (1, 1), dtype="f4")
+        self._longest_of_all = gl.color_texture(ctx, (1, 1), components=1, dtype="f4")
+        self._framebuffer = ctx.framebuffer([self.target, self._longest_of_all])
+        self._framebuffer.clear()
+        self._clear = gl.clearer(ctx)
+        name = "motion_blur/frame_streaks"
+        self._points = ctx.vertex_array(shaders.program(ctx, f"{name}.frag", f"{name}.vert"), [])
+        self._points.program["tile_max"] = 0
+        self._scope = ctx.scope(self._framebuffer, moderngl.BLEND)
+
+    def render(self) -> None:
+        """Begin with a new frame; what is remembered over all frames stays."""
+        self._clear(self._framebuffer, (0.0, 0.0, _LEAST, 0.0))
+        self._tile_max.use(0)
+        self._ctx.blend_equation = (moderngl.MAX, moderngl.MAX)
+        with self._scope:
+            self._points.render(moderngl.POINTS, vertices=self._tile_max.height)
+        self._ctx.blend_equation = (moderngl.FUNC_ADD, moderngl.FUNC_ADD)
+
+    def longest_of_all_px(self) -> float:
+        """Return the longest half velocity of all frames, before the limit; waits for the GPU."""
+        return float(np.frombuffer(self._longest_of_all.read(), dtype=np.float32)[0])
