@@ -4,7 +4,8 @@
 // Input:  depth, focus (include/coc_of_depth.glsl). TILE: side of a tile in pixels, even. EXACT_PX,
 //         LEVELS: include/levels.glsl.
 // Output: one texel per tile; signed RADIUS in pixels of image width, negative in front of the focus:
-//         r, g = least and greatest within the limit, with peripheral blur;
+//         r, g = least and greatest within the limit, with peripheral blur, of the tile and of pixels
+//         beside it where a surface ends;
 //         b = largest |RADIUS| before the limit, for the record;
 //         a = bits (levels.glsl): the levels that discs are drawn on, the quarters in which surfaces end.
 //         b grows away from the focus, so that the nearest or the farthest point has the largest;
