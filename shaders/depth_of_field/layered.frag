@@ -27,7 +27,7 @@
 //
 // Every texel of a disc counts once, on the level (include/levels.glsl) on which it has not too many: no
 // sample lies between two others, so that lamps make no beads. What is behind is a soft mean and part of a
-// pixel: one level coarser does for it. No noise, hence the same
+// pixel: one level coarser does for it where a disc has enough texels there (COARSER_BEHIND). No noise, hence the same
 // kernel in both eyes. Carnegie & Rhee 2015, Algorithm 1; gathering after
 // Jimenez 2014, "Next generation post processing in Call of Duty: Advanced Warfare".
 //
@@ -52,6 +52,26 @@ uniform usampler2D layers_3;
 #endif
 #if LEVELS > 4
 uniform usampler2D layers_4;
+#endif
+
+// What is behind of each level but the coarsest, and where it is summed.
+#if COARSER_BEHIND
+#define BEHIND_1 layers_2, 2
+#define BEHIND_2 layers_3, 3
+#define BEHIND_3 layers_4, 4
+#else
+#define BEHIND_1 layers_1, 1
+#define BEHIND_2 layers_2, 2
+#define BEHIND_3 layers_3, 3
+#endif
+#if LEVELS == 2
+#define COARSEST layers_1, 1
+#elif LEVELS == 3
+#define COARSEST layers_2, 2
+#elif LEVELS == 4
+#define COARSEST layers_3, 3
+#else
+#define COARSEST layers_4, 4
 #endif
 
 out vec4 blurred;
@@ -285,20 +305,17 @@ void main() {
     gather_level(layers_4, 4);
 #endif
     gather_pixels_behind(behind_of(0));
-#if LEVELS == 2
-    gather_texels_behind(layers_1, 1, 1, behind_of(1));
-#elif LEVELS == 3
-    gather_texels_behind(layers_2, 2, 1, behind_of(1));
-    gather_texels_behind(layers_2, 2, 2, behind_of(2));
-#elif LEVELS == 4
-    gather_texels_behind(layers_2, 2, 1, behind_of(1));
-    gather_texels_behind(layers_3, 3, 2, behind_of(2));
-    gather_texels_behind(layers_3, 3, 3, behind_of(3));
-#elif LEVELS == 5
-    gather_texels_behind(layers_2, 2, 1, behind_of(1));
-    gather_texels_behind(layers_3, 3, 2, behind_of(2));
-    gather_texels_behind(layers_4, 4, 3, behind_of(3));
-    gather_texels_behind(layers_4, 4, 4, behind_of(4));
+#if LEVELS > 2
+    gather_texels_behind(BEHIND_1, 1, behind_of(1));
+#endif
+#if LEVELS > 3
+    gather_texels_behind(BEHIND_2, 2, behind_of(2));
+#endif
+#if LEVELS > 4
+    gather_texels_behind(BEHIND_3, 3, behind_of(3));
+#endif
+#if LEVELS > 1
+    gather_texels_behind(COARSEST, LEVELS - 1, behind_of(LEVELS - 1));
 #endif
     vec3 own = behind.a > 1e-5 ? surface.rgb + (1.0 - surface.a) * behind.rgb / behind.a
                                : surface.rgb / max(surface.a, 1e-5);

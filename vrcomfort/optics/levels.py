@@ -19,6 +19,10 @@ HALF_WIDER = 1.5
 level up to so many times the radius, in texels."""
 
 
+LEAST_TEXELS = 16
+"""Of a disc; with fewer, where they lie begins to show."""
+
+
 def exact_px(samples: int) -> float:
     """Return the radius of a disc that so many pixels fill: up to there all of them are summed."""
     return sqrt(samples / pi)
@@ -30,6 +34,14 @@ def levels(limit_px: float, samples: int) -> int:
     if limit_px <= FADED * widest:
         return 1
     return min(1 + max(1, ceil(log2(limit_px / widest))), MOST)
+
+
+def coarser_behind(samples: int) -> bool:
+    """Return whether what is behind a surface is summed one level coarser than the surface.
+
+    It fills only a part of a pixel; a disc has a quarter of the texels there.
+    """
+    return samples // 4 >= LEAST_TEXELS
 
 
 def coarsest_of_one_surface(limit_px: float, samples: int) -> int:

@@ -37,13 +37,16 @@ class LayeredGatherKernel:
         layers = {f"layers_{i}": each.target for i, each in enumerate(self._layers, 1)}
         self.target = gl.color_texture(ctx, coc.size_px)
         self._composite = [self._tiles("SHARP", "sharp"), self._tiles("ONE_SURFACE", "one_surface")]
-        self._composite.append(self._tiles("LAYERED", "layered", layers))
+        coarser = {"COARSER_BEHIND": int(levels.coarser_behind(settings.samples))}
+        self._composite.append(self._tiles("LAYERED", "layered", layers, defines=coarser))
         self._gather: FullscreenPass | None = None
         if self._layers:
             self._gather = self._gather_pass(layers, settings.samples)
             gathered = {"gathered": self._gather.target}
-            wide = self._tiles("WIDE", "one_surface", gathered, filtered={"gathered"})
-            self._composite.append(wide)
+            wide = {"WITH_WIDE": 1}
+            self._composite.append(
+                self._tiles("WIDE", "one_surface", gathered, wide, filtered={"gathered"})
+            )
 
     def render(self, pixel_aspect: float) -> None:
         """Blur the image of the last eye."""
@@ -100,16 +103,17 @@ class LayeredGatherKernel:
         name: str,
         fragment: str,
         inputs: dict[str, moderngl.Texture] | None = None,
+        defines: dict[str, int] | None = None,
         **options: Any,
     ) -> FullscreenPass:
         """Return what draws the tiles of a class."""
-        defines = {**self._defines, **_of_class(name, self._coc.tile_px, beside=0)}
+        of_class = _of_class(name, self._coc.tile_px, beside=0)
         return self._pass(
             fragment,
             {**self._points, "dilated": self._dilate.target, **(inputs or {})},
             size_px=self._coc.size_px,
             target=self.target,
-            defines=defines | ({"WITH_WIDE": 1} if name == "WIDE" else {}),
+            defines={**self._defines, **of_class, **(defines or {})},
             **self._on_tiles(),
             **options,
         )
