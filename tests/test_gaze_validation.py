@@ -121,6 +121,24 @@ def test_nothing_is_said_where_the_eyes_were_not_seen():
     assert quality_of(np.zeros((0, 3)), np.zeros((0, 3))) == (None, None, None)
 
 
+class Slow(Ahead):
+    """Three frames a second."""
+
+    def frames(self):
+        for each in super().frames():
+            ns = 350_000_000
+            yield replace(each, period_ns=ns, predicted_display_time_ns=each.index * ns)
+
+
+def test_all_points_are_shown_and_eyes_are_on_them_at_any_frame_rate(tmp_path):
+    assert do(tmp_path, headset=Slow).status == "completed"
+    points = [row for row in rows(tmp_path) if row["point"]]
+    assert len(points) == 8
+    for row in points:
+        assert int(row["samples"]) >= 1
+        assert not row["accuracy_deg"] or float(row["accuracy_deg"]) < 0.6  # blank: a blink
+
+
 @pytest.fixture(scope="module")
 def looked(tmp_path_factory):
     folder = tmp_path_factory.mktemp("looks")

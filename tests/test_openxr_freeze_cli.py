@@ -28,7 +28,7 @@ RATINGS = "every_s = 1.0\ntimeout_s = 0.9"
 
 def frozen_session(running: Session) -> float:
     """Stop the runtime in the first exposure; return for how long it stood still."""
-    running.wait_for(lambda: running.frames() >= 20)
+    running.wait_for(lambda: running.frames() >= 5)
     service = running.service
     os.kill(service, signal.SIGSTOP)
     stopped_s = time.monotonic()

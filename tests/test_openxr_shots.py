@@ -32,15 +32,15 @@ AIMED_FRAMES = 4
 PROTOCOL = """\
 name = "shots"
 title = "Shots"
-exposure_s = 8.0
+exposure_s = 20.0
 scenes = ["room.glb"]
 task = "shoot"
 
 [[tasks]]
 name = "shoot"
 kind = "aiming"
-every_s = 1.5
-shown_s = 1.2
+every_s = 4.0
+shown_s = 3.8
 jitter_s = 0.1
 diameter_deg = 4.0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import select
 import signal
 import subprocess
 import sys
@@ -10,6 +11,7 @@ import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
@@ -104,8 +106,12 @@ class Watched:
             calls=self.calls,
             notice_s=0.2,
             patience_s=patience_s,
-            leave=self.left.append,
+            leave=self._leave,
         )
+
+    def _leave(self, code: int) -> None:
+        self.left.append(code)
+        self.calls.under_way = None  # there is no program any more
 
 
 def test_a_call_that_returns_after_all_is_told_and_recorded() -> None:
@@ -135,6 +141,41 @@ def test_short_calls_are_nothing_to_speak_of_however_many_there_are(
             time.sleep(0.15)  # the watchdog looks every 0.1 s
             watched.calls.end()
     assert watched.said == []
+
+
+def test_a_call_that_a_signal_brings_back_waits_for_a_slow_watchdog(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On a busy machine it may be late: then the call must not come back first."""
+    listen = select.select
+
+    def slowly(*arguments: Any) -> Any:
+        time.sleep(0.6)
+        return listen(*arguments)
+
+    monkeypatch.setattr(select, "select", slowly)
+    before = signal.signal(signal.SIGINT, lambda *_: None)
+    watched, signalled, returned = Watched(), threading.Event(), threading.Event()
+
+    def call() -> None:
+        watched.calls.begin("xrWaitFrame")
+        assert signalled.wait(WAIT_S)
+        watched.calls.end()
+        returned.set()
+
+    caller = threading.Thread(target=call)
+    try:
+        with watched.dog, watched.dog.guard(lambda: None):
+            caller.start()
+            wait_for(lambda: watched.said)
+            signal.raise_signal(signal.SIGINT)
+            signalled.set()
+            wait_for(lambda: watched.left == [130])
+            assert not returned.is_set()
+            watched.calls.held = False
+            caller.join()
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_a_call_that_returns_while_the_records_are_being_closed_goes_no_further() -> None:

@@ -32,6 +32,9 @@ TOGETHER_S = 1.0
 closed meanwhile."""
 
 POLL_S = 0.1
+DECIDES_S = 30.0
+"""The watchdog looks every 0.1 s; on a machine that is halted, within this."""
+
 STOPPING = {
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
     if hasattr(signal, name)
@@ -52,6 +55,8 @@ class RuntimeCalls:
         The call that the watchdog has told of.
     held
         While True nobody comes back from a call: another thread closes the records.
+    looks
+        How often the watchdog has listened for signals and looked at the call.
     stalls
         Calls that hung and then returned, in words, for whoever keeps the record.
     """
@@ -60,6 +65,7 @@ class RuntimeCalls:
         self.under_way: Call | None = None
         self.hung: Call | None = None
         self.held = False
+        self.looks = 0
         self.stalls: deque[str] = deque()
 
     def begin(self, name: str) -> None:
@@ -70,16 +76,16 @@ class RuntimeCalls:
         """Take note that it has returned."""
         call = self.under_way
         if call is not None and call is self.hung:
-            self._wait(2 * POLL_S)
+            self._wait(looks=2)  # the first may have listened before the signal
         self.under_way = None
         if self.held:
             self._wait()
 
-    def _wait(self, duration_s: float = 0.0) -> None:
+    def _wait(self, looks: int = 0) -> None:
         """Let the watchdog decide first: a signal that has brought the call back ends it."""
         interrupted = False
-        enough_s = time.monotonic() + duration_s
-        while self.held or time.monotonic() < enough_s:
+        enough, latest_s = self.looks + looks, time.monotonic() + DECIDES_S
+        while self.held or (self.looks < enough and time.monotonic() < latest_s):
             try:
                 time.sleep(POLL_S / 2)
             except KeyboardInterrupt:  # the watchdog has heard it, too
@@ -172,6 +178,7 @@ class Watchdog:
         while not self._done:
             self._asked = self._hear() or self._asked
             self._look()
+            self._calls.looks += 1
 
     def _hear(self) -> int:
         """Wait a little; return the signal that has asked the program to stop meanwhile, else 0."""

@@ -20,6 +20,8 @@ _JUMP_DEG = 2.0
 """What moves further from one frame to the next is another thing to look at."""
 _WANDER_DEG = 0.15
 """How far, along each axis, a fixation misses what is looked at."""
+_MADE_UP_S = 1.0
+"""What the eyes did in a longer gap between frames is not made up."""
 _FAR_M = 2.0
 """Where both eyes' lines of sight meet while nothing is to be looked at."""
 
@@ -67,18 +69,18 @@ class Eyes:
         point
             (3,) in the stage: what is to be looked at; None: whatever one likes.
         """
-        self._go_on_at(time_s)
+        before_s = self._go_on_at(time_s)
         if math.isnan(self._blink_s):
             self._blink_s = time_s + self._random.exponential(self._settings.blink_every_s)
         way = None if point is None else normalize(point - head.position)
         if way is not None and (self._way is None or angles_deg(way, self._way) > _JUMP_DEG):
-            self._until_s = min(self._until_s, time_s + _LATENCY_S)
+            self._until_s = min(self._until_s, before_s + _LATENCY_S)
             self._follows = False
         self._way = way
         if way is not None and self._follows:
             self._to = self._beside(way)
-        if time_s >= self._until_s:
-            self._fixate(time_s, head)
+        while time_s >= self._until_s:  # when it is due, whatever the frame rate is
+            self._fixate(max(self._until_s, time_s - _MADE_UP_S), head)
         truth = self._direction(time_s)
         closed = self._blinks(time_s)
         measured = self._measured(head, truth)
@@ -87,14 +89,20 @@ class Eyes:
             return Gaze(Pose(), valid=False, eyes=eyes)
         return Gaze(Pose(head.position, turn_to(measured)), eyes=eyes)
 
-    def _go_on_at(self, time_s: float) -> None:
-        """Where time goes back (frames of a new step), take what is under way along."""
-        if time_s < self._time_s:
+    def _go_on_at(self, time_s: float) -> float:
+        """Return the time of the frame before: what is new now, was first shown then.
+
+        Where time goes back (frames of a new step), take what is under way along.
+        """
+        before_s = self._time_s
+        if time_s < before_s:
             back_s = self._time_s - time_s
             self._until_s -= back_s
             self._jumped_s -= back_s
             self._blink_s -= back_s
+            before_s = time_s
         self._time_s = time_s
+        return before_s
 
     def _each(
         self, head: Pose, truth: Array, point: Array | None, *, closed: bool

@@ -106,7 +106,8 @@ class PointsRun:
     def step(self, frame: Frame, headset: object, elapsed_s: float, scene_time_s: float) -> None:
         """Take a frame before it is drawn."""
         del headset, scene_time_s
-        due = not self.shown or elapsed_s >= self.shown[-1].since_s + self._settings.each_s - 1e-6
+        # By the plan, not after the one before: slow frames would leave no time for the last.
+        due = elapsed_s >= len(self.shown) * self._settings.each_s - 1e-6
         if due and self._left:
             self._appear(frame.head_pose, elapsed_s)
         point = self.shown[-1]
