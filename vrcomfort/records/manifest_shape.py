@@ -106,6 +106,7 @@ class ManifestShape(_Part):
     runtime: str = ""
     shaders: dict[str, str] = {}
     passes: dict[str, list[str]] = {}
+    text_layout: dict[str, str] = {}
     timing_trust: str = ""
     versions: dict[str, str] = {}
     protocol: ProtocolText
