@@ -23,20 +23,19 @@ import numpy as np
 from websockets.asyncio.client import connect
 
 from bench.table import Result, write
-from vrcomfort.console import ConsoleDesk, ServerProcess
+from vrcomfort.console import OperatorConsole, ServerProcess
 from vrcomfort.frame import Frame
 from vrcomfort.gpu.gl import create_context
 from vrcomfort.headset.eye_pictures import EyePictures
 from vrcomfort.headset.playback import PlaybackHeadset
+from vrcomfort.operator_interface import NoOperator, Progress
 from vrcomfort.protocol import load_protocol
 from vrcomfort.render.pipeline import StereoRenderer
 from vrcomfort.resources import data_folder
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.scene.load import load_scene
 from vrcomfort.session import open_enrolment, run
-from vrcomfort.session.interfaces import Progress
-from vrcomfort.session.operator_desk import NoDesk
-from vrcomfort.session.steering import ALLOWED, Steering
+from vrcomfort.session.operator_control import ALLOWED, OperatorControl
 from vrcomfort.session.timing import TrialTiming
 from vrcomfort.traces.trace import read_trace
 
@@ -99,7 +98,7 @@ class _Sessions:
         """Return a headset at the start of its trace."""
         return _Clocked(self._trace, image_size_px=SIZE_PX, refresh_hz=REFRESH_HZ)
 
-    def times_us(self, steering: Steering) -> list[float]:
+    def times_us(self, operators: OperatorControl) -> list[float]:
         """Return the CPU time of the thread for each frame of an exposure."""
         self._count += 1
         headset = self.headset()
@@ -114,7 +113,7 @@ class _Sessions:
                 load_scene=lambda _: self._scene,
                 renderer=self._renderer,
                 durability="session_end",
-                steering=steering,
+                operators=operators,
             )
         return headset.times_us[WARM_UP:]
 
@@ -123,15 +122,15 @@ def measure(ctx: moderngl.Context, *, rounds: int, frames: int) -> Result:
     """Return the loop thread's CPU time per frame without a console twice, and with one."""
     with TemporaryDirectory() as folder, _console(0) as alone, _console(PAGES) as looked_at:
         sessions = _Sessions(ctx, Path(folder), frames)
-        nobody = Steering(NoDesk())
+        nobody = OperatorControl(NoOperator())
         cases = {
             "no console": nobody,
             "no console, again": nobody,
             "console, no page": alone,
             f"console, {PAGES} pages, one with pictures": looked_at,
         }
-        for steering in cases.values():
-            sessions.times_us(steering)  # warms up
+        for operators in cases.values():
+            sessions.times_us(operators)  # warms up
         found: dict[str, list[list[float]]] = {name: [] for name in cases}
         for number in range(rounds):
             for name in sorted(cases, reverse=bool(number % 2)):
@@ -184,27 +183,27 @@ class _Nowhere:
 def _desk_us(frame: Frame, *, shows: bool) -> float:
     """Return the CPU time of hearing, seeing and telling in one frame."""
     clock = itertools.count(step=1 if shows else 0)
-    desk = ConsoleDesk(_Nowhere(), ALLOWED, now_s=lambda: float(next(clock)))
-    steering, trial = Steering(desk), TrialTiming()
-    steering.begin("exposure", "bench")
+    desk = OperatorConsole(_Nowhere(), ALLOWED, now_s=lambda: float(next(clock)))
+    operators, trial = OperatorControl(desk), TrialTiming()
+    operators.begin("exposure", "bench")
     for minute in range(15):
         desk.rated("fms", 60.0 * minute, 3)
     progress = Progress("exposure", "P01", 1, trial=1, done=1.0, total=900.0)
     began_s = time.thread_time()
     for _ in range(DESK_FRAMES):
-        steering.look()
+        operators.look()
         desk.see(frame, None, trial)
         desk.tell(progress)
     return 1e6 * (time.thread_time() - began_s) / DESK_FRAMES
 
 
 @contextmanager
-def _console(pages: int) -> Iterator[Steering]:
+def _console(pages: int) -> Iterator[OperatorControl]:
     """Start a console, and so many pages in another process."""
     addresses: list[str] = []
     with ServerProcess(print, addresses.append) as server:
         _wait(lambda: bool(addresses))
-        desk = ConsoleDesk(server, ALLOWED, pictures=EyePictures())
+        desk = OperatorConsole(server, pictures=EyePictures())
         desk.starts_sessions = False
         connection = http.client.HTTPConnection("127.0.0.1", server.port)
         connection.request("GET", addresses[0].partition(str(server.port))[2])
@@ -214,7 +213,7 @@ def _console(pages: int) -> Iterator[Steering]:
         process = subprocess.Popen([*words, "--pages", str(pages), str(server.port), cookie])
         try:
             _wait(lambda: server.pages == pages and server.pictures == min(pages, 1))
-            yield Steering(desk)
+            yield OperatorControl(desk)
         finally:
             process.kill()
             process.wait()

@@ -16,13 +16,11 @@ from tests.support.console import served
 from tests.support.resume import go
 from tests.support.study import Scripted
 from tests.support.waiting import WAIT_S
-from vrcomfort.console import ConsoleDesk
-from vrcomfort.console.messages import Entered
+from vrcomfort.console import OperatorConsole
 from vrcomfort.gpu import gl
 from vrcomfort.headset.eye_pictures import EyePictures
-from vrcomfort.session.interfaces import Progress
-from vrcomfort.session.operator_desk import OperatedStep
-from vrcomfort.session.steering import ALLOWED, Steering
+from vrcomfort.operator_interface import Command, OperatorStep, Progress
+from vrcomfort.session.operator_control import OperatorControl
 
 
 @dataclass
@@ -32,7 +30,7 @@ class Shown:
     pictures: int = 0
     states: list[Mapping[str, Any]] = field(default_factory=list)
     taken: list[bytes] = field(default_factory=list)
-    commands: list[Entered] = field(default_factory=list)
+    commands: list[Command] = field(default_factory=list)
 
     def show(self, state: Mapping[str, Any]) -> None:
         self.states.append(state)
@@ -40,7 +38,7 @@ class Shown:
     def show_picture(self, make: Callable[[], bytes]) -> None:
         self.taken.append(make())
 
-    def next_command(self) -> Entered | None:
+    def next_command(self) -> Command | None:
         return self.commands.pop(0) if self.commands else None
 
 
@@ -60,7 +58,7 @@ class Pictures:
         return (lambda: b"picture") if waiting else None
 
 
-def shown_session(tmp_path, server: Any, **more: Any) -> ConsoleDesk:
+def shown_session(tmp_path, server: Any, **more: Any) -> OperatorConsole:
     """Run a session before a desk whose clock moves on by 0.05 s with each look at it."""
     time_s = [0.0]
 
@@ -69,10 +67,10 @@ def shown_session(tmp_path, server: Any, **more: Any) -> ConsoleDesk:
         return time_s[0]
 
     said: list[str] = []
-    desk = ConsoleDesk(server, ALLOWED, now_s=now_s, say=said.append, **more)
+    desk = OperatorConsole(server, now_s=now_s, say=said.append, **more)
     desk.starts_sessions = False
     desk.said = said
-    go(tmp_path, Scripted(), steering=Steering(desk), progress=desk.tell)
+    go(tmp_path, Scripted(), operators=OperatorControl(desk), progress=desk.tell)
     return desk
 
 
@@ -149,8 +147,8 @@ def test_pictures_are_taken_now_and_then_and_only_while_somebody_looks(session, 
 
 def test_what_the_operator_must_know_at_once_is_a_line():
     server = Shown()
-    desk = ConsoleDesk(server, ALLOWED)
-    desk.begin(OperatedStep(1, "ready", "waiting"))
+    desk = OperatorConsole(server)
+    desk.begin(OperatorStep(1, "ready", "waiting"))
     desk.tell(Progress("notice", "P01", 1, text="a menu is in front"))
     assert server.states[-1]["lines"][-1].endswith(" a menu is in front")
 

@@ -16,8 +16,8 @@ from vrcomfort.questionnaire import shipped_instruments
 from vrcomfort.respondent import Form
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import Picture
+from vrcomfort.session.operator_control import OperatorControl, Skipped
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
-from vrcomfort.session.steering import Skipped, Steering
 
 
 class WornHeadset:
@@ -79,11 +79,11 @@ def test_frames_pass_and_words_stand_there_until_the_session_is_started():
     headset = WornHeadset()
     screen = PanelScreen(headset)
     desk = ScriptedDesk([Wanted("ready", "start", after=20)], starts_sessions=True)
-    steering = Steering(desk)
-    steering.attach(Events(), screen)
+    operators = OperatorControl(desk)
+    operators.attach(Events(), screen)
     seen: list[Picture | None] = []
     screen.each_frame = lambda: seen.append(headset.shown)
-    steering.await_start()
+    operators.await_start()
     assert headset.frames_passed >= 20
     assert all(picture is words_picture(ENGLISH.ready) for picture in seen)
     assert headset.shown is None
@@ -93,12 +93,12 @@ def test_a_pause_says_so_where_nothing_else_is_shown_and_is_gone_afterwards():
     headset = WornHeadset()
     screen = PanelScreen(headset)
     desk = ScriptedDesk([Wanted("exposure", "pause"), Wanted("exposure", "go_on", after=5)])
-    steering = Steering(desk)
-    steering.attach(Events(), screen)
-    steering.begin("exposure", "exposure 1 of 1")
+    operators = OperatorControl(desk)
+    operators.attach(Events(), screen)
+    operators.begin("exposure", "exposure 1 of 1")
     shown = []
     for _ in range(12):
-        steering.look()
+        operators.look()
         shown.append(headset.shown)
     paused = [picture for picture in shown if picture is not None]
     assert paused == [words_picture(ENGLISH.paused)] * len(paused)
@@ -127,10 +127,10 @@ def test_a_question_that_an_operator_ends_leaves_nothing_in_the_headset():
     headset = WornHeadset()
     screen = PanelScreen(headset)
     desk = ScriptedDesk([Wanted("questionnaire", "skip", after=5)])
-    steering = Steering(desk)
-    steering.attach(Events(), screen)
-    steering.begin("questionnaire", "questionnaire ssq (post)")
-    screen.each_frame = steering.look
+    operators = OperatorControl(desk)
+    operators.attach(Events(), screen)
+    operators.begin("questionnaire", "questionnaire ssq (post)")
+    screen.each_frame = operators.look
     form = Form(shipped_instruments()["ssq"], "post")
     with pytest.raises(Skipped):
         PanelRespondent(screen).ask(form, lambda *_: None)

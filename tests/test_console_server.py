@@ -20,7 +20,8 @@ from tests.support.console import Served, page_of, served
 from tests.support.waiting import WAIT_S, wait_for
 from vrcomfort.console import wire
 from vrcomfort.console.access import NO_COOKIE, OTHER_HOST, OTHER_ORIGIN, Access, operator_name
-from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, Entered, read_entered
+from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
+from vrcomfort.operator_interface import Command
 
 
 @pytest.fixture(scope="module")
@@ -283,6 +284,6 @@ def test_operators_have_letters_and_every_message_has_its_limit():
     access = Access(port=1)
     assert access.exchange("") is None
     assert access.operators == 0
-    assert read_entered('{"id": "1", "action": "rate", "step": 2, "value": 3}') == Entered(
+    assert read_command('{"id": "1", "action": "rate", "step": 2, "value": 3}') == Command(
         "1", "rate", 2, "", 3
     )

@@ -11,17 +11,18 @@ import pytest
 
 from tests.support.operator import Given, ScriptedDesk, Wanted
 from tests.support.resume import attempts, go, manifest, rows
-from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.exchange.verifying import verify_study
+from vrcomfort.operator_interface import Command
 from vrcomfort.protocol.texts import ENGLISH
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
+from vrcomfort.session.verbal import VerbalRespondent
 
 
 @dataclass
 class Experimenter(ScriptedDesk):
     """Answers what is asked: 1 to every item, 3 to a rating, and what `first` says before that."""
 
-    first: Sequence[Given] = ()
+    first: Sequence[Command] = ()
     question: Any = None
     questions: list[Any] = field(default_factory=list)
 
@@ -29,7 +30,7 @@ class Experimenter(ScriptedDesk):
         self.question = question
         self.questions.append(question)
 
-    def next_command(self) -> Given | None:
+    def next_command(self) -> Command | None:
         if (question := self.question) is None:
             return None
         step = self.steps[-1].number
@@ -47,17 +48,17 @@ class Experimenter(ScriptedDesk):
         return Given(question["action"], step, "B", name, value)
 
 
-def refused_soon(given: Given) -> bool:
+def refused_soon(given: Command) -> bool:
     known = given.text in {"general_discomfort", "fatigue"}
     return given.action != "answer" or not known or given.value not in {None, 0, 3}
 
 
-def asked_aloud(tmp_path, *, first: Sequence[Given] = (), **more) -> Experimenter:
+def asked_aloud(tmp_path, *, first: Sequence[Command] = (), **more) -> Experimenter:
     desk = Experimenter(first=list(first), **more)
-    steering = Steering(desk)
+    operators = OperatorControl(desk)
     clock = iter(range(10**6))
-    respondent = VerbalRespondent(desk, steering, now_s=lambda: float(next(clock)))
-    desk.outcome = go(tmp_path, respondent, steering=steering)
+    respondent = VerbalRespondent(desk, operators, now_s=lambda: float(next(clock)))
+    desk.outcome = go(tmp_path, respondent, operators=operators)
     assert [str(each) for each in verify_study(tmp_path / "S").faults] == []
     return desk
 
@@ -131,8 +132,8 @@ def test_a_rating_that_is_not_entered_in_time_is_missed_and_its_question_goes(tm
                 self.question = question
 
     desk = Silent()
-    steering = Steering(desk)
-    go(tmp_path, VerbalRespondent(desk, steering), steering=steering)
+    operators = OperatorControl(desk)
+    go(tmp_path, VerbalRespondent(desk, operators), operators=operators)
     assert [row["missed"] for row in rows(tmp_path, "ratings")] == ["1"] * 4
     pairs = pairwise(desk.questions)
     after = [then for asked, then in pairs if asked and asked["action"] == "rate"]
@@ -141,7 +142,7 @@ def test_a_rating_that_is_not_entered_in_time_is_missed_and_its_question_goes(tm
 
 def test_nothing_can_be_entered_where_somebody_else_answers(tmp_path):
     desk = ScriptedDesk([Wanted("exposure", "rate", "fms", value=3)])
-    go(tmp_path, steering=Steering(desk))
+    go(tmp_path, operators=OperatorControl(desk))
     ((_, refusal),) = desk.replies
     assert refusal.startswith("nothing is asked that is answered on a console")
 
@@ -159,8 +160,8 @@ def test_the_participant_reads_that_they_are_asked_and_may_take_the_headset_off_
             self.absent_s.append(duration_s)
 
     desk, screen = Experimenter(), Screen()
-    steering = Steering(desk)
-    respondent = VerbalRespondent(desk, steering, screen)
+    operators = OperatorControl(desk)
+    respondent = VerbalRespondent(desk, operators, screen)
     assert respondent.resting(12.0)
     respondent.rest(12.0)
     assert screen.absent_s == [12.0]

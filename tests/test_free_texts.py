@@ -14,8 +14,7 @@ from test_study_respondent import Typist, terminal
 from tests.support.operator import Given
 from tests.support.study import Scripted, read_rows
 from tests.support.tasks import do, doing_protocol
-from vrcomfort.console.messages import read_entered
-from vrcomfort.console.verbal import VerbalRespondent
+from vrcomfort.console.messages import read_command
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.psych_ds import export_psych_ds
@@ -27,7 +26,8 @@ from vrcomfort.respondent.base import Withdrew, Written
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.pointing import Pointing
 from vrcomfort.session import NoPictures, StillHeadset
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
+from vrcomfort.session.verbal import VerbalRespondent
 
 PROTOCOL = """\
 name = "telling"
@@ -185,15 +185,15 @@ def test_on_the_panel_the_participant_tells_it_and_the_experimenter_types():
 
 def test_on_the_console_it_is_entered_with_its_lines():
     message = {"id": "1", "action": "write", "step": 3, "text": "one\n  two "}
-    assert read_entered(json.dumps(message)).text == "one\n  two"
+    assert read_command(json.dumps(message)).text == "one\n  two"
     desk = Experimenter()
-    steering = Steering(desk)
-    steering.begin("questionnaire", "free text")
+    operators = OperatorControl(desk)
+    operators.begin("questionnaire", "free text")
     refused = Given("confirm", desk.steps[-1].number, "B", "")
     taken = Given("write", desk.steps[-1].number, "B", "one\ntwo")
     commands = iter([refused, taken])
     desk.next_command = lambda: next(commands, None)
-    assert VerbalRespondent(desk, steering).write("How was it?").text == "one\ntwo"
+    assert VerbalRespondent(desk, operators).write("How was it?").text == "one\ntwo"
     assert [reply for _, reply in desk.replies] == ["this question takes no confirm", ""]
     assert desk.questions[0]["items"][0]["text"] == "How was it?"
     assert desk.question is None

@@ -13,7 +13,6 @@ from tests.support.operator import ScriptedDesk, Wanted
 from tests.test_console_headset import Events, WornHeadset
 from tests.test_console_verbal import Experimenter
 from tests.test_study_panel import ScriptedScreen, choose
-from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import find_instrument
 from vrcomfort.respondent import Form, Telling, Withdrew
@@ -21,8 +20,9 @@ from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import Painter
 from vrcomfort.respondent.pointing import Pointing
+from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen, words_picture
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.verbal import VerbalRespondent
 
 SHOWS = {"Page", "Cell", "Telling", "words_picture", "rest_on", "_rest_on", "_show", "telling_page"}
 """What puts texts before a participant's eyes."""
@@ -153,23 +153,23 @@ def test_what_stands_there_without_a_question_is_in_the_participants_language(dr
     screen.show_loading()
     desk = ScriptedDesk([Wanted("ready", "start"), Wanted("exposure", "pause")],
                         starts_sessions=True)  # fmt: skip
-    steering = Steering(desk)
-    steering.attach(Events(), screen, words=XX)
-    steering.await_start()
-    steering.begin("exposure", "exposure 1 of 1")
+    operators = OperatorControl(desk)
+    operators.attach(Events(), screen, words=XX)
+    operators.await_start()
+    operators.begin("exposure", "exposure 1 of 1")
     for _ in range(5):
-        steering.look()
+        operators.look()
     assert set(drawn) - {""} == {XX.loading, XX.ready, XX.paused}
 
 
 def test_what_is_asked_aloud_is_told_in_the_participants_language(drawn):
     screen = PanelScreen(WornHeadset(), words=XX)
     desk = Experimenter()
-    steering = Steering(desk)
-    steering.attach(Events(), screen, words=XX)
+    operators = OperatorControl(desk)
+    operators.attach(Events(), screen, words=XX)
     clock = iter(range(10**6))
-    person = VerbalRespondent(desk, steering, screen, words=XX, now_s=lambda: float(next(clock)))
-    steering.begin("questionnaire", "questionnaire fms (post)")
+    person = VerbalRespondent(desk, operators, screen, words=XX, now_s=lambda: float(next(clock)))
+    operators.begin("questionnaire", "questionnaire fms (post)")
     person.ask(Form(find_instrument("fms"), "post"), lambda *_: None)
     person.resting(10.0)
     assert set(drawn) - {""} == {XX.listen, XX.rest_aloud}

@@ -15,7 +15,6 @@ from tests.support.operator import Given
 from tests.support.report import build_report
 from tests.support.study import AheadHeadset, Scripted, read_rows
 from tests.support.tasks import doing_protocol, in_the_room
-from vrcomfort.console.verbal import VerbalRespondent
 from vrcomfort.errors import InputError
 from vrcomfort.exchange.anonymising import Wishes, anonymise
 from vrcomfort.exchange.verifying import verify_study
@@ -25,7 +24,8 @@ from vrcomfort.respondent import SimulatedRespondent, keys
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.session import NoPictures, StillHeadset, open_enrolment
 from vrcomfort.session import run as run_enrolment
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
+from vrcomfort.session.verbal import VerbalRespondent
 
 PROTOCOL = """\
 name = "screening"
@@ -217,13 +217,13 @@ def test_the_panel_lets_the_participant_wait():
 
 def test_the_console_has_two_buttons():
     desk = Experimenter()
-    steering = Steering(desk)
-    steering.begin("questionnaire", "screening")
+    operators = OperatorControl(desk)
+    operators.begin("questionnaire", "screening")
     step = desk.steps[-1].number
     given = [Given("answer", step, "B", "text", 1), Given("decide", step, "B", "text", 0)]
     commands = iter(given)
     desk.next_command = lambda: next(commands, None)
-    assert VerbalRespondent(desk, steering).decide("Go on?") is False
+    assert VerbalRespondent(desk, operators).decide("Go on?") is False
     assert desk.replies[-1][1] == ""
     assert "go on (1) or stop (0)" in desk.replies[0][1]
     assert desk.questions[0]["items"][0]["labels"] == ["go on", "stop"]

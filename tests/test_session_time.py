@@ -12,8 +12,8 @@ from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
 from vrcomfort.protocol.timeline import PlannedStep
+from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.remaining import SessionTime
-from vrcomfort.session.steering import Steering
 
 
 @dataclass
@@ -139,7 +139,7 @@ class Watching(ScriptedDesk):
 def watched(tmp_path: Path, text: str = PROTOCOL, **more: Any) -> Watching:
     desk = Watching(script=more.pop("script", ()))
     protocol = tiny_protocol(tmp_path, text)
-    go(tmp_path, Scripted(), protocol=protocol, steering=Steering(desk), **more)
+    go(tmp_path, Scripted(), protocol=protocol, operators=OperatorControl(desk), **more)
     return desk
 
 

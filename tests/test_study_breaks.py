@@ -16,7 +16,7 @@ from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
 
 BREAKS = "\n[breaks]\nmin_s = 30.0\nmax_s = 100.0\n"
 
@@ -80,7 +80,7 @@ def test_only_the_experimenter_can_skip_the_minimum_and_it_is_recorded(tmp_path)
             return Given("skip", step.number, "A", "") if self.waited == 26 else None
 
     person = Lingering()
-    go(tmp_path, person, protocol=resting(tmp_path), steering=Steering(Desk()))
+    go(tmp_path, person, protocol=resting(tmp_path), operators=OperatorControl(Desk()))
     assert breaks(tmp_path) == [(pytest.approx(5.0), "break after trial 1; ended by experimenter")]
     assert events(tmp_path, "break_cut_short")[0][1] == (
         "break after trial 1: 5.0 s, at least 30 s were meant"

@@ -31,7 +31,7 @@ from vrcomfort.respondent.panel_layout import Act
 from vrcomfort.respondent.panel_picture import TEXT, Painter, telling_page
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.instructor import instruction_faults
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
 
 WELCOME = """
 [[instructions]]
@@ -157,7 +157,7 @@ def test_the_experimenter_may_cut_it_short_and_repeat_it(tmp_path):
             return 0.1
 
     desk = Desk()
-    go(tmp_path, Waiting(), protocol=told(tmp_path, THANKS), steering=Steering(desk))
+    go(tmp_path, Waiting(), protocol=told(tmp_path, THANKS), operators=OperatorControl(desk))
     assert [detail.rpartition("ended by ")[2] for _, detail in events(tmp_path)] == [
         "redone",
         "experimenter",

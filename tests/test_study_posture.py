@@ -20,7 +20,7 @@ from vrcomfort.records import read_manifest
 from vrcomfort.respondent import SimulatedRespondent
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.traces.trace import read_trace
 
 SEATED = '\n[posture]\nmode = "seated"\n'
@@ -140,7 +140,7 @@ def test_the_experimenter_may_repeat_and_leave_it_out(tmp_path):
             self.given += 1
             return Given("redo" if self.given == 1 else "skip", step.number, "A", "")
 
-    sit(tmp_path, steering=Steering(Desk()))
+    sit(tmp_path, operators=OperatorControl(Desk()))
     assert events(tmp_path) == []
     assert len(events(tmp_path, "eye_height_skipped")) == 1
     assert seen_from_m(tmp_path) == {1.2}

@@ -22,7 +22,7 @@ from vrcomfort.report.withdrawals import early_endings
 from vrcomfort.respondent import SimulatedRespondent, Withdrew
 from vrcomfort.session import NoPictures, StillHeadset
 from vrcomfort.session.dry_run import dry_run
-from vrcomfort.session.steering import Steering
+from vrcomfort.session.operator_control import OperatorControl
 
 HARD = """
 [[practice]]
@@ -229,7 +229,7 @@ def test_the_experimenter_may_repeat_and_end_it(tmp_path):
             self.given += 1
             return Given("redo" if self.given == 1 else "skip", step.number, "A", "")
 
-    practise(tmp_path, HARD, person=Scripted(), steering=Steering(Desk()))
+    practise(tmp_path, HARD, person=Scripted(), operators=OperatorControl(Desk()))
     assert [row[:6] for row in told(tmp_path)] == [
         ("1", "1", "plain", "redone", "", "0"),
         ("2", "1", "plain", "skipped", "", "1"),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -152,3 +153,47 @@ class GpuTime(NamedTuple):
 
     frame_index: int
     gpu_ms: float
+
+
+class DrawnFrame(Protocol):
+    """Both eyes' images of one frame, and what is known of it by now."""
+
+    @property
+    def eyes(self) -> tuple[Any, Any]:
+        """Return the left and right image."""
+
+    @property
+    def focus_samples(self) -> Sequence[FocusSample]:
+        """Return samples of earlier frames that have arrived."""
+
+    @property
+    def max_blur_px(self) -> float | None:
+        """Return the largest blur radius that the condition allows at this size; None: no limit."""
+
+    @property
+    def cpu_ms(self) -> float | None:
+        """Return the CPU time of this frame."""
+
+    @property
+    def gpu_times(self) -> Sequence[GpuTime] | None:
+        """Return times of earlier frames that have arrived; None where the GPU is not timed."""
+
+    @property
+    def hashed(self) -> bool:
+        """Return whether the images of this frame are being hashed."""
+
+    @property
+    def image_hashes(self) -> Sequence[ImageHash]:
+        """Return hashes of the images of earlier frames that have arrived."""
+
+    @property
+    def seeks_gaze(self) -> bool:
+        """Return whether it is being found out what the gaze of this frame meets."""
+
+    @property
+    def gaze_hits(self) -> Sequence[GazeHit]:
+        """Return what the gaze of earlier frames meets that has arrived."""
+
+    @property
+    def effect_centre(self) -> str | None:
+        """Return what effects that follow the gaze are centred on; None: there are none."""

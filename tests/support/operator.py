@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from vrcomfort.session.operator_desk import OperatedStep, SessionOrder
+from vrcomfort.operator_interface import Command, OperatorStep, SessionOrder
 
 
 @dataclass(frozen=True)
@@ -21,15 +21,11 @@ class Wanted:
     value: float | None = None
 
 
-@dataclass(frozen=True)
-class Given:
-    """A command as a session gets it."""
-
-    action: str
-    step: int
-    operator: str
-    text: str
-    value: float | None = None
+def Given(  # noqa: N802 - reads like the class that it makes
+    action: str, step: int, operator: str, text: str, value: float | None = None
+) -> Command:
+    """Return a command as a session gets it."""
+    return Command("", action, step, text, value, operator)
 
 
 @dataclass
@@ -38,7 +34,7 @@ class ScriptedDesk:
 
     script: Sequence[Wanted] = ()
     starts_sessions: bool = False
-    steps: list[OperatedStep] = field(default_factory=list)
+    steps: list[OperatorStep] = field(default_factory=list)
     replies: list[tuple[str, str]] = field(default_factory=list)
     ratings: list[tuple[float, float | None]] = field(default_factory=list)
     seen: list[Any] = field(default_factory=list)
@@ -50,7 +46,7 @@ class ScriptedDesk:
     def open(self, order: SessionOrder) -> None:
         self.order = order
 
-    def begin(self, step: OperatedStep) -> None:
+    def begin(self, step: OperatorStep) -> None:
         self.steps.append(step)
         self.looks = 0
 
@@ -62,7 +58,7 @@ class ScriptedDesk:
         assert instrument == "fms"
         self.ratings.append((elapsed_s, response))
 
-    def next_command(self) -> Given | None:
+    def next_command(self) -> Command | None:
         self.looks += 1
         if self.done == len(self.script):
             return None
@@ -74,8 +70,11 @@ class ScriptedDesk:
         number = step.number if wanted.number is None else wanted.number
         return Given(wanted.action, number, "A", wanted.text, wanted.value)
 
-    def reply(self, command: Given, refusal: str) -> None:
+    def reply(self, command: Command, refusal: str) -> None:
         self.replies.append((command.action, refusal))
 
     def ask_whether_to_withdraw(self, *, asked: bool) -> None:
         self.asked.append(asked)
+
+    def ask(self, question: Any) -> None:
+        pass

@@ -10,19 +10,20 @@ from typing import TYPE_CHECKING
 from vrcomfort.cli.terminal import dialogue, warn
 
 if TYPE_CHECKING:
-    from vrcomfort.console import ConsoleDesk, VerbalRespondent
+    from vrcomfort.console import OperatorConsole
+    from vrcomfort.operator_interface import ProgressCallback
     from vrcomfort.protocol.texts import Words
-    from vrcomfort.session import ProgressCallback
+    from vrcomfort.session.operator_control import OperatorControl
     from vrcomfort.session.panel_screen import PanelScreen
-    from vrcomfort.session.steering import Steering
+    from vrcomfort.session.verbal import VerbalRespondent
 
 
 @dataclass(frozen=True)
-class OperatorsConsole:
+class ConsoleSetup:
     """A page that shows the session and steers it."""
 
-    desk: ConsoleDesk
-    steering: Steering
+    desk: OperatorConsole
+    operators: OperatorControl
 
     @property
     def progress(self) -> ProgressCallback:
@@ -31,13 +32,13 @@ class OperatorsConsole:
 
     def respondent(self, screen: PanelScreen | None, words: Words) -> VerbalRespondent:
         """Return a respondent whose answers are entered on the page; `words` stand in a headset."""
-        from vrcomfort.console import VerbalRespondent
+        from vrcomfort.session.verbal import VerbalRespondent
 
-        return VerbalRespondent(self.desk, self.steering, screen, words=words)
+        return VerbalRespondent(self.desk, self.operators, screen, words=words)
 
 
 @contextmanager
-def open_console() -> Iterator[OperatorsConsole]:
+def open_console() -> Iterator[ConsoleSetup]:
     """Start the page's server and print its address; it ends with the session.
 
     Raises
@@ -45,9 +46,9 @@ def open_console() -> Iterator[OperatorsConsole]:
     InputError
         If it does not start.
     """
-    from vrcomfort.console import ConsoleDesk, ServerProcess
+    from vrcomfort.console import OperatorConsole, ServerProcess
     from vrcomfort.headset.eye_pictures import EyePictures
-    from vrcomfort.session.steering import ALLOWED, Steering
+    from vrcomfort.session.operator_control import OperatorControl
 
     terminal = dialogue()
 
@@ -56,8 +57,8 @@ def open_console() -> Iterator[OperatorsConsole]:
 
     with ServerProcess(warn, tell_address) as server:
         pictures = EyePictures()
-        desk = ConsoleDesk(server, ALLOWED, say=terminal.print, pictures=pictures)
+        desk = OperatorConsole(server, say=terminal.print, pictures=pictures)
         try:
-            yield OperatorsConsole(desk, Steering(desk))
+            yield ConsoleSetup(desk, OperatorControl(desk))
         finally:
             pictures.release()

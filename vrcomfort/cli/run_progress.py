@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from vrcomfort.cli.terminal import progress_bar, warn
 
 if TYPE_CHECKING:
-    from vrcomfort.session import Progress
+    from vrcomfort.operator_interface import Progress
 
 
 class SessionBars(ExitStack):

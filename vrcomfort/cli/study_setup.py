@@ -17,14 +17,15 @@ from vrcomfort.protocol import Protocol
 
 if TYPE_CHECKING:
     from vrcomfort.cli.headset_setup import HeadsetSetup
-    from vrcomfort.cli.run_console import OperatorsConsole
+    from vrcomfort.cli.run_console import ConsoleSetup
     from vrcomfort.headset.sound import Speaker
+    from vrcomfort.operator_interface import ProgressCallback
     from vrcomfort.records import Durability, Machine
     from vrcomfort.records.consents import Given
     from vrcomfort.render.pipeline import StereoRenderer
     from vrcomfort.respondent import Respondent
     from vrcomfort.scene.data import Scene
-    from vrcomfort.session import Enrolment, Outcome, ProgressCallback
+    from vrcomfort.session import Enrolment, Outcome
     from vrcomfort.session.interfaces import HeadsetFor, Relay, Renderer
 
 
@@ -116,7 +117,7 @@ class StudySetup:
         headset: HeadsetSetup | None = None,
         *,
         ipd_measured_m: float | None = None,
-        console: OperatorsConsole | None = None,
+        console: ConsoleSetup | None = None,
         relay: Relay | None = None,
         speaker: Speaker | None = None,
     ) -> Outcome:
@@ -138,7 +139,7 @@ class StudySetup:
             machine=machine,
             screen=headset.screen if headset else None,
             watchdog=headset.watchdog if headset else None,
-            steering=console.steering if console else None,
+            operators=console.operators if console else None,
             ipd_measured_m=ipd_measured_m,
             durability=self._durability,
             relay=relay,
@@ -176,7 +177,7 @@ class StudySetup:
         kind: RespondentKind,
         enrolment: Enrolment,
         headset: HeadsetSetup | None,
-        console: OperatorsConsole | None,
+        console: ConsoleSetup | None,
     ) -> Respondent:
         from vrcomfort.respondent import SimulatedRespondent, TerminalRespondent
 

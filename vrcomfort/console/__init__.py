@@ -2,11 +2,10 @@
 
 The web server is a process of its own (`server`), which the session talks to through two pipes
 (`process`): small messages, the oldest of which are dropped where the server is slow. Nothing here
-is imported by `session`; the command line joins the two by the shapes in `session.interfaces`.
+is imported by `session`, nor the other way round: both know `operator_interface`.
 """
 
-from vrcomfort.console.desk import ConsoleDesk
+from vrcomfort.console.desk import OperatorConsole
 from vrcomfort.console.process import ServerProcess, require_server
-from vrcomfort.console.verbal import VerbalRespondent
 
-__all__ = ["ConsoleDesk", "ServerProcess", "VerbalRespondent", "require_server"]
+__all__ = ["OperatorConsole", "ServerProcess", "require_server"]

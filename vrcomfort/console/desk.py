@@ -7,8 +7,15 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from vrcomfort.console.messages import Entered
-from vrcomfort.frame import FocusSample, Frame
+from vrcomfort.frame import DrawnFrame, FocusSample, Frame
+from vrcomfort.operator_interface import (
+    ALLOWED,
+    Command,
+    OperatorStep,
+    Progress,
+    SessionOrder,
+    TrialSoFar,
+)
 
 STATE_EVERY_S = 0.2
 PICTURE_EVERY_S = 0.5
@@ -27,76 +34,8 @@ class Server(Protocol):
     def show_picture(self, make: Callable[[], bytes]) -> None:
         """Have a picture shown."""
 
-    def next_command(self) -> Entered | None:
+    def next_command(self) -> Command | None:
         """Return what an operator wants."""
-
-
-class Step(Protocol):
-    """A step of a session; `session.operator_desk.OperatedStep`."""
-
-    @property
-    def number(self) -> int:
-        """Return its number."""
-
-    @property
-    def kind(self) -> str:
-        """Return its kind."""
-
-    @property
-    def words(self) -> str:
-        """Return its name."""
-
-
-class Order(Protocol):
-    """Who is run in which order; `session.operator_desk.SessionOrder`."""
-
-    @property
-    def participant(self) -> str:
-        """Return who."""
-
-    @property
-    def session(self) -> int:
-        """Return the number of the session."""
-
-    @property
-    def sequence(self) -> str:
-        """Return the name of the order."""
-
-    @property
-    def trials(self) -> tuple[tuple[str, str], ...]:
-        """Return scene and condition of each exposure."""
-
-    @property
-    def remaining_s(self) -> Callable[[], float]:
-        """Return what estimates how much time the session will still take."""
-
-
-class Rendered(Protocol):
-    """What was drawn; `session.interfaces.RenderedFrame`."""
-
-    @property
-    def eyes(self) -> tuple[Any, Any]:
-        """Return both images."""
-
-    @property
-    def focus_samples(self) -> Any:
-        """Return the focus of earlier frames."""
-
-    @property
-    def max_blur_px(self) -> float | None:
-        """Return the largest blur."""
-
-
-class Trial(Protocol):
-    """How regularly frames came; `session.operator_desk.TrialSoFar`."""
-
-    frames: int
-    dropped: int
-    untracked: int
-
-    @property
-    def frozen_so_far_s(self) -> float:
-        """Return for how long the picture stood still."""
 
 
 class Pictures(Protocol):
@@ -109,15 +48,13 @@ class Pictures(Protocol):
         """Count a frame; return what makes the picture that is there by now, if one is."""
 
 
-class ConsoleDesk:
+class OperatorConsole:
     """A desk with a page. All methods return at once.
 
     Parameters
     ----------
     server
         Shows the page.
-    allowed
-        Kind of step → what can be asked for in it.
     say
         Prints a line in the terminal for each step and action.
     pictures
@@ -129,13 +66,12 @@ class ConsoleDesk:
     def __init__(
         self,
         server: Server,
-        allowed: Mapping[Any, frozenset[str]],
         *,
         say: Callable[[str], None] = lambda _: None,
         pictures: Pictures | None = None,
         now_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._server, self._allowed, self._say = server, allowed, say
+        self._server, self._say = server, say
         self._pictures, self._now_s = pictures, now_s
         self._state: dict[str, Any] = {"kind": "state", "pictures": pictures is not None}
         self._ratings: list[tuple[str, float, float | None]] = []
@@ -146,7 +82,7 @@ class ConsoleDesk:
         self._paused = self._leaving = False
         self._next_s = self._next_picture_s = 0.0
 
-    def open(self, order: Order) -> None:
+    def open(self, order: SessionOrder) -> None:
         """Take note of a session that begins; its first step shows it."""
         self._remaining_s = order.remaining_s
         self._state |= {
@@ -159,11 +95,11 @@ class ConsoleDesk:
         }
         self._line(f"session {order.session} of {order.participant}, order {order.sequence}")
 
-    def begin(self, step: Step) -> None:
+    def begin(self, step: OperatorStep) -> None:
         """Show a step that begins."""
         here = {"number": step.number, "kind": step.kind, "words": step.words}
         self._state |= {"step": here, "done": 0.0, "total": 0.0, "frame": None}
-        self._state["allowed"] = sorted(self._allowed[step.kind])
+        self._state["allowed"] = sorted(ALLOWED[step.kind])
         if step.kind in {"training", "exposure"}:
             self._ratings.clear()
             self._focus_m = None
@@ -171,8 +107,8 @@ class ConsoleDesk:
         self._line(f"step {step.number}: {step.words}")
         self._publish()
 
-    def tell(self, progress: Any) -> None:
-        """Show how far the step has come; takes a `session.interfaces.Progress`."""
+    def tell(self, progress: Progress) -> None:
+        """Show the progress of a step."""
         if progress.step == "notice":
             self._line(progress.text)
         elif progress.step == "end":
@@ -185,7 +121,7 @@ class ConsoleDesk:
                 return
         self._publish()
 
-    def see(self, frame: Frame, rendered: Rendered | None, trial: Trial) -> None:
+    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
         """Look at a frame that was shown, if there is time and anybody to look."""
         if rendered is not None:
             for sample in rendered.focus_samples:
@@ -207,7 +143,7 @@ class ConsoleDesk:
         }
         self._publish()
 
-    def _look(self, rendered: Rendered) -> None:
+    def _look(self, rendered: DrawnFrame) -> None:
         """Take a picture now and then, where somebody wants to see it."""
         pictures = self._pictures
         if pictures is None:
@@ -224,11 +160,11 @@ class ConsoleDesk:
         self._ratings.append((instrument, round(elapsed_s, 2), response))
         self._publish()
 
-    def next_command(self) -> Entered | None:
+    def next_command(self) -> Command | None:
         """Return what an operator wants, or None at once."""
         return self._server.next_command()
 
-    def reply(self, command: Any, refusal: str) -> None:
+    def reply(self, command: Command, refusal: str) -> None:
         """Show everybody what was asked for, and whoever asked whether it was refused."""
         self._replies.append((command.id, refusal))
         action, said = command.action.replace("_", " "), f": {command.text}" if command.text else ""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
 from typing import Any
+
+from vrcomfort.operator_interface import Command
 
 LONGEST_CHARACTERS = 4096
 """Of a message; a note of a page's length fits."""
@@ -15,31 +16,7 @@ ACTIONS_PER_S = 20
 """More than a person asks for."""
 
 
-@dataclass(frozen=True)
-class Entered:
-    """What an operator wants, or whether their page wants pictures.
-
-    Parameters
-    ----------
-    id
-        The page's own name of this message, which the answer repeats.
-    action, step, text, value
-        See `session.operator_desk.Command`.
-    """
-
-    id: str
-    action: str
-    step: int
-    text: str = ""
-    value: float | None = None
-    operator: str = ""
-
-    def content(self) -> dict[str, Any]:
-        """Return it as plain JSON."""
-        return {**vars(self)}
-
-
-def read_entered(message: str) -> Entered | str:
+def read_command(message: str) -> Command | str:
     """Return what a page has sent, or the sentence that refuses it."""
     if len(message) > LONGEST_CHARACTERS:
         found, most = len(message), LONGEST_CHARACTERS
@@ -55,7 +32,7 @@ def read_entered(message: str) -> Entered | str:
     return _checked(content)
 
 
-def _checked(content: dict[str, Any]) -> Entered | str:
+def _checked(content: dict[str, Any]) -> Command | str:
     for name in ("id", "action"):
         word = content.get(name)
         if not isinstance(word, str) or not 0 < len(word) <= LONGEST_WORD:
@@ -70,4 +47,4 @@ def _checked(content: dict[str, Any]) -> Entered | str:
         return "`value` of a message is no number; reload the page"
     own_words = content["action"] == "write"
     said = text.strip() if own_words else " ".join(text.split())
-    return Entered(content["id"], content["action"], step, said, value)
+    return Command(content["id"], content["action"], step, said, value)

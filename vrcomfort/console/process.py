@@ -21,8 +21,8 @@ from typing import Any, Self
 
 from vrcomfort.console import wire
 from vrcomfort.console.access import Access
-from vrcomfort.console.messages import Entered
 from vrcomfort.errors import InputError
+from vrcomfort.operator_interface import Command
 
 QUEUE = 8
 """So many messages wait for the server; older ones are dropped. Each holds the whole state."""
@@ -73,7 +73,7 @@ class ServerProcess:
         self._access = Access(port=0)
         self._outbox: deque[bytes | Callable[[], bytes]] = deque(maxlen=QUEUE)
         self._last_state: bytes | None = None
-        self._commands: deque[Entered] = deque(maxlen=COMMANDS)
+        self._commands: deque[Command] = deque(maxlen=COMMANDS)
         self._begun: deque[float] = deque(maxlen=STARTS)
         self._process: subprocess.Popen[bytes] | None = None
         self._there = threading.Event()
@@ -100,7 +100,7 @@ class ServerProcess:
         """Have a picture shown, made by `make` in another thread (see `server.jpeg`)."""
         self._outbox.append(lambda: wire.framed(wire.PICTURE, make()))
 
-    def next_command(self) -> Entered | None:
+    def next_command(self) -> Command | None:
         """Return what an operator wants, or None at once."""
         return self._commands.popleft() if self._commands else None
 
@@ -208,7 +208,7 @@ class ServerProcess:
     def _take(self, content: dict[str, Any]) -> None:
         kind = content.pop("kind")
         if kind == "command":
-            self._commands.append(Entered(**content))
+            self._commands.append(Command(**content))
         elif kind == "watching":
             self.pages, self.pictures = content["pages"], content["pictures"]
         elif kind == "access":

@@ -30,7 +30,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from vrcomfort.console import wire
 from vrcomfort.console.access import NO_COOKIE, Access
-from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_entered
+from vrcomfort.console.messages import ACTIONS_PER_S, LONGEST_CHARACTERS, read_command
 
 PAGE = Path(__file__).parent / "page"
 MOST_PAGES = 100
@@ -211,7 +211,7 @@ class ConsoleServer:
 
     def _entered(self, message: str | None, page: Page, operator: str) -> None:
         entered = "a message is not text; reload the page" if message is None else ""
-        found = entered or read_entered(message or "")
+        found = entered or read_command(message or "")
         if isinstance(found, str):
             page.reply({"kind": "reply", "id": "", "refusal": found})
         elif found.action == "watch":

@@ -2,7 +2,7 @@
 
 from vrcomfort.session.clock import Clock, VirtualClock, WallClock
 from vrcomfort.session.enrolment import Enrolment, open_enrolment
-from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Progress, ProgressCallback, Renderer
+from vrcomfort.session.interfaces import HeadsetFor, LoadScene, Renderer
 from vrcomfort.session.manifest_writer import headset_facts
 from vrcomfort.session.no_frames import NoPictures, StillHeadset, scenes_for
 from vrcomfort.session.participant_sessions import Outcome
@@ -15,8 +15,6 @@ __all__ = [
     "LoadScene",
     "NoPictures",
     "Outcome",
-    "Progress",
-    "ProgressCallback",
     "Renderer",
     "StillHeadset",
     "VirtualClock",

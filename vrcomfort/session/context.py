@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from vrcomfort.headset.sound import Speaker
+from vrcomfort.operator_interface import ProgressCallback
 from vrcomfort.protocol import Protocol, Sequence
 from vrcomfort.records import Durability, Machine
 from vrcomfort.respondent import Respondent
@@ -13,13 +14,12 @@ from vrcomfort.session.clock import Clock
 from vrcomfort.session.interfaces import (
     HeadsetFor,
     LoadScene,
-    ProgressCallback,
     Relay,
     Renderer,
     Watchdog,
 )
+from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen
-from vrcomfort.session.steering import Steering
 
 
 @dataclass
@@ -59,7 +59,7 @@ class SessionContext:
         Whether exposures pass without frames, from one event to the next.
     watchdog
         Closes the records where the headset's runtime hangs.
-    steering
+    operators
         What operators want.
     relay
         Other devices that are told what happens.
@@ -87,7 +87,7 @@ class SessionContext:
     progress: ProgressCallback
     jumps: bool
     watchdog: Watchdog
-    steering: Steering
+    operators: OperatorControl
     relay: Relay
     speaker: Speaker | None
     floor: Floor = field(default_factory=Floor)

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.frame import HeadsetEvent
+from vrcomfort.operator_interface import Progress, ProgressKind
 from vrcomfort.protocol.timeline import WHOLE_SESSION, TrialPlace
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.interfaces import Progress, Step
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,10 @@ class EventLog:
         return EventRow(onset_s, round(now_s - onset_s, 9), name, detail)
 
     def tell(
-        self, step: Step, place: TrialPlace, done: float, total: float, text: str = ""
+        self, step: ProgressKind, place: TrialPlace, done: float, total: float, text: str = ""
     ) -> None:
         """Tell how far a step has come."""
-        self.context.steering.come(done, total)  # a notice has no total
+        self.context.operators.come(done, total)  # a notice has no total
         trial, condition = place.trial or 0, place.condition or ""
         self.context.progress(
             Progress(

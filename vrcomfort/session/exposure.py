@@ -21,8 +21,8 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interfaces import Doing, Looks
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import Rated, RatingSchedule, RatingSchedules
-from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.timing import seen_between_ns
 
 
@@ -204,7 +204,7 @@ class FrameLoop:
         if frame.paused:  # nobody sees it
             self.headset.submit(frame, None)
             self.log.add_hidden(frame)
-            self.context.steering.desk.see(frame, None, self.log.timing)
+            self.context.operators.interface.see(frame, None, self.log.timing)
             return False
         if frame.unfocused and self.context.protocol.unfocused == "pause":
             self._draw(self._carried(frame), stimulus)
@@ -213,14 +213,14 @@ class FrameLoop:
 
     def _steered(self, frame: Frame) -> Frame:
         """Hear the operators; return the frame as it is to be shown: to nobody while paused."""
-        steering, period_s = self.context.steering, frame.period_ns / 1e9
+        operators, period_s = self.context.operators, frame.period_ns / 1e9
         try:
-            steering.look()
+            operators.look()
         except (Skipped, Redone):
             self.context.clock.advance(period_s)  # the last frame was seen for its period
             raise
-        was_paused, self._was_paused = self._was_paused, steering.paused
-        if steering.paused:
+        was_paused, self._was_paused = self._was_paused, operators.paused
+        if operators.paused:
             self.context.clock.advance(period_s)
             return replace(frame, paused=True)
         return replace(frame, discontinuity=True) if was_paused else frame
@@ -255,7 +255,7 @@ class FrameLoop:
             session_s=self.context.clock.now_s(),
             balls=self._task.changed() if self._task and stimulus.trial else (),
         )
-        self.context.steering.desk.see(frame, rendered, self.log.timing)
+        self.context.operators.interface.see(frame, rendered, self.log.timing)
         self._pass_on(frame, stimulus)
 
     def _with_patch(self, frame: Frame) -> Frame:
@@ -344,4 +344,6 @@ class FrameLoop:
         )
         self.context.relay.rate(row)
         self.events.recorder.write_soon(row)
-        self.context.steering.desk.rated(schedule.instrument.name, self.felt_s, rated.response)
+        self.context.operators.interface.rated(
+            schedule.instrument.name, self.felt_s, rated.response
+        )

@@ -18,7 +18,7 @@ from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.manifest_writer import ManifestWriter
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.tasks import Demand
 
 NAME = "eye_height"
@@ -130,7 +130,7 @@ class EyeHeight:
         grey = Environment(
             sun_irradiance=(0.0, 0.0, 0.0), sky_zenith=_GREY, sky_horizon=_GREY, ground=_GREY
         )
-        context.steering.begin("training", f"{self._step.words}, attempt {attempt}")
+        context.operators.begin("training", f"{self._step.words}, attempt {attempt}")
         context.renderer.begin(Scene(NAME, (), (), (), environment=grey), Condition(name=NAME))
         loop = FrameLoop(context, headset, self._events, self._log, None)
         tell = partial(self._events.tell, "training", self._step.place, total=duration_s)

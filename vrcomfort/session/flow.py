@@ -7,6 +7,7 @@ from datetime import datetime
 from typing import Any, Literal, NoReturn
 
 from vrcomfort.geometry import Pose
+from vrcomfort.operator_interface import SessionOrder
 from vrcomfort.protocol.timeline import (
     BreakStep,
     ExposureStep,
@@ -35,7 +36,6 @@ from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.interview import Interview, OpenQuestions
 from vrcomfort.session.manifest_writer import ManifestWriter
-from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
 from vrcomfort.session.remaining import SessionTime
 from vrcomfort.session.rests import Rests
@@ -90,7 +90,7 @@ class SessionFlow:
         self._scores = ScoreWatch(context.protocol)
         self._texts = FreeTexts(context, events)
         self._screener = Screener(context, events)
-        self._steering = context.steering
+        self._operators = context.operators
         self._trials = TrialRunner(
             context,
             events=events,
@@ -112,7 +112,7 @@ class SessionFlow:
         """
         self._begin()
         try:
-            self._steering.await_start()
+            self._operators.await_start()
             self._end_if_ended_before()
             for step in self._timeline:
                 if step.when != "after_trial" or step.place.trial not in self._skipped:
@@ -154,11 +154,11 @@ class SessionFlow:
         planned = [each for step in self._timeline for each in step.planned]
         time = SessionTime(planned, self._events.now_s)
         words = self._context.protocol.words
-        self._steering.attach(self._events, self._context.screen, words=words, time=time)
+        self._operators.attach(self._events, self._context.screen, words=words, time=time)
         shown = tuple((place.scene, place.condition or "") for place in self._places)
         name, who = self._context.sequence.name, self._context.participant
         order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)
-        self._steering.desk.open(order)
+        self._operators.interface.open(order)
 
     def _run_step(self, step: Step, *, after_withdrawal: bool = False) -> None:
         """Run a step of the timeline.

@@ -8,10 +8,9 @@ from dataclasses import replace
 from functools import partial
 from typing import NamedTuple, Protocol
 
-from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.records import BallRow, FrameRow, GazeRow, ImageRow, Row
 from vrcomfort.scene.markers import Shown
-from vrcomfort.session.interfaces import RenderedFrame
 from vrcomfort.session.timing import TrialTiming, missed_refreshes
 
 _LATEST_FRAMES = 16
@@ -85,7 +84,7 @@ class FrameLog:
     def add(
         self,
         frame: Frame,
-        rendered: RenderedFrame | None,
+        rendered: DrawnFrame | None,
         *,
         trial: int,
         session_s: float,

@@ -10,7 +10,7 @@ from vrcomfort.records.session_rows import LONGEST_TEXT, one_line
 from vrcomfort.respondent.base import Writes
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 
 
 class FreeTexts:
@@ -37,7 +37,7 @@ class FreeTexts:
             return
         asked_s = self._context.clock.now_s()
         while True:
-            self._context.steering.begin("questionnaire", step.words)
+            self._context.operators.begin("questionnaire", step.words)
             try:
                 written = respondent.write(question.text)
             except Redone:

@@ -20,7 +20,7 @@ from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule
 from vrcomfort.session.task_run import task_random
 from vrcomfort.tasks import Ball, Demand
@@ -210,7 +210,7 @@ class Validation:
         run = PointsRun(settings, order, spawn)
         run.now_s = start_s = context.clock.now_s()
         duration_s = len(order) * settings.each_s
-        context.steering.begin("training", f"{step.words}, attempt {attempt}")
+        context.operators.begin("training", f"{step.words}, attempt {attempt}")
         context.renderer.begin(run.drawn, Condition(name=NAME))
         loop = FrameLoop(context, headset, self._events, self._log, None)
         tell = partial(self._events.tell, "training", step.place, total=duration_s)

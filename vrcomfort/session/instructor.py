@@ -18,7 +18,7 @@ from vrcomfort.respondent.panel_picture import Painter, Picture, room_for_pictur
 from vrcomfort.respondent.picture_file import read_picture
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 
 SLICE_S = 0.1
 """So often is looked up while something is told."""
@@ -78,7 +78,7 @@ class Instructor:
         self._context = context
         self._events = events
         self._respondent = context.respondent
-        self._steering = context.steering
+        self._operators = context.operators
         self._shown: Telling | None = None
 
     def tell(self, step: InstructionStep) -> None:
@@ -100,7 +100,7 @@ class Instructor:
         telling = _telling(instruction, media, plays=speaker is not None)
         start_s = self._context.clock.now_s()
         ended = "interruption"
-        self._steering.begin("instruction", self._words(step))
+        self._operators.begin("instruction", self._words(step))
         try:
             if media.sound and speaker:
                 speaker.play(media.sound)
@@ -137,7 +137,7 @@ class Instructor:
                 if late_s is not None and now_s >= late_s - 1e-6:
                     late_s = None
                     tell_late()
-                self._steering.look()
+                self._operators.look()
                 self._show_beside(telling)
                 idle_s = self._respondent.read(telling, now_s - start_s, may_go_on=True)
                 if idle_s is None:
@@ -169,7 +169,7 @@ class Instructor:
             elapsed_s = clock.now_s() - start_s
             if most_s is not None and elapsed_s >= most_s - 1e-6:
                 return "time"
-            self._steering.look()
+            self._operators.look()
             self._show_beside(telling)
             self._events.tell("instruction", place, elapsed_s, least_s, telling.name)
             may_go_on = elapsed_s >= least_s - 1e-6

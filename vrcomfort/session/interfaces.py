@@ -4,60 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass
-from typing import Any, Literal, Protocol, TypeAlias, runtime_checkable
+from typing import Any, Protocol, TypeAlias, runtime_checkable
 
-from vrcomfort.frame import FocusSample, Frame, GazeHit, GpuTime, ImageHash
+from vrcomfort.frame import DrawnFrame, FocusSample, Frame, GazeHit, GpuTime, ImageHash
 from vrcomfort.geometry import Array, Gaze, Pose
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Condition
 from vrcomfort.records import EventRow, RatingRow
 from vrcomfort.scene.markers import Shown
 from vrcomfort.tasks import Demand
-
-
-class RenderedFrame(Protocol):
-    """Both eyes' images of one frame, and what is known of it by now."""
-
-    @property
-    def eyes(self) -> tuple[Any, Any]:
-        """Return the left and right image."""
-
-    @property
-    def focus_samples(self) -> Sequence[FocusSample]:
-        """Return samples of earlier frames that have arrived."""
-
-    @property
-    def max_blur_px(self) -> float | None:
-        """Return the largest blur radius that the condition allows at this size; None: no limit."""
-
-    @property
-    def cpu_ms(self) -> float | None:
-        """Return the CPU time of this frame."""
-
-    @property
-    def gpu_times(self) -> Sequence[GpuTime] | None:
-        """Return times of earlier frames that have arrived; None where the GPU is not timed."""
-
-    @property
-    def hashed(self) -> bool:
-        """Return whether the images of this frame are being hashed."""
-
-    @property
-    def image_hashes(self) -> Sequence[ImageHash]:
-        """Return hashes of the images of earlier frames that have arrived."""
-
-    @property
-    def seeks_gaze(self) -> bool:
-        """Return whether it is being found out what the gaze of this frame meets."""
-
-    @property
-    def gaze_hits(self) -> Sequence[GazeHit]:
-        """Return what the gaze of earlier frames meets that has arrived."""
-
-    @property
-    def effect_centre(self) -> str | None:
-        """Return what effects that follow the gaze are centred on; None: there are none."""
 
 
 class Renderer(Protocol):
@@ -69,7 +24,7 @@ class Renderer(Protocol):
     def adjust(self, condition: Condition) -> None:
         """Change settings of the present condition between two frames."""
 
-    def render(self, frame: Frame, scene_time_s: float) -> RenderedFrame:
+    def render(self, frame: Frame, scene_time_s: float) -> DrawnFrame:
         """Draw both eyes."""
 
     def drain(self) -> Sequence[FocusSample]:
@@ -198,33 +153,3 @@ class NoRelay:
     def take_left_out(self) -> int:
         """Return 0."""
         return 0
-
-
-Step = Literal[
-    "session", "training", "exposure", "questionnaire", "rest", "instruction", "notice", "end"
-]
-
-
-@dataclass(frozen=True)
-class Progress:
-    """Where a session is: `done` of `total` (frames, items or seconds, by `step`).
-
-    The `text` of a notice is for the operator.
-    """
-
-    step: Step
-    participant: str
-    session: int
-    trial: int = 0
-    scene: str = ""
-    condition: str = ""
-    done: float = 0
-    total: float = 0
-    text: str = ""
-
-
-ProgressCallback: TypeAlias = Callable[[Progress], None]
-
-
-def silent(progress: Progress) -> None:
-    """Show nothing."""

@@ -13,7 +13,7 @@ from vrcomfort.records import Interrupted, QuestionnaireRow
 from vrcomfort.respondent import Form
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 
 
 class Interview:
@@ -60,7 +60,7 @@ class Interview:
         """
         form = Form(self._instrument, self._ask.timepoint, after_withdrawal, self._compared())
         while True:
-            self._context.steering.begin("questionnaire", self._words)
+            self._context.operators.begin("questionnaire", self._words)
             self._tell()
             try:
                 self._context.respondent.ask(form, self._heard)
@@ -120,7 +120,7 @@ class Interview:
         detail = f"{self._ask.timepoint} {self._ask.instrument} {item}: {said}"
         self._events.event("answer", detail=detail)
         self._tell()
-        self._context.steering.look()
+        self._context.operators.look()
 
     def _row(
         self, item: str, response: int | None, answered_s: float, asked_s: float

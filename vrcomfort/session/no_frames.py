@@ -56,7 +56,7 @@ class EventLoop(FrameLoop):
             return super()._run(stimulus, schedule, progress)
         duration_s = stimulus.duration_s * stimulus.stretch
         while True:
-            self.context.steering.look()
+            self.context.operators.look()
             self._pass(min(self._next_s(schedule), duration_s), stimulus)
             if self.felt_s >= duration_s:
                 self.elapsed_s = stimulus.duration_s

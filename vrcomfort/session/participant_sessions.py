@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 
 from vrcomfort.errors import InputError
+from vrcomfort.operator_interface import Progress
 from vrcomfort.records import (
     Interrupted,
     Manifest,
@@ -22,7 +23,6 @@ from vrcomfort.records.wall_clock import set_back_before
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.flow import SessionFlow, SessionStatus
-from vrcomfort.session.interfaces import Progress
 from vrcomfort.session.manifest_writer import ManifestWriter, limits
 
 RUNTIME_HUNG = "runtime_hung"
@@ -109,7 +109,7 @@ class ParticipantSessions:
             events = EventLog(context, number, recorder)
             if context.screen is not None:
                 context.screen.notice = events.note
-                context.screen.each_frame = context.steering.look
+                context.screen.each_frame = context.operators.look
             flow = SessionFlow(context, events=events, manifest=writer, interrupted=before)
             manifest.write(recorder.folder, access)
             try:

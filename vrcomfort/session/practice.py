@@ -20,7 +20,7 @@ from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.no_frames import EventLoop
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule
 from vrcomfort.session.task_run import TaskRun, task_random
 from vrcomfort.session.trial import TrialRunner
@@ -193,7 +193,7 @@ class PracticeRunner:
         kind = EventLoop if context.jumps else FrameLoop
         loop = kind(context, headset, self._events, self._log, standing.path)
         words = f"{block.step.words}, repetition {block.repetition}: {_named(trial)}"
-        context.steering.begin("training", words)
+        context.operators.begin("training", words)
         tell = partial(self._events.tell, "training", place, total=shown_s)
         stimulus = Stimulus(0, trial.condition, shown_s, context.stretch)
         try:

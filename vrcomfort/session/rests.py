@@ -9,7 +9,7 @@ from vrcomfort.respondent import Telling
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.steering import Skipped
+from vrcomfort.session.operator_control import Skipped
 
 SLICE_S = 0.2
 """So often a rest looks up."""
@@ -46,7 +46,7 @@ class Rests:
             If the participant stops here.
         """
         start_s = self._context.clock.now_s()
-        self._context.steering.begin("rest", f"rest of {duration_s:g} s")
+        self._context.operators.begin("rest", f"rest of {duration_s:g} s")
         try:
             self._wait(duration_s)
             self._context.respondent.rest(duration_s)
@@ -73,7 +73,7 @@ class Rests:
         passed_s = self._passed_s() if step.interrupted else 0.0
         start_s = clock.now_s()
         settings, words = step.breaks, step.words
-        self._context.steering.begin("rest", f"{words}, at least {settings.min_s:g} s")
+        self._context.operators.begin("rest", f"{words}, at least {settings.min_s:g} s")
         ended = "interruption"
         try:
             ended = self._until_over(settings, words, start_s - passed_s)
@@ -112,9 +112,9 @@ class Rests:
 
     def _a_moment(self, left_s: float) -> float:
         """Let a slice of a rest pass; return how much of it was paused."""
-        clock, steering = self._context.clock, self._context.steering
-        steering.look()
-        before_s, paused = clock.now_s(), steering.paused
+        clock, operators = self._context.clock, self._context.operators
+        operators.look()
+        before_s, paused = clock.now_s(), operators.paused
         if not self._context.respondent.resting(left_s):
             clock.wait(left_s if self._context.jumps else min(left_s, SLICE_S))
         return clock.now_s() - before_s if paused else 0.0

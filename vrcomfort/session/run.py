@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from vrcomfort.headset.sound import Speaker
+from vrcomfort.operator_interface import NoOperator, ProgressCallback, no_progress
 from vrcomfort.records import Durability, Machine, enrol
 from vrcomfort.records.consents import note_consent
 from vrcomfort.respondent import Respondent
@@ -14,16 +15,13 @@ from vrcomfort.session.interfaces import (
     LoadScene,
     NoRelay,
     NoWatchdog,
-    ProgressCallback,
     Relay,
     Renderer,
     Watchdog,
 )
-from vrcomfort.session.interfaces import silent as no_progress
-from vrcomfort.session.operator_desk import NoDesk
+from vrcomfort.session.operator_control import OperatorControl
 from vrcomfort.session.panel_screen import PanelScreen
 from vrcomfort.session.participant_sessions import Outcome, ParticipantSessions
-from vrcomfort.session.steering import Steering
 
 
 def run(
@@ -39,7 +37,7 @@ def run(
     ipd_measured_m: float | None = None,
     durability: Durability = "each_row",
     watchdog: Watchdog | None = None,
-    steering: Steering | None = None,
+    operators: OperatorControl | None = None,
     relay: Relay | None = None,
     speaker: Speaker | None = None,
     jumps: bool = False,
@@ -61,7 +59,7 @@ def run(
         When rows are safe from a power cut; "session_end" is for what can be simulated again.
     watchdog
         Closes the records where the headset's runtime hangs.
-    steering
+    operators
         Hears the operators; without it, nobody steers but by Ctrl-C.
     relay
         Passes on what happens to other devices.
@@ -103,7 +101,7 @@ def run(
         durability=durability,
         progress=progress,
         watchdog=watchdog or NoWatchdog(),
-        steering=steering or Steering(NoDesk()),
+        operators=operators or OperatorControl(NoOperator()),
         relay=relay or NoRelay(),
         speaker=speaker,
         jumps=jumps,

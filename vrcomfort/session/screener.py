@@ -14,7 +14,7 @@ from vrcomfort.records.session_rows import IPD_RULE
 from vrcomfort.respondent.base import Decides
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.event_log import EventLog
-from vrcomfort.session.steering import Redone, Skipped
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule
 
 
@@ -100,7 +100,7 @@ class Screener:
     def _asked(self, question: str) -> bool:
         respondent = self._context.respondent
         while isinstance(respondent, Decides):
-            self._context.steering.begin("questionnaire", "screening")
+            self._context.operators.begin("questionnaire", "screening")
             try:
                 return respondent.decide(question)
             except (Redone, Skipped):  # it is a decision, which nobody can leave out

@@ -10,6 +10,7 @@ from typing import Any
 
 from vrcomfort.errors import RuntimeLostError, headset_ended
 from vrcomfort.headset.base import Headset
+from vrcomfort.operator_interface import ProgressKind
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
@@ -20,13 +21,13 @@ from vrcomfort.session.dial_run import Several
 from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.interfaces import Doing, Step
+from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.manifest_writer import ManifestWriter
 from vrcomfort.session.no_frames import EventLoop
+from vrcomfort.session.operator_control import Redone, Skipped
 from vrcomfort.session.ratings import RatingSchedules, schedules_of
 from vrcomfort.session.slider_run import SliderRun
 from vrcomfort.session.standing import Standing, stand
-from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule, trial_ending
 from vrcomfort.session.task_run import TaskRun
 from vrcomfort.session.timing import timing_row, trial_flags
@@ -77,7 +78,7 @@ class TrialRunner:
         self._trials = trials
         self._interrupted = interrupted
         self._respondent = context.respondent
-        self._steering = context.steering
+        self._operators = context.operators
         self._redone: Counter[int] = Counter()
         self._open: tuple[TrialPlace, Ending, FrameLoop | None] | None = None
         self._task: TaskRun | None = None
@@ -184,7 +185,7 @@ class TrialRunner:
         standing = stand(scene, view, walks=protocol.locomotion.mode != "off")
         headset = context.headset_for(view.scene, standing.scene)
         self._manifest.note_headset(headset)
-        self._steering.use(headset)
+        self._operators.use(headset)
         return headset, standing
 
     def _task_in(self, place: TrialPlace, scene: Any) -> TaskRun | None:
@@ -242,7 +243,7 @@ class TrialRunner:
     ) -> bool:
         """Show the first scene; return whether an operator wants it once more."""
         start_s = self._context.clock.now_s()
-        self._steering.begin("training", f"training in {place.scene}")
+        self._operators.begin("training", f"training in {place.scene}")
         stimulus = Stimulus(0, place.condition or "", duration_s, self._context.stretch)
         try:
             loop.show(stimulus, progress=self._watch("training", place, duration_s))
@@ -265,7 +266,7 @@ class TrialRunner:
         start_s = self._context.clock.now_s()
         attempt = self._attempts_before(number) + 1
         words = f"exposure {number} of {self._trials}, attempt {attempt}: {_shown(place)}"
-        self._steering.begin("exposure", words)
+        self._operators.begin("exposure", words)
         try:
             return loop.show(
                 Stimulus(number, condition, shown_s, full_s / shown_s),
@@ -295,7 +296,7 @@ class TrialRunner:
             self._events.event("blur_limited", detail=sentence)
             self._manifest.clamp(f"{_shown(place)}: {sentence}")
 
-    def _watch(self, step: Step, place: TrialPlace, total_s: float) -> partial[None]:
+    def _watch(self, step: ProgressKind, place: TrialPlace, total_s: float) -> partial[None]:
         return partial(self._events.tell, step, place, total=total_s)
 
     def _identity(self, place: TrialPlace, start_s: float) -> dict[str, Any]:

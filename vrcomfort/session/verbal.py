@@ -3,44 +3,16 @@
 from __future__ import annotations
 
 import time
-from collections import deque
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from collections.abc import Callable
+from typing import Any
 
+from vrcomfort.operator_interface import Command, OperatorInterface
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Instrument, Item
 from vrcomfort.respondent import Exposure, Form
 from vrcomfort.respondent.base import Heard, Telling, Written
-
-
-class Desk(Protocol):
-    """Where the questions stand; `desk.ConsoleDesk`."""
-
-    def ask(self, question: Mapping[str, Any] | None) -> None:
-        """Show a question, or none."""
-
-
-class Entries(Protocol):
-    """What operators enter; `session.steering.Steering`."""
-
-    entries: deque[Any]
-    entry_fault: Callable[[Any], str]
-
-    def look(self) -> None:
-        """Hear the operators."""
-
-    def idle(self) -> None:
-        """Let a moment pass."""
-
-
-class Screen(Protocol):
-    """Words in the headset; `session.panel_screen.PanelScreen`."""
-
-    def rest_on(self, words: str | None) -> None:
-        """Show words where nothing else is."""
-
-    def allow_absence(self, duration_s: float) -> None:
-        """Let the participant take the headset off for so long."""
+from vrcomfort.session.operator_control import OperatorControl
+from vrcomfort.session.panel_screen import PanelScreen
 
 
 class VerbalRespondent:
@@ -61,18 +33,23 @@ class VerbalRespondent:
 
     def __init__(
         self,
-        desk: Desk,
-        entries: Entries,
-        screen: Screen | None = None,
+        interface: OperatorInterface,
+        operators: OperatorControl,
+        screen: PanelScreen | None = None,
         *,
         words: Words = ENGLISH,
         now_s: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._desk, self._entries, self._screen, self._now_s = desk, entries, screen, now_s
+        self._interface, self._operators, self._screen, self._now_s = (
+            interface,
+            operators,
+            screen,
+            now_s,
+        )
         self._words = words
         self._rated: float | None = None
         self._rates_until_s: float | None = None
-        self._nothing_asked = entries.entry_fault
+        self._nothing_asked = operators.entry_fault
 
     def start_session(self, session: int) -> None:
         """Do nothing: the page shows it."""
@@ -83,8 +60,8 @@ class VerbalRespondent:
 
     def endure(self, elapsed_s: float) -> None:
         """Take the rating that was entered; close the question when its time is over."""
-        while self._entries.entries:
-            self._rated = self._entries.entries.popleft().value
+        while self._operators.entries:
+            self._rated = self._operators.entries.popleft().value
             self._close_rating()
         if self._rates_until_s is not None and elapsed_s > self._rates_until_s:
             self._close_rating()
@@ -97,8 +74,8 @@ class VerbalRespondent:
         """Have a rating asked for; it is picked up by `endure`."""
         item = instrument.items[0]
         self._rated, self._rates_until_s = None, elapsed_s + timeout_s
-        self._entries.entry_fault = lambda entry: _fault_of(item, entry, "rate")
-        self._desk.ask(
+        self._operators.entry_fault = lambda entry: _fault_of(item, entry, "rate")
+        self._interface.ask(
             {"action": "rate", "title": instrument.title, "instruction": instrument.instruction,
              "timeout_s": timeout_s, "items": [_shown(item, None, answered=False)], "current": 0}
         )  # fmt: skip
@@ -110,8 +87,8 @@ class VerbalRespondent:
     def _close_rating(self) -> None:
         if self._rates_until_s is not None:
             self._rates_until_s = None
-            self._entries.entry_fault = self._nothing_asked
-            self._desk.ask(None)
+            self._operators.entry_fault = self._nothing_asked
+            self._interface.ask(None)
 
     def resting(self, left_s: float) -> bool:
         """Let a frame pass in the headset, if there is one."""
@@ -119,7 +96,7 @@ class VerbalRespondent:
             return False
         self._screen.allow_absence(left_s)
         self._screen.rest_on(self._words.rest_aloud)
-        self._entries.idle()
+        self._operators.idle()
         return True
 
     def rest(self, duration_s: float) -> None:  # noqa: ARG002
@@ -128,7 +105,7 @@ class VerbalRespondent:
 
     def read(self, telling: Telling, elapsed_s: float, *, may_go_on: bool) -> float | None:  # noqa: ARG002
         """Leave it to the operators to go on, by *Skip*."""
-        self._entries.idle()
+        self._operators.idle()
         return 0.0
 
     def leave(self) -> None:
@@ -139,50 +116,50 @@ class VerbalRespondent:
         """Have every item asked, and all answers looked through."""
         sheet = _Sheet(form, self._now_s)
         self._show(self._words.listen)
-        self._entries.entry_fault = sheet.fault
+        self._operators.entry_fault = sheet.fault
         try:
-            self._desk.ask(sheet.shown())
+            self._interface.ask(sheet.shown())
             while not sheet.confirmed:
-                self._entries.look()
-                while self._entries.entries:
-                    sheet.take(self._entries.entries.popleft(), heard)
-                    self._desk.ask(sheet.shown())
-                self._entries.idle()
+                self._operators.look()
+                while self._operators.entries:
+                    sheet.take(self._operators.entries.popleft(), heard)
+                    self._interface.ask(sheet.shown())
+                self._operators.idle()
         finally:
-            self._entries.entry_fault = self._nothing_asked
-            self._desk.ask(None)
+            self._operators.entry_fault = self._nothing_asked
+            self._interface.ask(None)
             self._show(None)
 
     def decide(self, question: str) -> bool:
         """Have the operators decide whether it goes on."""
-        self._entries.entry_fault = _fault_of_decision
+        self._operators.entry_fault = _fault_of_decision
         item = {**_open(question), "values": [1, 0], "labels": ["go on", "stop"]}
         shown = {"action": "decide", "title": "To be decided", "instruction": "", "current": 0}
-        self._desk.ask({**shown, "items": [item]})
+        self._interface.ask({**shown, "items": [item]})
         try:
-            while not self._entries.entries:
-                self._entries.look()
-                self._entries.idle()
-            return bool(self._entries.entries.popleft().value)
+            while not self._operators.entries:
+                self._operators.look()
+                self._operators.idle()
+            return bool(self._operators.entries.popleft().value)
         finally:
-            self._entries.entry_fault = self._nothing_asked
-            self._desk.ask(None)
+            self._operators.entry_fault = self._nothing_asked
+            self._interface.ask(None)
 
     def write(self, question: str) -> Written:
         """Have a question answered in the participant's own words, and typed here."""
         since_s = self._now_s()
         self._show(self._words.listen)
-        self._entries.entry_fault = _fault_of_text
+        self._operators.entry_fault = _fault_of_text
         shown = {"action": "write", "title": "In the participant's own words"}
-        self._desk.ask({**shown, "instruction": "", "items": [_open(question)], "current": 0})
+        self._interface.ask({**shown, "instruction": "", "items": [_open(question)], "current": 0})
         try:
-            while not self._entries.entries:
-                self._entries.look()
-                self._entries.idle()
-            return Written(self._entries.entries.popleft().text, self._now_s() - since_s)
+            while not self._operators.entries:
+                self._operators.look()
+                self._operators.idle()
+            return Written(self._operators.entries.popleft().text, self._now_s() - since_s)
         finally:
-            self._entries.entry_fault = self._nothing_asked
-            self._desk.ask(None)
+            self._operators.entry_fault = self._nothing_asked
+            self._interface.ask(None)
             self._show(None)
 
     def _show(self, words: str | None) -> None:
@@ -200,7 +177,7 @@ class _Sheet:
         self._since_s = now_s()
         self.confirmed = False
 
-    def fault(self, entry: Any) -> str:
+    def fault(self, entry: Command) -> str:
         """Return why an entry cannot be taken; blank where it can."""
         if entry.action == "confirm":
             left = len(self._items) - len(self._answers)
@@ -210,7 +187,7 @@ class _Sheet:
             return f"this questionnaire has no question {entry.text[:40]!r}"
         return _fault_of(item, entry, "answer")
 
-    def take(self, entry: Any, heard: Heard) -> None:
+    def take(self, entry: Command, heard: Heard) -> None:
         """Take an entry that has no fault."""
         if entry.action == "confirm":
             self.confirmed = True
@@ -237,22 +214,23 @@ class _Sheet:
         }
 
 
-def _fault_of(item: Item, entry: Any, action: str) -> str:
+def _fault_of(item: Item, entry: Command, action: str) -> str:
     if entry.action != action:
         return f"this question takes no {entry.action}"
-    declined = entry.value is None and action == "answer"
-    whole = entry.value is not None and float(entry.value).is_integer()
-    if declined or (whole and item.answers.offers(entry.value)):
+    value = entry.value
+    if value is None and action == "answer":
+        return ""
+    if value is not None and float(value).is_integer() and item.answers.offers(value):
         return ""
     return f"{item.answers.asked_in_words} is an answer to {item.text!r}"
 
 
-def _fault_of_decision(entry: Any) -> str:
+def _fault_of_decision(entry: Command) -> str:
     taken = entry.action == "decide" and entry.value in (0, 1)
     return "" if taken else "this question takes go on (1) or stop (0)"
 
 
-def _fault_of_text(entry: Any) -> str:
+def _fault_of_text(entry: Command) -> str:
     return "" if entry.action == "write" else f"this question takes no {entry.action}"
 
 

@@ -1,20 +1,22 @@
-"""What an operator may ask of a running session, and what comes of it.
+"""Carries out the commands that operators give a running session.
 
-A wish names the step that it was meant for: what was meant for a step that is over is refused. All
-that was asked, and all that was refused, is in ``events.csv``.
+A command names its step: one for a step that is over is refused. All commands and refusals are in
+``events.csv``.
 """
 
 from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Protocol, runtime_checkable
 
+from vrcomfort.operator_interface import ALLOWED, Command, OperatorInterface, OperatorStep
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.protocol.timeline import StepKind
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk
+from vrcomfort.session.panel_screen import PanelScreen
+from vrcomfort.session.remaining import SessionTime
 
 IDLE_S = 0.02
 """So long a moment is in which nothing is to be done."""
@@ -32,24 +34,8 @@ class AbortedByOperator(KeyboardInterrupt):
     """The operator ends the session, as Ctrl-C does; the message is the reason."""
 
 
-_ALWAYS = {"note", "abort", "withdraw", "withdraw_surely", "withdraw_not"}
-_TIMED = _ALWAYS | {"pause", "go_on", "skip", "recentre"}
-ALLOWED: Mapping[StepKind, frozenset[str]] = {
-    "session": frozenset(_ALWAYS),
-    "ready": frozenset(_ALWAYS | {"start", "recentre"}),
-    "training": frozenset(_TIMED | {"redo"}),
-    "exposure": frozenset(_TIMED | {"redo", "rate"}),
-    "questionnaire": frozenset(
-        _ALWAYS | {"skip", "redo", "recentre", "answer", "confirm", "write", "decide"}
-    ),
-    "rest": frozenset(_TIMED),
-    "instruction": frozenset(_ALWAYS | {"skip", "redo", "recentre"}),
-}
-"""What can be asked for in which step."""
-
-_ENTRIES = {"answer", "confirm", "rate", "write", "decide"}
-
 NEEDS_TEXT = {"note": "a note", "abort": "the reason"}
+_ENTRIES = {"answer", "confirm", "rate", "write", "decide"}
 
 
 @runtime_checkable
@@ -70,50 +56,22 @@ class Events(Protocol):
         """Write an event that ends now, without waiting."""
 
 
-class Time(Protocol):
-    """Follows a session through its planned steps; `remaining.SessionTime`."""
-
-    def begin(
-        self, kind: StepKind, words: str, *, again: bool = False, cut_short: bool = False
-    ) -> None:
-        """Take note that a step begins."""
-
-    def come(self, share: float) -> None:
-        """Take note of how much of the step is done, 0 to 1."""
-
-    def pause(self) -> None:
-        """Stop to count the step's time."""
-
-    def end_pause(self) -> None:
-        """Go on."""
-
-
-class Idle(Protocol):
-    """Shows words while nothing else is shown."""
-
-    def rest_on(self, words: str | None) -> None:
-        """Show them, or no longer."""
-
-    def next_frame(self) -> None:
-        """Let a frame pass."""
-
-
 def nothing_asked(command: Command) -> str:
     """Refuse an answer where nobody waits for one from a console."""
     return f"nothing is asked that is answered on a console; {command.action} has no meaning now"
 
 
-class Steering:
+class OperatorControl:
     """Hears the operators; the session asks it once a frame, and never waits for it.
 
     Parameters
     ----------
-    desk
-        Where operators are.
+    interface
+        Shows operators the session, and takes their commands.
 
     Attributes
     ----------
-    desk
+    interface
         The same.
     step
         The one under way.
@@ -125,18 +83,18 @@ class Steering:
         Returns why such an answer cannot be taken, blank where it can; set by whoever asks.
     """
 
-    def __init__(self, desk: OperatorDesk) -> None:
-        self.desk = desk
-        self.step = OperatedStep(0, "session", "")
+    def __init__(self, interface: OperatorInterface) -> None:
+        self.interface = interface
+        self.step = OperatorStep(0, "session", "")
         self.entries: deque[Command] = deque()
         self.entry_fault: Callable[[Command], str] = nothing_asked
         self._events: Events | None = None
-        self._screen: Idle | None = None
+        self._screen: PanelScreen | None = None
         self._headset: object = None
         self._paused_at_s: float | None = None
         self._leaving = self._started = False
         self._words = ENGLISH
-        self._time: Time | None = None
+        self._time: SessionTime | None = None
         self._ended_by = ""
 
     @property
@@ -152,10 +110,10 @@ class Steering:
     def attach(
         self,
         events: Events,
-        screen: Idle | None = None,
+        screen: PanelScreen | None = None,
         *,
         words: Words = ENGLISH,
-        time: Time | None = None,
+        time: SessionTime | None = None,
     ) -> None:
         """Steer this session from now on.
 
@@ -182,8 +140,8 @@ class Steering:
         if self._time is not None:
             again = ended_by == "redo" and kind == self.step.kind
             self._time.begin(kind, words, again=again, cut_short=bool(ended_by))
-        self.step = OperatedStep(self.step.number + 1, kind, words)
-        self.desk.begin(self.step)
+        self.step = OperatorStep(self.step.number + 1, kind, words)
+        self.interface.begin(self.step)
 
     def come(self, done: float, total: float) -> None:
         """Take note of how much of the step is done."""
@@ -198,7 +156,7 @@ class Steering:
         Withdrew, AbortedByOperator
             If they end it instead.
         """
-        if not self.desk.starts_sessions:
+        if not self.interface.starts_sessions:
             return
         self.begin("ready", "waiting for the start")
         self._rest_on(self._words.paused)  # drawn now: a pause need not, between two frames
@@ -225,10 +183,10 @@ class Steering:
         Skipped, Redone, Withdrew, AbortedByOperator
             If that ends the step, the participant's study or the session.
         """
-        while (command := self.desk.next_command()) is not None:
+        while (command := self.interface.next_command()) is not None:
             refusal = self._refusal(command)
             self._note(command, refusal)
-            self.desk.reply(command, refusal)
+            self.interface.reply(command, refusal)
             if not refusal:
                 self._do(command)
 
@@ -305,10 +263,10 @@ class Steering:
                 raise AbortedByOperator(f"stopped by {command.operator}{said}")
             case "withdraw" | "withdraw_not":
                 self._leaving = command.action == "withdraw"
-                self.desk.ask_whether_to_withdraw(asked=self._leaving)
+                self.interface.ask_whether_to_withdraw(asked=self._leaving)
             case "withdraw_surely":
                 self._leaving = False
-                self.desk.ask_whether_to_withdraw(asked=False)
+                self.interface.ask_whether_to_withdraw(asked=False)
                 raise Withdrew(f"withdrawn by {command.operator}{said}")
             case "answer" | "confirm" | "rate" | "write" | "decide":
                 self.entries.append(command)

@@ -13,12 +13,12 @@ from tests.support.study import Scripted
 from vrcomfort.exchange.private_facts import of_event
 from vrcomfort.exchange.verifying import verify_study
 from vrcomfort.records import read_participants
-from vrcomfort.session.steering import ALLOWED, Steering
+from vrcomfort.session.operator_control import ALLOWED, OperatorControl
 
 
 def steered(tmp_path: Path, *script: Wanted, starts: bool = False, **more) -> ScriptedDesk:
     desk = ScriptedDesk(script, starts)
-    desk.outcome = go(tmp_path, steering=Steering(desk), **more)
+    desk.outcome = go(tmp_path, operators=OperatorControl(desk), **more)
     assert desk.done == len(script)
     return desk
 

@@ -1,0 +1,189 @@
+"""The interface between a session and its operators: the session's state, and their commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol, TypeAlias
+
+from vrcomfort.frame import DrawnFrame, Frame
+from vrcomfort.protocol.timeline import StepKind
+
+_ALWAYS = {"note", "abort", "withdraw", "withdraw_surely", "withdraw_not"}
+_TIMED = _ALWAYS | {"pause", "go_on", "skip", "recentre"}
+ALLOWED: Mapping[StepKind, frozenset[str]] = {
+    "session": frozenset(_ALWAYS),
+    "ready": frozenset(_ALWAYS | {"start", "recentre"}),
+    "training": frozenset(_TIMED | {"redo"}),
+    "exposure": frozenset(_TIMED | {"redo", "rate"}),
+    "questionnaire": frozenset(
+        _ALWAYS | {"skip", "redo", "recentre", "answer", "confirm", "write", "decide"}
+    ),
+    "rest": frozenset(_TIMED),
+    "instruction": frozenset(_ALWAYS | {"skip", "redo", "recentre"}),
+}
+"""What can be asked for in which step."""
+
+
+@dataclass(frozen=True)
+class OperatorStep:
+    """A step of a session, as operators name it; numbers count up over a session's life."""
+
+    number: int
+    kind: StepKind
+    words: str
+
+
+@dataclass(frozen=True)
+class SessionOrder:
+    """Who is run in which order.
+
+    Parameters
+    ----------
+    trials
+        Scene and condition of each exposure of the session.
+    remaining_s
+        Returns how much time the session is expected to take still.
+    """
+
+    participant: str
+    session: int
+    sequence: str
+    trials: tuple[tuple[str, str], ...]
+    remaining_s: Callable[[], float]
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of an operator.
+
+    Parameters
+    ----------
+    id
+        The page's own name of this message, which the answer repeats.
+    action
+        A word of `ALLOWED`; a page that wants pictures says ``watch``.
+    step
+        Number of the step that it is meant for.
+    text
+        The note, the reason, or (of an answer) the name of the item.
+    value
+        The answer; None is "rather not say".
+    operator
+        Who gave it.
+    """
+
+    id: str
+    action: str
+    step: int
+    text: str = ""
+    value: float | None = None
+    operator: str = ""
+
+    def content(self) -> dict[str, Any]:
+        """Return it as plain JSON."""
+        return {**vars(self)}
+
+
+ProgressKind: TypeAlias = Literal[
+    "session", "training", "exposure", "questionnaire", "rest", "instruction", "notice", "end"
+]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a session is: `done` of `total` (frames, items or seconds, by `step`).
+
+    The `text` of a notice is for the operator.
+    """
+
+    step: ProgressKind
+    participant: str
+    session: int
+    trial: int = 0
+    scene: str = ""
+    condition: str = ""
+    done: float = 0
+    total: float = 0
+    text: str = ""
+
+
+ProgressCallback: TypeAlias = Callable[[Progress], None]
+
+
+class TrialSoFar(Protocol):
+    """How regularly the frames of a trial have come."""
+
+    frames: int
+    dropped: int
+    untracked: int
+
+    @property
+    def frozen_so_far_s(self) -> float:
+        """Return for how long the picture stood still."""
+
+
+class OperatorInterface(Protocol):
+    """Where operators are: shows them the session and passes on what they want; never waits."""
+
+    @property
+    def starts_sessions(self) -> bool:
+        """Return whether a session waits until an operator starts it."""
+
+    def open(self, order: SessionOrder) -> None:
+        """Show a session that begins."""
+
+    def begin(self, step: OperatorStep) -> None:
+        """Show a step that begins."""
+
+    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+        """Look at a frame that was shown, if there is time and anybody to look."""
+
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
+        """Show a rating; None was missed."""
+
+    def next_command(self) -> Command | None:
+        """Return what an operator wants, or None at once."""
+
+    def reply(self, command: Command, refusal: str) -> None:
+        """Tell whoever gave a command that it is refused, and why; blank: it is done."""
+
+    def ask_whether_to_withdraw(self, *, asked: bool) -> None:
+        """Ask all operators whether the withdrawal is meant, or no longer."""
+
+    def ask(self, question: Mapping[str, Any] | None) -> None:
+        """Have operators ask a question aloud and enter the answer; None: no longer."""
+
+
+class NoOperator:
+    """Where there is no operator but at the terminal."""
+
+    starts_sessions = False
+
+    def open(self, order: SessionOrder) -> None:
+        """Show nothing."""
+
+    def begin(self, step: OperatorStep) -> None:
+        """Show nothing."""
+
+    def see(self, frame: Frame, rendered: DrawnFrame | None, trial: TrialSoFar) -> None:
+        """Look away."""
+
+    def rated(self, instrument: str, elapsed_s: float, response: float | None) -> None:
+        """Show nothing."""
+
+    def next_command(self) -> None:
+        """Return that nobody wants anything."""
+
+    def reply(self, command: Command, refusal: str) -> None:
+        """Tell nobody."""
+
+    def ask_whether_to_withdraw(self, *, asked: bool) -> None:
+        """Ask nobody."""
+
+    def ask(self, question: Mapping[str, Any] | None) -> None:
+        """Ask nobody."""
+
+
+def no_progress(progress: Progress) -> None:
+    """Show nothing."""
