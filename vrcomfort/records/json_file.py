@@ -30,9 +30,10 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
 
     Raises
     ------
+    DamagedError
+        If a value is missing or of another shape; numbers must be finite.
     InputError
-        If it cannot be read, is no JSON, or a value is missing or of another shape; numbers must
-        be finite.
+        If it cannot be read, is no JSON, or a newer version of this program wrote it.
     """
     text = read_text(file, what)
     content = parse_json(text, file, what=what)
@@ -45,7 +46,7 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
         except ValidationError as error:
             path, fault = _in_words(error.errors()[0])
     if fault:
-        raise damaged(file, what, fault, text=text, path=path)
+        raise DamagedError(file, what, fault, text=text, path=path)
     return content if isinstance(content, dict) else {}
 
 
@@ -72,11 +73,24 @@ def _indented(compact: str) -> str:
     return text.replace("\n", "\n  ")
 
 
-def damaged(file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()) -> InputError:
-    """Return the error for a value that cannot be; `fault` says what is wrong."""
-    line, column = place_of(text, path) if text else (None, None)
-    message = f"{fault}: this {what} is damaged; restore it"
-    return InputError(message, file=file, line=line, column=column)
+class DamagedError(InputError):
+    """JSON with a value that cannot be; `fault` says which and why.
+
+    Parameters
+    ----------
+    what
+        The file in words: "manifest".
+    text, path
+        The file's content, and where in it the value is: they give line and column.
+    """
+
+    def __init__(
+        self, file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()
+    ) -> None:
+        self.fault = fault
+        line, column = place_of(text, path) if text else (None, None)
+        message = f"{fault}: this {what} is damaged; restore it"
+        super().__init__(message, file=file, line=line, column=column)
 
 
 def _is_finite(content: Any) -> bool:

@@ -46,11 +46,9 @@ def check_schema_version(content: Mapping[str, Any], file: Path) -> None:
     Raises
     ------
     InputError
-        If the version is newer, or is none.
+        If the version is newer.
     """
     version = content.get("schema_version", 1)
-    if type(version) is not int or version < 1:
-        raise InputError(f"schema_version {version!r} is no version; restore it", file=file)
-    if version > SCHEMA_VERSION:
+    if type(version) is int and version > SCHEMA_VERSION:
         message = f"this was written in schema version {version}, and this vrcomfort knows up to"
         raise InputError(f"{message} {SCHEMA_VERSION}; install a newer vrcomfort", file=file)
