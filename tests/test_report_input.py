@@ -214,8 +214,9 @@ def test_descriptions_from_elsewhere_are_told_and_not_used(tmp_path):
     summary = build_report(tmp_path / "s", out=tmp_path / "o")
     assert summary.analysed == 5
     said = "line 1: not used, because it is no whole"
+    fault = "`conditions` should be an object {...}"
     assert summary.warnings == (
-        f"dataset_description.json, {said} study description: `conditions` should be an object {{...}}",
+        f"dataset_description.json, {said} study description: {fault}",
         f"manifest.json, {said} manifest: `participant` is missing",
     )
     (tmp_path / "s" / "manifest.json").write_bytes(b"\xff{}")

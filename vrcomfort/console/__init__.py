@@ -6,7 +6,7 @@ is imported by `session`; the command line joins the two by the shapes in `sessi
 """
 
 from vrcomfort.console.desk import ConsoleDesk
-from vrcomfort.console.process import ServerProcess, require_server
+from vrcomfort.console.process import ServerProcess
 from vrcomfort.console.verbal import VerbalRespondent
 
-__all__ = ["ConsoleDesk", "ServerProcess", "VerbalRespondent", "require_server"]
+__all__ = ["ConsoleDesk", "ServerProcess", "VerbalRespondent"]
