@@ -15,7 +15,7 @@ from vrcomfort.records.checksums import unseal
 from vrcomfort.records.disk import OWNER, Access, refused
 from vrcomfort.records.exposure_rows import OVER, DialRow, PracticeRow, RatingRow, TaskRow, TrialRow
 from vrcomfort.records.frame_rows import FrameRow
-from vrcomfort.records.json_file import DamagedError
+from vrcomfort.records.json_file import damaged
 from vrcomfort.records.manifest import read_manifest
 from vrcomfort.records.mend import mend
 from vrcomfort.records.recorded_rows import RecordedRow, read_rows
@@ -199,7 +199,7 @@ def _check_begun(folder: Path, begun: Mapping[str, Any], planned: Sequence[Trial
     file = folder / "manifest.json"
     for column, fault in _unplanned(begun, planned):
         text, path = file.read_text(encoding="utf-8"), ("under_way", column)
-        raise DamagedError(file, "manifest", f"`under_way.{column}`: {fault}", text=text, path=path)
+        raise damaged(file, "manifest", f"`under_way.{column}`: {fault}", text=text, path=path)
 
 
 def _unplanned(

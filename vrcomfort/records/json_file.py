@@ -46,7 +46,7 @@ def read_json(file: Path, model: type[BaseModel], what: str) -> dict[str, Any]:
         except ValidationError as error:
             path, fault = _in_words(error.errors()[0])
     if fault:
-        raise DamagedError(file, what, fault, text=text, path=path)
+        raise damaged(file, what, fault, text=text, path=path)
     return content if isinstance(content, dict) else {}
 
 
@@ -74,23 +74,20 @@ def _indented(compact: str) -> str:
 
 
 class DamagedError(InputError):
-    """JSON with a value that cannot be; `fault` says which and why.
+    """JSON with a value that cannot be; `fault` says which and why."""
 
-    Parameters
-    ----------
-    what
-        The file in words: "manifest".
-    text, path
-        The file's content, and where in it the value is: they give line and column.
-    """
+    fault = ""
 
-    def __init__(
-        self, file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()
-    ) -> None:
-        self.fault = fault
-        line, column = place_of(text, path) if text else (None, None)
-        message = f"{fault}: this {what} is damaged; restore it"
-        super().__init__(message, file=file, line=line, column=column)
+
+def damaged(
+    file: Path, what: str, fault: str, *, text: str = "", path: KeyPath = ()
+) -> DamagedError:
+    """Return the error for a value that cannot be, at `path` of `text`."""
+    line, column = place_of(text, path) if text else (None, None)
+    message = f"{fault}: this {what} is damaged; restore it"
+    error = DamagedError(message, file=file, line=line, column=column)
+    error.fault = fault
+    return error
 
 
 def _is_finite(content: Any) -> bool:

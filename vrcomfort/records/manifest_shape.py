@@ -15,7 +15,7 @@ Number = Annotated[int, Field(ge=1, le=2**31)]
 Seconds = Annotated[float, Field(ge=0, le=LONGEST_S)]
 
 
-_YEARS = range(1900, 2500)
+_YEARS = range(1900, 7000)
 """Beyond them, moving a moment could leave what a `datetime` can hold."""
 
 
