@@ -40,9 +40,9 @@ def torture(rig: Rig) -> Result:
         "case_s": CASE_S,
         "renewed": BEFORE_RENEWAL,
     }
-    count = rig.count(400, 60)
+    count = rig.count(400, 78)
     with workers("torture.damaged", folder, **limits) as pool:
-        outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 30)))
+        outcomes = list(rig.all("damaged", count, pool.run, limit_s=rig.count(300, 45)))
     how = (
         "Copies of a session that was killed in its third exposure, damaged in one or two places "
         "(values of the manifest, cells, bytes, zeros at the end, files gone, a trial that nobody "
