@@ -119,7 +119,7 @@ def test_what_fell_once_is_told_with_its_place(
 @pytest.mark.parametrize(
     ("file", "place", "value", "says"),
     [
-        (OF_STUDY, ("protocol",), [], "study description: `protocol`: should be a string"),
+        (OF_STUDY, ("protocol",), ["x"], "study description: `protocol`: should be a string"),
         (WHOLE, ("settings", "order", "sequences", 0), {}, "sequences.0.sessions` is missing"),
         (WHOLE, ("settings", "groups"), [{}], "manifest: `settings.groups.0.name` is missing"),
     ],
