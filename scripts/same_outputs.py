@@ -41,7 +41,7 @@ def protocols() -> dict[str, list[str]]:
     """Return the shipped protocols and the names of their conditions."""
     texts = {path.stem: path.read_text() for path in sorted((ROOT / "protocols").glob("*.toml"))}
     return {
-        name: [each["name"] for each in tomllib.loads(text)["conditions"]]
+        name: [each["name"] for each in tomllib.loads(text).get("conditions", [])]
         for name, text in texts.items()
     }
 

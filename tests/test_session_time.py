@@ -11,7 +11,8 @@ import pytest
 from tests.support.operator import ScriptedDesk, Wanted
 from tests.support.resume import go
 from tests.support.study import PROTOCOL, Scripted, tiny_protocol
-from vrcomfort.session.remaining import PlannedStep, SessionTime
+from vrcomfort.protocol.timeline import PlannedStep
+from vrcomfort.session.remaining import SessionTime
 from vrcomfort.session.steering import Steering
 
 

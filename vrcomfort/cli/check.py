@@ -95,6 +95,7 @@ def _check(
     found = _Checked(notes=list(_notes(protocol)))
     try:
         found.faults += _of_design(protocol)
+        found.faults += _of_wording(protocol)
         if not_to_be_had := [*_of_places(protocol), *_of_instructions(protocol)]:
             found.faults += not_to_be_had
             return found  # neither rehearsed nor drawn: nobody can stand there, or be told
@@ -120,6 +121,15 @@ def _of_instructions(protocol: Protocol) -> list[InputError]:
     from vrcomfort.session.instructor import instruction_faults
 
     return list(instruction_faults(protocol))
+
+
+def _of_wording(protocol: Protocol) -> list[InputError]:
+    """Return the texts that the panel cannot draw, in any language; what all have comes once."""
+    from vrcomfort.session.panel_wording import wording_faults
+
+    languages = protocol.languages or (None,)
+    found = [each for one in languages for each in wording_faults(protocol.spoken(one))]
+    return list({str(each): each for each in found}.values())
 
 
 def _of_design(protocol: Protocol) -> Iterator[InputError]:

@@ -38,6 +38,7 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
     from vrcomfort.records import Machine
     from vrcomfort.render.plan import plan_passes
     from vrcomfort.scene.load import load_scene
+    from vrcomfort.text_layout import layout_facts
 
     facts = describe(renderer.ctx)
     passes = {
@@ -54,6 +55,7 @@ def describe_machine(renderer: StereoRenderer, protocol: Protocol) -> Machine:
         runtime="playback",
         shaders=shader_hashes(),
         passes=passes,
+        text_layout=layout_facts(),
         timing_trust=TimingTrust.LOCKSTEP,
     )
 

@@ -38,7 +38,7 @@ from vrcomfort.cli.run_progress import SessionBars
 from vrcomfort.cli.run_rehearsal import rehearse
 from vrcomfort.cli.run_relay import open_relays
 from vrcomfort.cli.run_sound import open_speaker
-from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence
+from vrcomfort.cli.study_setup import RespondentKind, StudySetup, outcome_sentence, require_wording
 from vrcomfort.cli.terminal import complain, console, warn
 from vrcomfort.errors import InputError, RuntimeLostError
 from vrcomfort.headset.watchdog import EXIT_RUNTIME_LOST, Watchdog
@@ -157,6 +157,7 @@ def run(
     study_setup = StudySetup(study, out, playback, seed, exposure_s, group_readable=group_readable)
     kind = respondent or usual_respondent(headset, with_console=with_console)
     require_console(kind, with_console=with_console)
+    require_wording(study, kind, in_headset=headset is not HeadsetKind.PLAYBACK)
     with ExitStack() as owned:
         watchdog = owned.enter_context(Watchdog(warn)) if headset is HeadsetKind.OPENXR else None
         rehearsal = owned.enter_context(rehearse(monado_trace, monado_answers, watchdog))

@@ -210,6 +210,27 @@ def _require_instructions(protocol: Protocol) -> None:
             raise fault
 
 
+def require_wording(protocol: Protocol, kind: RespondentKind, *, in_headset: bool) -> None:
+    """Refuse words that the panel cannot draw, in the participant's language.
+
+    Parameters
+    ----------
+    in_headset
+        A panel is there, whoever answers.
+
+    Raises
+    ------
+    InputError
+        Names the first of them, and what to do.
+    """
+    from vrcomfort.session.panel_wording import wording_faults
+
+    aloud = kind in {RespondentKind.TERMINAL, RespondentKind.CONSOLE}
+    if in_headset or not aloud:
+        for fault in wording_faults(protocol, asked_aloud=aloud):
+            raise fault
+
+
 def _load_scene(source: str) -> Scene:
     from vrcomfort.scene.load import load_scene
 

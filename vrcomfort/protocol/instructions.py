@@ -22,7 +22,7 @@ class InstructionWording(Settings):
     """An instruction in another language: `[text.de.instructions.welcome]`."""
 
     text: Telling = ""
-    """Words on the panel."""
+    """Words on the panel; `""` where the `picture` says them."""
     picture: MediaFile = ""
     """PNG or JPEG file; without it, that of the usual language."""
     sound: MediaFile = ""
@@ -140,6 +140,8 @@ def wording_problems(
         lacks = [
             key for key in ("text", "sound") if getattr(each, key) and not getattr(wording, key)
         ]
+        if wording.picture and "text" in wording.model_fields_set:
+            lacks = [key for key in lacks if key != "text"]
         if lacks:
             what = f"instruction `{each.name}` lacks its {' and its '.join(lacks)} in `{language}`"
             yield (), f"{what}; write it into [text.{language}.instructions.{each.name}]"

@@ -30,6 +30,8 @@ class Machine:
         file → SHA-256.
     passes
         condition in scene → names of the passes, in order.
+    text_layout
+        What drew the text of panels: layout engine, FreeType, and font → version.
     timing_trust
         How far the times in ``frames.csv`` are those of a display: "lockstep" for playback,
         "runtime" where a compositor predicted them.
@@ -40,6 +42,7 @@ class Machine:
     runtime: str = ""
     shaders: Mapping[str, str] = field(default_factory=dict)
     passes: Mapping[str, list[str]] = field(default_factory=dict)
+    text_layout: Mapping[str, str] = field(default_factory=dict)
     timing_trust: str = "lockstep"
 
 

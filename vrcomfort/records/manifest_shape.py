@@ -201,6 +201,7 @@ class ManifestShape(_File):
     runtime: str = ""
     shaders: dict[str, str] = {}
     passes: dict[str, list[str]] = {}
+    text_layout: dict[str, str] = {}
     timing_trust: str = ""
     versions: dict[str, str] = {}
     protocol: ProtocolText

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from vrcomfort.geometry import Array, View
 from vrcomfort.replay.drawn import DrawnFrame
 from vrcomfort.replay.exposures import Rating
+from vrcomfort.text_layout import TextCanvas
 
 Rgb8: TypeAlias = NDArray[np.uint8]
 Eye: TypeAlias = Literal["left", "right"]
@@ -87,7 +87,7 @@ class Sheet:
         line_px = round(1.5 * size)
         curve_px = 4 * line_px if self.ratings else 0
         canvas = Image.new("RGB", (width, 2 * line_px + curve_px + size), BACKGROUND)
-        pen = ImageDraw.Draw(canvas)
+        pen = TextCanvas(canvas)
         titles = [self.titles[drawn.exposure.condition], self.beside or ""][:groups]
         for group, title in enumerate(titles):
             left = size + group * width // groups
@@ -159,7 +159,7 @@ def _draw_cross(pen: ImageDraw.ImageDraw, place: tuple[float, float], *, radius_
 
 
 def _draw_ratings(
-    pen: ImageDraw.ImageDraw, box: tuple[int, int, int, int], drawn: DrawnFrame, size: int
+    pen: TextCanvas, box: tuple[int, int, int, int], drawn: DrawnFrame, size: int
 ) -> None:
     """Draw the exposure's answers up to now over its time, and write the last one."""
     left, top, right, bottom = box
@@ -197,7 +197,7 @@ def rating_words(known: Sequence[Rating]) -> str:
 
 
 def _write(
-    pen: ImageDraw.ImageDraw,
+    pen: TextCanvas,
     place: tuple[int, int],
     text: str,
     size_px: int,
@@ -205,12 +205,7 @@ def _write(
     colour: tuple[int, int, int],
 ) -> None:
     """Write one line, smaller where it would be wider than its room."""
-    wide = pen.textlength(text, font=_font(size_px))
+    wide = pen.width_px(text, size_px)
     if wide > room_px:
         size_px = max(int(size_px * room_px / wide), 6)
-    pen.text(place, text, fill=colour, font=_font(size_px))
-
-
-@lru_cache(maxsize=8)
-def _font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size_px)
+    pen.write(place, text, size_px, fill=colour)

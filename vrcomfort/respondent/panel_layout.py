@@ -8,6 +8,7 @@ from enum import Enum
 
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.questionnaire import Answer, Answers, Instrument
+from vrcomfort.text_layout import composed
 
 SIZE_PX = 1024, 768
 """On a panel 45° wide a degree has 23 pixels: no text below is smaller than 1.4°, which leaves
@@ -161,6 +162,7 @@ def _list_box(index: int) -> tuple[int, int, int, int]:
 
 def _short(text: str, number: int) -> str:
     """Return a question for the list; a long one is cut, and told by its number."""
+    text = composed(text)  # so that no letter is cut off from its mark
     if len(text) <= LIST_LETTERS:
         return text
     return f"{number}. {text[: LIST_LETTERS - 5].rstrip()}…"

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
-from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from vrcomfort.protocol.texts import ENGLISH, Words
 from vrcomfort.respondent.base import Telling
@@ -26,6 +23,7 @@ from vrcomfort.respondent.panel_layout import (
     stop_cells,
     telling_cells,
 )
+from vrcomfort.text_layout import Font, TextCanvas, font_for, usual_font
 
 BACKGROUND = 28, 32, 38, 255
 CELL, POINTED, CHOSEN = (54, 62, 72, 255), (38, 120, 190, 255), (30, 98, 62, 255)
@@ -80,6 +78,13 @@ class Page:
     hint: str = ""
     telling: Telling | None = None
 
+    @property
+    def font(self) -> Font:
+        """Return the font that has all its characters."""
+        told = self.telling.text if self.telling else ""
+        cells = (cell.text for cell in self.cells)
+        return font_for(self.title, self.question, self.hint, *(self.ends or ()), told, *cells)
+
 
 def telling_page(telling: Telling, words: Words = ENGLISH, *, ready: bool) -> Page:
     """Return the page of what a participant is told; with a button to go on, if `ready`."""
@@ -101,7 +106,7 @@ class Painter:
 
     def __init__(self) -> None:
         self._page: Page | None = None
-        self._whole = False
+        self._font = usual_font()
         self._pixels: Picture = np.empty((*SIZE_PX[::-1], 4), dtype=np.uint8)
         self._cells: dict[Cell, Picture] = {}
 
@@ -115,8 +120,8 @@ class Painter:
             chooses has a frame.
         """
         if page is not self._page:
-            self._page, self._pixels = page, np.asarray(_draw_page(page))
-            self._whole = _needs_whole(page)
+            self._page, self._font = page, page.font
+            self._pixels = np.asarray(_draw_page(page, self._font))
             self._cells.clear()
         picture = self._pixels.copy()
         if pointed is not None:
@@ -131,8 +136,7 @@ class Painter:
         if kept is None:
             left, top, right, bottom = _around(cell)
             image = Image.fromarray(self._pixels[top:bottom, left:right])
-            canvas = _Canvas(image, whole=self._whole)
-            _draw_cell(canvas, cell, POINTED, corner=(left, top))
+            _draw_cell(TextCanvas(image, self._font), cell, POINTED, corner=(left, top))
             kept = self._cells[cell] = np.asarray(image)
         return kept
 
@@ -159,9 +163,9 @@ def _draw_looks(picture: Picture, looks: Progress) -> None:
         picture[bottom - BAR_PX : bottom, left:done] = LOOKED
 
 
-def _draw_page(page: Page) -> Image.Image:
+def _draw_page(page: Page, font: Font) -> Image.Image:
     image = Image.new("RGBA", SIZE_PX, BACKGROUND)
-    canvas = _Canvas(image, whole=_needs_whole(page))
+    canvas = TextCanvas(image, font)
     _draw_head(canvas, page)
     for cell in page.cells:
         _draw_cell(canvas, cell, _colour(cell, page))
@@ -169,42 +173,37 @@ def _draw_page(page: Page) -> Image.Image:
         _draw_ends(canvas, page)
     if page.telling is not None:
         _draw_telling(image, canvas, page.telling)
-    middle = SIZE_PX[0] / 2, HINT_PX
-    canvas.text(middle, page.hint, fill=QUIET, font=canvas.face(SMALL_PX), anchor="mm")
+    canvas.write((SIZE_PX[0] / 2, HINT_PX), page.hint, SMALL_PX, fill=QUIET, anchor="mm")
     return image
 
 
-def _draw_head(canvas: _Canvas, page: Page) -> None:
+def _draw_head(canvas: TextCanvas, page: Page) -> None:
     width = SIZE_PX[0] - 2 * MARGIN_PX
-    title = _wrapped(canvas, page.title, SMALL_PX, width)
-    canvas.multiline_text(
-        (MARGIN_PX, 36), title, fill=QUIET, font=canvas.face(SMALL_PX), spacing=10
-    )
+    title = canvas.wrapped(page.title, SMALL_PX, width)
+    canvas.write((MARGIN_PX, 36), title, SMALL_PX, fill=QUIET, leading_px=10)
     _draw_question(canvas, page.question, width)
     if page.done is not None:
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width, 144), fill=CELL)
         canvas.rectangle((MARGIN_PX, 132, MARGIN_PX + width * page.done, 144), fill=POINTED)
 
 
-def _draw_question(canvas: _Canvas, question: str, width: float) -> None:
+def _draw_question(canvas: TextCanvas, question: str, width: float) -> None:
     """Draw the question as large as it has room for above its answers."""
-    top = MARGIN_PX, QUESTION_TOP_PX
     for size in QUESTION_PX:
-        text = _wrapped(canvas, question, size, width)
-        bottom = canvas.multiline_textbbox(top, text, font=canvas.face(size), spacing=12)[3]
+        text = canvas.wrapped(question, size, width)
+        bottom = QUESTION_TOP_PX + canvas.height_px(text, size, leading_px=LEADING_PX)
         if bottom <= ANSWER_TOP_PX - 8 or size == QUESTION_PX[-1]:
-            canvas.multiline_text(top, text, fill=TEXT, font=canvas.face(size), spacing=12)
-            return
+            break
+    canvas.write((MARGIN_PX, QUESTION_TOP_PX), text, size, fill=TEXT, leading_px=LEADING_PX)
 
 
-def _draw_telling(image: Image.Image, canvas: _Canvas, telling: Telling) -> None:
+def _draw_telling(image: Image.Image, canvas: TextCanvas, telling: Telling) -> None:
     """Draw words from the top, and a picture in the middle of the room below them."""
     top = TELLING_TOP_PX
     if telling.text:
         size, height = _telling_size(canvas, telling)
         text = _paragraphs(canvas, telling.text, size)
-        at = MARGIN_PX, top
-        canvas.multiline_text(at, text, fill=TEXT, font=canvas.face(size), spacing=LEADING_PX)
+        canvas.write((MARGIN_PX, top), text, size, fill=TEXT, leading_px=LEADING_PX)
         top += height + MARGIN_PX
     if telling.picture is not None:
         drawn = Image.fromarray(telling.picture)
@@ -213,22 +212,22 @@ def _draw_telling(image: Image.Image, canvas: _Canvas, telling: Telling) -> None
         image.alpha_composite(drawn, (left, above))
 
 
-def _telling_size(canvas: _Canvas, telling: Telling) -> tuple[int, int]:
+def _telling_size(canvas: TextCanvas, telling: Telling) -> tuple[int, int]:
     """Return the largest size in which words leave room for their picture, and their height."""
     room = TELLING_BOTTOM_PX - TELLING_TOP_PX
     if telling.picture is not None:
         room -= telling.picture.shape[0] + MARGIN_PX
     for size in TELLING_PX:
         text = _paragraphs(canvas, telling.text, size)
-        box = canvas.multiline_textbbox((0, 0), text, font=canvas.face(size), spacing=LEADING_PX)
-        if box[3] <= room:
+        height = canvas.height_px(text, size, leading_px=LEADING_PX)
+        if height <= room:
             break
-    return size, round(box[3])
+    return size, round(height)
 
 
-def _paragraphs(canvas: _Canvas, text: str, size_px: int) -> str:
+def _paragraphs(canvas: TextCanvas, text: str, size_px: int) -> str:
     width = SIZE_PX[0] - 2 * MARGIN_PX
-    return "\n".join(_wrapped(canvas, line, size_px, width) for line in text.strip().split("\n"))
+    return "\n".join(canvas.wrapped(line, size_px, width) for line in text.strip().split("\n"))
 
 
 def room_for_picture(text: str) -> tuple[int, int]:
@@ -239,17 +238,15 @@ def room_for_picture(text: str) -> tuple[int, int]:
     height = TELLING_BOTTOM_PX - TELLING_TOP_PX
     if text:
         page = telling_page(Telling("", text), ready=True)
-        canvas = _Canvas(Image.new("RGBA", (1, 1)), whole=_needs_whole(page))
+        canvas = TextCanvas(Image.new("RGBA", (1, 1)), page.font)
         lines = _paragraphs(canvas, text, SMALL_PX)
-        font = canvas.face(SMALL_PX)
-        box = canvas.multiline_textbbox((0, 0), lines, font=font, spacing=LEADING_PX)
-        height -= round(box[3])
+        height -= round(canvas.height_px(lines, SMALL_PX, leading_px=LEADING_PX))
         height -= MARGIN_PX if height >= 0 else 0
     return SIZE_PX[0] - 2 * MARGIN_PX, height
 
 
 def _draw_cell(
-    canvas: _Canvas,
+    canvas: TextCanvas,
     cell: Cell,
     colour: tuple[int, ...],
     *,
@@ -261,84 +258,19 @@ def _draw_cell(
         (left, top, right, bottom), radius=min(12, (right - left) // 3), fill=colour
     )
     size = MIDDLE_PX if bottom - top > LARGE_PX else SMALL_PX
-    size = _fitting(canvas, cell.text, size, right - left - 8)
+    size = canvas.fitting_px(cell.text, size, right - left - 8)
     middle = (left + right) / 2, (top + bottom) / 2
-    canvas.text(middle, cell.text, fill=TEXT, font=canvas.face(size), anchor="mm")
+    canvas.write(middle, cell.text, size, fill=TEXT, anchor="mm")
 
 
-def _draw_ends(canvas: _Canvas, page: Page) -> None:
+def _draw_ends(canvas: TextCanvas, page: Page) -> None:
     low, high = page.ends or ("", "")
     y = max(cell.box[3] for cell in page.cells if cell.act is Act.ANSWER) + 30
-    font = canvas.face(SMALL_PX)
-    canvas.text((MARGIN_PX, y), low, fill=QUIET, font=font, anchor="lm")
-    canvas.text((SIZE_PX[0] - MARGIN_PX, y), high, fill=QUIET, font=font, anchor="rm")
+    canvas.write((MARGIN_PX, y), low, SMALL_PX, fill=QUIET, anchor="lm")
+    canvas.write((SIZE_PX[0] - MARGIN_PX, y), high, SMALL_PX, fill=QUIET, anchor="rm")
 
 
 def _colour(cell: Cell, page: Page) -> tuple[int, ...]:
     if cell.act is Act.ANSWER and cell.value == page.chosen:
         return CHOSEN
     return STOP if cell.act in {Act.STOP, Act.WITHDRAW} else CELL
-
-
-class _Canvas(ImageDraw.ImageDraw):
-    """Draws text in one family.
-
-    Parameters
-    ----------
-    whole
-        In the one that has the letters of all languages.
-    """
-
-    def __init__(self, image: Image.Image, *, whole: bool) -> None:
-        super().__init__(image)
-        self._whole = whole
-
-    def face(self, size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-        """Return the family in a size."""
-        return _whole_font(size_px) if self._whole else _font(size_px)
-
-
-_HAS = frozenset(map(chr, range(32, 127))) | {"…", "’", "\n"}
-"""What Pillow's own font has of what is written here: no umlaut, accent or dash."""
-
-
-def _needs_whole(page: Page) -> bool:
-    """Return whether a page has letters that the usual font has not."""
-    texts = [page.title, page.question, page.hint, *(page.ends or ())]
-    texts += [page.telling.text] if page.telling else []
-    return not _HAS.issuperset("".join([*texts, *(cell.text for cell in page.cells)]))
-
-
-@lru_cache(maxsize=32)
-def _font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
-    return ImageFont.load_default(size_px)
-
-
-@lru_cache(maxsize=64)
-def _whole_font(size_px: int) -> ImageFont.FreeTypeFont:
-    """Return DejaVu Sans, which comes with Matplotlib, without importing that."""
-    spec = find_spec("matplotlib")
-    (folder,) = (spec.submodule_search_locations or [""]) if spec else [""]
-    # It is a seventh wider than the usual font.
-    return ImageFont.truetype(
-        str(Path(folder) / "mpl-data" / "fonts" / "ttf" / "DejaVuSans.ttf"), round(size_px * 0.9)
-    )
-
-
-def _fitting(canvas: _Canvas, text: str, size_px: int, width_px: float) -> int:
-    """Return the largest size up to `size_px` at which the text is not wider than its cell."""
-    size = size_px
-    while size > 12 and canvas.textlength(text, font=canvas.face(size)) > width_px:
-        size -= 1
-    return size
-
-
-def _wrapped(canvas: _Canvas, text: str, size_px: int, width_px: float) -> str:
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if canvas.textlength(longer, font=canvas.face(size_px)) <= width_px:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return "\n".join(lines)

@@ -12,11 +12,12 @@ import numpy as np
 from vrcomfort.frame import Frame
 from vrcomfort.headset.inputs import Inputs
 from vrcomfort.protocol.sliders import Dial
+from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import DialRow
 from vrcomfort.respondent.turning import Turn
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.interfaces import Doing
 from vrcomfort.session.task_run import HasInputs, task_random
 from vrcomfort.tasks import Demand

@@ -5,21 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from vrcomfort.frame import HeadsetEvent
+from vrcomfort.protocol.timeline import WHOLE_SESSION, TrialPlace
 from vrcomfort.records import EventRow, Recorder
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.interfaces import Progress, Step
-
-
-@dataclass(frozen=True)
-class TrialPlace:
-    """Which trial something belongs to; all blank where it belongs to the whole session."""
-
-    period: int | None = None
-    block: int | None = None
-    trial: int | None = None
-    condition: str | None = None
-    scene: str = ""
-    part: str | None = None
 
 
 @dataclass(frozen=True)
@@ -40,7 +29,7 @@ class EventLog:
         """Write, between two frames, what happened; tell what an operator must know at once."""
         self.event_soon(happened.name, detail=happened.detail)
         if happened.name == "unfocused":
-            self.tell("notice", TrialPlace(), 0, 0, happened.detail)
+            self.tell("notice", WHOLE_SESSION, 0, 0, happened.detail)
 
     def event_soon(self, name: str, start_s: float | None = None, *, detail: str = "") -> None:
         """Write an event that ends now, between two frames: nothing waits for the disk."""

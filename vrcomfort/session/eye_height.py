@@ -10,11 +10,11 @@ import numpy as np
 
 from vrcomfort.frame import Frame
 from vrcomfort.protocol import Condition
-from vrcomfort.protocol.posture import Posture
+from vrcomfort.protocol.timeline import WHOLE_SESSION, EyeHeightStep
 from vrcomfort.scene.data import Environment, Scene
 from vrcomfort.scene.markers import Shown
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.manifest_writer import ManifestWriter
@@ -68,7 +68,7 @@ class _Heights:
 
 
 class EyeHeight:
-    """The measurements of one session."""
+    """Measures the height of the eyes before an exposure."""
 
     def __init__(
         self,
@@ -76,15 +76,16 @@ class EyeHeight:
         events: EventLog,
         log: FrameLog,
         manifest: ManifestWriter,
-        settings: Posture,
+        step: EyeHeightStep,
     ) -> None:
         self._context = context
         self._events = events
         self._log = log
         self._manifest = manifest
-        self._settings = settings
+        self._step = step
+        self._settings = step.posture
 
-    def measure(self, place: TrialPlace, headset: Any) -> None:
+    def measure(self, headset: Any) -> None:
         """Measure before an exposure; from then on the scene is seen from the right height.
 
         Raises
@@ -98,7 +99,7 @@ class EyeHeight:
         if screen is not None:
             screen.rest_on(asked)
         try:
-            heights_m = self._steady(headset, place)
+            heights_m = self._steady(headset)
         except Skipped:
             self._events.event("eye_height_skipped", detail="the scene's floor stays where it was")
             return
@@ -108,13 +109,13 @@ class EyeHeight:
         if not heights_m:
             self._tell("the head was not tracked: the height of the eyes is not known")
             return
-        self._apply(place, float(np.median(heights_m)), start_s)
+        self._apply(float(np.median(heights_m)), start_s)
 
-    def _steady(self, headset: Any, place: TrialPlace) -> list[float]:
+    def _steady(self, headset: Any) -> list[float]:
         """Return heights of somebody who holds still; the last ones where nobody does."""
         heights_m: list[float] = []
         for attempt in range(1, ATTEMPTS + 1):
-            heights_m = self._attempt(headset, place, attempt)
+            heights_m = self._attempt(headset, attempt)
             if heights_m and np.ptp(heights_m) <= STEADY_M:
                 return heights_m
         if heights_m:
@@ -122,26 +123,26 @@ class EyeHeight:
             self._tell(f"the eyes moved up or down by {moved_m:.2f} m while they were measured")
         return heights_m
 
-    def _attempt(self, headset: Any, place: TrialPlace, attempt: int) -> list[float]:
+    def _attempt(self, headset: Any, attempt: int) -> list[float]:
         context, settings = self._context, self._settings
         duration_s = settings.settle_s + settings.measure_s
         run = _Heights(settings.settle_s)
         grey = Environment(
             sun_irradiance=(0.0, 0.0, 0.0), sky_zenith=_GREY, sky_horizon=_GREY, ground=_GREY
         )
-        context.steering.begin("training", f"height of the eyes, attempt {attempt}")
+        context.steering.begin("training", f"{self._step.words}, attempt {attempt}")
         context.renderer.begin(Scene(NAME, (), (), (), environment=grey), Condition(name=NAME))
         loop = FrameLoop(context, headset, self._events, self._log, None)
-        tell = partial(self._events.tell, "training", place, total=duration_s)
+        tell = partial(self._events.tell, "training", self._step.place, total=duration_s)
         try:
             loop.show(Stimulus(0, NAME, duration_s, 1.0), task=run, progress=tell)
         except Redone:
-            return self._attempt(headset, place, attempt)
+            return self._attempt(headset, attempt)
         finally:
             self._log.start_trial()  # its frames are no trial's
         return run.heights_m
 
-    def _apply(self, place: TrialPlace, measured_m: float, start_s: float) -> None:
+    def _apply(self, measured_m: float, start_s: float) -> None:
         settings = self._settings
         own = settings.eyes == "own"
         offset_m = 0.0 if own else settings.eye_height_m - measured_m
@@ -150,7 +151,7 @@ class EyeHeight:
         detail = f"{settings.mode}: {measured_m:.3f} m, the scene is seen from {seen_m:.3f} m"
         self._events.event(NAME, start_s, detail=detail)
         fact = {
-            "before_trial": place.trial,
+            "before_trial": self._step.place.trial,
             "measured_m": round(measured_m, 4),
             "offset_m": round(offset_m, 4),
         }
@@ -164,4 +165,4 @@ class EyeHeight:
     def _tell(self, sentence: str) -> None:
         """Tell the experimenter at once, and write it down."""
         self._events.event("eye_height_doubtful", detail=sentence)
-        self._events.tell("notice", TrialPlace(), 0, 0, sentence)
+        self._events.tell("notice", WHOLE_SESSION, 0, 0, sentence)

@@ -1,30 +1,43 @@
-"""One session from its first question to its last."""
+"""One session: the steps of its timeline, one after the other."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import datetime
-from typing import Any, Literal
+from typing import Any, Literal, NoReturn
 
 from vrcomfort.geometry import Pose
-from vrcomfort.protocol import Sequence
+from vrcomfort.protocol.timeline import (
+    BreakStep,
+    ExposureStep,
+    EyeHeightStep,
+    FreeTextStep,
+    GazeValidationStep,
+    InstructionStep,
+    PracticeStep,
+    QuestionnaireStep,
+    RestStep,
+    Resumption,
+    ScreeningStep,
+    SessionPlan,
+    Step,
+    trial_places,
+)
 from vrcomfort.records import Interrupted
 from vrcomfort.respondent import Withdrew
 from vrcomfort.scene.data import Scene
-from vrcomfort.session.compared import is_due
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.eye_height import EyeHeight
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.free_text import FreeTexts
 from vrcomfort.session.gaze_validation import Validation
 from vrcomfort.session.instructor import Instructor
-from vrcomfort.session.interview import Interview
+from vrcomfort.session.interview import Interview, OpenQuestions
 from vrcomfort.session.manifest_writer import ManifestWriter
-from vrcomfort.session.open_questions import OpenQuestions
 from vrcomfort.session.operator_desk import SessionOrder
 from vrcomfort.session.practice import PracticeRunner
-from vrcomfort.session.remaining import SessionTime, planned_steps
+from vrcomfort.session.remaining import SessionTime
 from vrcomfort.session.rests import Rests
 from vrcomfort.session.screener import Screener
 from vrcomfort.session.stop_rules import ScoreWatch, StopRule, ends_of
@@ -35,12 +48,12 @@ SessionStatus = Literal["completed", "ended", "withdrawn", "aborted"]
 
 
 class SessionFlow:
-    """Runs one session: questionnaires, exposures and rests in the protocol's order.
+    """Runs the steps of one session's timeline.
 
     Parameters
     ----------
     interrupted
-        How far an interrupted session came: goes on at the exposure after it.
+        Progress of an interrupted session: it goes on with the steps that are left.
     """
 
     def __init__(
@@ -54,9 +67,19 @@ class SessionFlow:
         self._context = context
         self._events = events
         self._manifest = manifest
-        self._places = _places(context.sequence, events.session)
-        self._respondent = context.respondent
         self._interrupted = interrupted
+        self._places = trial_places(context.sequence, events.session)
+        self._timeline = tuple(
+            SessionPlan(
+                context.protocol,
+                context.sequence,
+                events.session,
+                context.exposure_s,
+                resumption_of(interrupted) if interrupted else None,
+            ).steps()
+        )
+        self._trial: int | None = None
+        self._skipped: set[int | None] = set()
         last_ns = interrupted.xr_time_ns if interrupted else None
         self._log = FrameLog(events.recorder, last_ns=last_ns)
         self._instructor = Instructor(context, events)
@@ -76,13 +99,8 @@ class SessionFlow:
             trials=len(self._places),
             interrupted=interrupted,
         )
-        self._practice = PracticeRunner(
-            context, events, self._log, self._trials, self._instructor, interrupted
-        )
-        validation = context.protocol.gaze_validation
-        self._validation = (
-            Validation(context, events, self._log, validation) if validation else None
-        )
+        self._practice = PracticeRunner(context, events, self._log, self._trials, interrupted)
+        self._validation: Validation | None = None
 
     def run(self) -> tuple[SessionStatus, str]:
         """Run the session; return how it ended and a note on why.
@@ -95,14 +113,17 @@ class SessionFlow:
         self._begin()
         try:
             self._steering.await_start()
-            self._everything()
+            self._end_if_ended_before()
+            for step in self._timeline:
+                if step.when != "after_trial" or step.place.trial not in self._skipped:
+                    self._run_step(step)
         except (Withdrew, StopRule) as reason:
             return self._end_early(reason), str(reason)
         self._events.event("session_end")
         return "completed", ""
 
     def _end_early(self, reason: Withdrew | StopRule) -> SessionStatus:
-        """Write that somebody's session, or study, ends here."""
+        """Record the end of the participant's session, or study."""
         ends = ends_of(reason, self._context.protocol)
         status: SessionStatus = "ended" if ends == "session" else "withdrawn"
         by = reason.by if isinstance(reason, StopRule) else "participant"
@@ -128,11 +149,10 @@ class SessionFlow:
                 self._events.event("row_cut_off", detail=warning)
         else:
             self._events.event("session_start")
-        self._respondent.start_session(self._events.session)
+        self._context.respondent.start_session(self._events.session)
         self._manifest.open()
-        left = self._places[before.done if before else 0 :]
-        steps = tuple(planned_steps(self._context, left, self._events.session))
-        time = SessionTime(steps, self._events.now_s)
+        planned = [each for step in self._timeline for each in step.planned]
+        time = SessionTime(planned, self._events.now_s)
         words = self._context.protocol.words
         self._steering.attach(self._events, self._context.screen, words=words, time=time)
         shown = tuple((place.scene, place.condition or "") for place in self._places)
@@ -140,110 +160,117 @@ class SessionFlow:
         order = SessionOrder(who, self._events.session, name, shown, time.remaining_s)
         self._steering.desk.open(order)
 
-    def _everything(self) -> None:
-        places = self._places[self._interrupted.done if self._interrupted else 0 :]
-        self._ask_what_was_open()
-        if places:  # else only the end is left, and nothing to be a baseline of
-            self._screener.look_at_ipd()
-            self._screener.look_at_covariates()
-            self._instructor.tell("session_start", TrialPlace())
-            self._ask("session_start", TrialPlace())
-        for index, place in enumerate(places):
-            self._manifest.boundary()
-            rested = self._rests.between(place, first=index == 0)
-            self._measure_height(place, first=index == 0, rested=rested)
-            self._validate_gaze(place, first=index == 0, rested=rested)
-            self._practice.run(place)
-            self._instructor.tell("before_trial", place)
-            self._ask("before_trial", place)
-            self._trial(place)
-        if places or self._open is None:
-            self._ask("session_end", TrialPlace())
-        else:
-            self._missed(self._open.ask("session_end", TrialPlace()))
-            self._texts.ask("session_end", TrialPlace())
-        self._instructor.tell("session_end", TrialPlace())
+    def _run_step(self, step: Step, *, after_withdrawal: bool = False) -> None:
+        """Run a step of the timeline.
 
-    def _measure_height(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
-        """Measure the height of the eyes at the session's start, and after breaks."""
-        posture = self._context.protocol.posture
-        if posture is None or not (first or (rested and posture.after_breaks)):
-            return
-        headset, _ = self._trials.stand(place)
-        measuring = EyeHeight(self._context, self._events, self._log, self._manifest, posture)
-        measuring.measure(place, headset)
-
-    def _validate_gaze(self, place: TrialPlace, *, first: bool, rested: bool) -> None:
-        """Validate the eye tracker at the session's start, and after breaks."""
-        settings = self._context.protocol.gaze_validation
-        again = settings is not None and settings.after_breaks and rested
-        if self._validation is None or not (first or again):
-            return
-        headset, standing = self._trials.stand(place)
-        spawn = standing.scene.spawn if isinstance(standing.scene, Scene) else Pose()
-        resumed = self._interrupted is not None
-        if sentence := self._validation.hold(place, headset, spawn, resumed=resumed):
-            self._manifest.miss(sentence)
-
-    def _ask_what_was_open(self) -> None:
-        """Ask what a session that goes on owes to its last exposure.
+        Parameters
+        ----------
+        after_withdrawal
+            The session ends with the exposure before: its answers have no consequences.
 
         Raises
         ------
-        Withdrew
-            If that exposure had ended the participant's study.
+        Withdrew, StopRule
+            If the participant's session, or study, ends with it.
         """
-        if self._open is None or not self._open.before.last_trial:
+        self._note_boundary(step)
+        match step:
+            case ScreeningStep(of="ipd"):
+                self._screener.look_at_ipd()
+            case ScreeningStep():
+                self._screener.look_at_covariates()
+            case InstructionStep():
+                self._instructor.tell(step)
+            case RestStep():
+                self._rests.rest(step.duration_s)
+            case BreakStep():
+                self._rests.hold_break(step)
+            case QuestionnaireStep():
+                self._ask(step, after_withdrawal=after_withdrawal)
+            case FreeTextStep():
+                self._texts.ask(step)
+            case EyeHeightStep():
+                headset, _ = self._trials.stand(step.place)
+                log, manifest = self._log, self._manifest
+                EyeHeight(self._context, self._events, log, manifest, step).measure(headset)
+            case GazeValidationStep():
+                self._validate_gaze(step)
+            case PracticeStep():
+                self._practice.run(step)
+            case ExposureStep():
+                self._expose(step)
+
+    def _note_boundary(self, step: Step) -> None:
+        """Keep the state between two exposures, at the first step before a trial."""
+        trial = step.place.trial
+        if trial and trial != self._trial and step.when != "after_trial":
+            self._trial = trial
+            self._manifest.boundary()
+
+    def _validate_gaze(self, step: GazeValidationStep) -> None:
+        if self._validation is None:  # one for all: it counts them
+            self._validation = Validation(self._context, self._events, self._log, step.validation)
+        headset, standing = self._trials.stand(step.place)
+        spawn = standing.scene.spawn if isinstance(standing.scene, Scene) else Pose()
+        resumed = self._interrupted is not None
+        if sentence := self._validation.hold(step, headset, spawn, resumed=resumed):
+            self._manifest.miss(sentence)
+
+    def _ask(self, step: QuestionnaireStep, *, after_withdrawal: bool) -> None:
+        if step.owed and self._open is not None:
+            self._missed(self._open.ask(step, after_withdrawal=after_withdrawal))
             return
-        last = self._open.before.last_trial
-        place = self._places[last - 1]
-        ended = self._open.before.ended_by
-        try:
-            self._missed(self._open.ask("after_trial", place, after_withdrawal=ended is not None))
-            self._texts.ask("after_trial", place)
-        except Withdrew as refusal:
-            if ended is None:
-                raise
-            self._events.event("questionnaire_refused", detail=str(refusal))
-        if ended is not None:
-            told = f"{ended} in trial {last}, before the session was interrupted"
-            raise StopRule(told, "session" if self._open.before.ended_session else "study", ended)
+        interview = Interview(self._context, self._events, step)
+        self._missed(interview.hold(after_withdrawal=after_withdrawal))
+        if not after_withdrawal:
+            self._screener.hear(step.ask, interview.answers)
+            self._scores.hear(step.ask, interview.answers)
 
     def _missed(self, sentences: list[str]) -> None:
         for sentence in sentences:
             self._manifest.miss(sentence)
 
-    def _ask(self, when: str, place: TrialPlace, *, after_withdrawal: bool = False) -> None:
-        for ask in self._context.protocol.asks(when):
-            if not is_due(ask, place):
-                continue
-            if ask.wait_s:
-                self._rests.rest(ask.wait_s)
-            interview = Interview(self._context, self._events, ask, place)
-            self._missed(interview.hold(after_withdrawal=after_withdrawal))
-            if not after_withdrawal:
-                self._screener.hear(ask, interview.answers)
-                self._scores.hear(ask, interview.answers)
-        self._texts.ask(when, place)
+    def _expose(self, step: ExposureStep) -> None:
+        """Expose; where the session ends with it, ask about the exposure first."""
+        ending = self._trials.run(step.place)
+        if ending.status == "skipped":
+            self._skipped.add(step.place.trial)
+        elif ending.reason is not None:
+            self._events.event("exposure_stopped", detail=str(ending.reason))
+            later = self._timeline[self._timeline.index(step) + 1 :]
+            self._end_after([each for each in later if each.place == step.place], ending.reason)
 
-    def _trial(self, place: TrialPlace) -> None:
-        """Expose, and ask how it was."""
-        ending = self._trials.run(place)
-        if ending.status != "skipped":
-            self._ask_about(place, ending.reason)
+    def _end_if_ended_before(self) -> None:
+        """End a session whose last exposure had ended it before it was interrupted.
 
-    def _ask_about(self, place: TrialPlace, reason: Withdrew | StopRule | None) -> None:
-        """Ask how an exposure was; raise the reason if the participant's study ends with it."""
-        if reason is None:
-            self._instructor.tell("after_trial", place)
-            self._ask("after_trial", place)
+        Raises
+        ------
+        StopRule
+            After the questions that were still open.
+        """
+        before = self._interrupted
+        if before is None or before.ended_by is None or not before.last_trial:
             return
-        self._events.event("exposure_stopped", detail=str(reason))
+        told = f"{before.ended_by} in trial {before.last_trial}, before the session was interrupted"
+        rule = StopRule(told, "session" if before.ended_session else "study", before.ended_by)
+        self._end_after(self._timeline, rule)
+
+    def _end_after(self, steps: Iterable[Step], reason: Withdrew | StopRule) -> NoReturn:
+        """Ask the questions about the last exposure, which can be refused, and end."""
         try:
-            self._ask("after_trial", place, after_withdrawal=True)
+            for step in steps:
+                if not isinstance(step, InstructionStep):
+                    self._run_step(step, after_withdrawal=True)
         except Withdrew as refusal:
             self._events.event("questionnaire_refused", detail=str(refusal))
         raise reason
+
+
+def resumption_of(before: Interrupted) -> Resumption:
+    """Return the progress of an interrupted session, as its timeline needs it."""
+    over = {name for name, practised in before.practised.items() if practised.over}
+    ended = before.ended_by is not None
+    return Resumption(before.done, before.last_trial, before.attempts, over, ended=ended)
 
 
 def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -251,12 +278,3 @@ def _undone_since(manifest: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     began = datetime.fromisoformat(manifest["started_at"])
     undone = manifest.get("withdrawals_undone", [])
     return [each for each in undone if datetime.fromisoformat(each["at"]) >= began]
-
-
-def _places(sequence: Sequence, session: int) -> list[TrialPlace]:
-    """Return the trials of a session; periods count over the sessions before it."""
-    before = sum(len(each) for each in sequence.sessions[: session - 1])
-    return [
-        TrialPlace(before + number, 1, number, trial.condition, trial.scene, trial.part)
-        for number, trial in enumerate(sequence.sessions[session - 1], start=1)
-    ]

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from vrcomfort.protocol.free_texts import FreeText
+from vrcomfort.protocol.timeline import FreeTextStep, TrialPlace
 from vrcomfort.records import TextRow
 from vrcomfort.records.recorded_rows import read_rows
 from vrcomfort.records.session_rows import LONGEST_TEXT, one_line
 from vrcomfort.respondent.base import Writes
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.steering import Redone, Skipped
 
 
@@ -22,25 +23,21 @@ class FreeTexts:
         rows = read_rows(folder, TextRow) if there else ()
         self._answered = {(row["trial"], row["question"]) for row in rows}
 
-    def ask(self, when: str, place: TrialPlace) -> None:
-        """Ask what belongs to a moment.
+    def ask(self, step: FreeTextStep) -> None:
+        """Ask a question, if it has no answer yet.
 
         Raises
         ------
         Withdrew
             If the participant stops at a question. And what operators raise.
         """
-        for question in self._context.protocol.writes(when):
-            if (place.trial, question.name) not in self._answered:
-                self._ask(question, place)
-
-    def _ask(self, question: FreeText, place: TrialPlace) -> None:
-        respondent = self._context.respondent
-        if not isinstance(respondent, Writes):
+        respondent, question = self._context.respondent, step.question
+        answered = (step.place.trial, question.name) in self._answered
+        if answered or not isinstance(respondent, Writes):
             return
         asked_s = self._context.clock.now_s()
         while True:
-            self._context.steering.begin("questionnaire", f"free text {question.name}")
+            self._context.steering.begin("questionnaire", step.words)
             try:
                 written = respondent.write(question.text)
             except Redone:
@@ -50,7 +47,7 @@ class FreeTexts:
                 return
             break
         self._context.clock.advance(written.took_s)
-        self._keep(question, place, written.text.strip(), asked_s)
+        self._keep(question, step.place, written.text.strip(), asked_s)
 
     def _keep(self, question: FreeText, place: TrialPlace, text: str, asked_s: float) -> None:
         line = one_line(text[:LONGEST_TEXT])

@@ -12,11 +12,12 @@ from vrcomfort.frame import Frame
 from vrcomfort.geometry import Array, EyeGaze, Gaze, Pose, normalize, yaw_pitch_roll
 from vrcomfort.protocol import Condition
 from vrcomfort.protocol.gaze_validation import GazeValidation, Point
+from vrcomfort.protocol.timeline import GazeValidationStep, TrialPlace
 from vrcomfort.records import FACTS, GazeValidationRow, set_fact
 from vrcomfort.scene.data import Environment, Scene
 from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.steering import Redone, Skipped
@@ -157,7 +158,9 @@ class Validation:
         self._settings = settings
         self._count = 0
 
-    def hold(self, place: TrialPlace, headset: Any, spawn: Pose, *, resumed: bool) -> str | None:
+    def hold(
+        self, step: GazeValidationStep, headset: Any, spawn: Pose, *, resumed: bool
+    ) -> str | None:
         """Validate before an exposure, again where the error is too large.
 
         Returns
@@ -175,13 +178,13 @@ class Validation:
         self._count += 1
         error: float | None = None
         for attempt in range(1, self._settings.attempts + 1):
-            run = self._attempt(headset, spawn, place, attempt)
+            run = self._attempt(headset, spawn, step, attempt)
             if run is None:
                 return "the gaze was not validated: an operator has skipped it"
             if not run.saw_gaze:
                 self._events.event("gaze_not_validated", detail="there is no eye tracker")
                 return "the gaze was not validated: there is no eye tracker"
-            error = self._write(run, place, attempt, resumed=resumed)
+            error = self._write(run, step.place, attempt, resumed=resumed)
             if error is not None and error <= self._settings.limit_deg:
                 break
         return self._judge(error)
@@ -200,23 +203,23 @@ class Validation:
         raise StopRule(reason, "session" if settings.above == "end_session" else "study", "gaze")
 
     def _attempt(
-        self, headset: Any, spawn: Pose, place: TrialPlace, attempt: int
+        self, headset: Any, spawn: Pose, step: GazeValidationStep, attempt: int
     ) -> PointsRun | None:
         context, settings = self._context, self._settings
         order = self._random(attempt).permutation(len(settings.points)).tolist()
         run = PointsRun(settings, order, spawn)
         run.now_s = start_s = context.clock.now_s()
         duration_s = len(order) * settings.each_s
-        context.steering.begin("training", f"gaze validation, attempt {attempt}")
+        context.steering.begin("training", f"{step.words}, attempt {attempt}")
         context.renderer.begin(run.drawn, Condition(name=NAME))
         loop = FrameLoop(context, headset, self._events, self._log, None)
-        tell = partial(self._events.tell, "training", place, total=duration_s)
+        tell = partial(self._events.tell, "training", step.place, total=duration_s)
         try:
             loop.show(Stimulus(0, NAME, duration_s, 1.0), task=run, progress=tell)
         except Skipped:
             return None
         except Redone:
-            return self._attempt(headset, spawn, place, attempt)
+            return self._attempt(headset, spawn, step, attempt)
         finally:
             self._log.start_trial()
             self._events.event(NAME, start_s, detail=f"attempt {attempt}")

@@ -11,12 +11,13 @@ from vrcomfort.errors import InputError
 from vrcomfort.headset.sound import Sound, read_sound
 from vrcomfort.protocol import Protocol
 from vrcomfort.protocol.instructions import Instruction
+from vrcomfort.protocol.timeline import InstructionStep, TrialPlace
 from vrcomfort.respondent import Telling
 from vrcomfort.respondent.panel import PanelRespondent
 from vrcomfort.respondent.panel_picture import Painter, Picture, room_for_picture, telling_page
 from vrcomfort.respondent.picture_file import read_picture
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.steering import Redone, Skipped
 
 SLICE_S = 0.1
@@ -80,30 +81,30 @@ class Instructor:
         self._steering = context.steering
         self._shown: Telling | None = None
 
-    def tell(self, when: str, place: TrialPlace) -> None:
-        """Tell what is due at a moment.
+    def tell(self, step: InstructionStep) -> None:
+        """Tell an instruction, again where an operator wants it so.
 
         Raises
         ------
         Withdrew
             If the participant stops. And what operators raise.
         """
-        for each in self._context.protocol.tells(when, self._events.session, place.trial):
-            media = read_media(self._context.protocol, each)
-            while self._tell(each, media, place) == "redone":
-                pass
+        media = read_media(self._context.protocol, step.instruction)
+        while self._tell(step, media) == "redone":
+            pass
 
-    def _tell(self, instruction: Instruction, media: Media, place: TrialPlace) -> str:
+    def _tell(self, step: InstructionStep, media: Media) -> str:
         """Tell something once; return by whom, or what, it ended."""
+        instruction = step.instruction
         speaker = self._context.speaker if media.sound else None
         telling = _telling(instruction, media, plays=speaker is not None)
         start_s = self._context.clock.now_s()
         ended = "interruption"
-        self._steering.begin("instruction", self._words(instruction))
+        self._steering.begin("instruction", self._words(step))
         try:
             if media.sound and speaker:
                 speaker.play(media.sound)
-            ended = self._until_over(telling, instruction, place)
+            ended = self._until_over(telling, instruction, step.place)
         except Skipped:
             ended = "experimenter"
         except Redone:
@@ -153,11 +154,11 @@ class Instructor:
             self._context.screen.show(None)
         self._shown = None
 
-    def _words(self, instruction: Instruction) -> str:
+    def _words(self, step: InstructionStep) -> str:
         """Return what operators read: the text as well, where they must say it."""
-        words = f"instruction {instruction.name}"
-        aloud = self._context.screen is None and instruction.text
-        return f"{words}: {' '.join(instruction.text.split())}" if aloud else words
+        words, text = step.words, step.instruction.text
+        aloud = self._context.screen is None and text
+        return f"{words}: {' '.join(text.split())}" if aloud else words
 
     def _until_over(self, telling: Telling, instruction: Instruction, place: TrialPlace) -> str:
         """Let time pass until the participant goes on, or it is over; return which."""

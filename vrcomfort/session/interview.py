@@ -1,15 +1,18 @@
-"""Asks questionnaires and keeps every answer."""
+"""Asks questionnaires, keeps every answer, and goes on with those of an interrupted session."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
 from vrcomfort.errors import InputError
-from vrcomfort.protocol import Ask
+from vrcomfort.protocol import Ask, Sequence
+from vrcomfort.protocol.timeline import QuestionnaireStep, TrialPlace
 from vrcomfort.questionnaire import Instrument
-from vrcomfort.records import QuestionnaireRow
+from vrcomfort.records import Interrupted, QuestionnaireRow
 from vrcomfort.respondent import Form
-from vrcomfort.session.compared import compared
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.steering import Redone, Skipped
 
 
@@ -29,15 +32,15 @@ class Interview:
         self,
         context: SessionContext,
         events: EventLog,
-        ask: Ask,
-        place: TrialPlace,
+        step: QuestionnaireStep,
         open_items: Instrument | None = None,
     ) -> None:
         self._context = context
         self._events = events
-        self._ask = ask
-        self._place = place
-        whole = context.protocol.form(ask)
+        self._words = step.words
+        self._ask = step.ask
+        self._place = step.place
+        whole = context.protocol.form(step.ask)
         self._instrument = open_items or whole
         self._order = {item.name: n for n, item in enumerate(whole.items, start=1)}
         self._rows: dict[str, QuestionnaireRow] = {}
@@ -57,8 +60,7 @@ class Interview:
         """
         form = Form(self._instrument, self._ask.timepoint, after_withdrawal, self._compared())
         while True:
-            words = f"questionnaire {self._ask.instrument} ({self._ask.timepoint})"
-            self._context.steering.begin("questionnaire", words)
+            self._context.steering.begin("questionnaire", self._words)
             self._tell()
             try:
                 self._context.respondent.ask(form, self._heard)
@@ -82,7 +84,7 @@ class Interview:
             If there are not as many as answers.
         """
         ask, place = self._ask, self._place
-        found = compared(ask, self._context.sequence, self._events.session, place)
+        found = compared_conditions(ask, self._context.sequence, self._events.session, place)
         for item in self._instrument.items if ask.compares else ():
             if len(found) != item.answers.high:
                 message = f"{self._instrument.short} asks which of {item.answers.high} ways of"
@@ -149,3 +151,107 @@ class Interview:
     def _tell(self) -> None:
         done, total = len(self._rows), len(self._instrument.items)
         self._events.tell("questionnaire", self._place, done, total, self._ask.timepoint)
+
+
+@dataclass(frozen=True)
+class OpenQuestions:
+    """The questionnaires that a session owed when it was interrupted.
+
+    Symptoms fade: an answer says something of an exposure only for a while. What is asked too
+    late is not asked; an event says so, and which items are missing.
+    """
+
+    context: SessionContext
+    events: EventLog
+    before: Interrupted
+    rest: Callable[[float], None]
+    """Waits before a questionnaire that is to be asked some time after the exposure."""
+
+    def ask(self, step: QuestionnaireStep, *, after_withdrawal: bool) -> list[str]:
+        """Ask the open items of a questionnaire; return a sentence where they are missed.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops at a question.
+        """
+        form = self._open_items(step.ask, step.place)
+        if not form.items:
+            return []
+        if (reason := self._too_late(step.ask)) is None:
+            return self._go_on(step, form, after_withdrawal=after_withdrawal)
+        return [self._miss(step.ask, form, step.place, reason)]
+
+    def _open_items(self, ask: Ask, place: TrialPlace) -> Instrument:
+        """Return the instrument with the items that have no row."""
+        instrument = self.context.protocol.form(ask)
+        answered = self.before.answered.get((place.trial, ask.timepoint, ask.instrument), ())
+        items = tuple(item for item in instrument.items if item.name not in answered)
+        return replace(instrument, items=items)
+
+    @property
+    def _gap_s(self) -> float | None:
+        """Seconds from the end of the exposure to now; None where nothing tells."""
+        since_s = self.before.exposure_ended_s_ago
+        return None if since_s is None else self.context.clock.of_people(since_s)
+
+    def _too_late(self, ask: Ask) -> str | None:
+        limit_s = self.context.protocol.resumed_questions_within_s + ask.wait_s
+        if self._gap_s is None:
+            return "nothing tells how long ago the exposure was"
+        if self._gap_s > limit_s:
+            ago = f"the exposure was {self._gap_s / 60:.0f} min ago"
+            return f"{ago}, and the protocol allows {limit_s / 60:g}"
+        return None
+
+    def _go_on(
+        self, step: QuestionnaireStep, form: Instrument, *, after_withdrawal: bool
+    ) -> list[str]:
+        ask = step.ask
+        whole = len(self.context.protocol.form(ask).items)
+        what = f"{ask.timepoint} {ask.instrument}: {len(form.items)} of {whole} items were open"
+        gap = f"{self._gap_s:.0f} s after the exposure"
+        self.events.event("questionnaire_resumed", detail=f"{what}, {gap}")
+        if len(form.items) == whole and (left_s := ask.wait_s - (self._gap_s or 0.0)) > 0:
+            self.rest(left_s)
+        interview = Interview(self.context, self.events, step, form)
+        return interview.hold(after_withdrawal=after_withdrawal)
+
+    def _miss(self, ask: Ask, form: Instrument, place: TrialPlace, reason: str) -> str:
+        names = ", ".join(item.name for item in form.items)
+        detail = f"{ask.timepoint} {ask.instrument}: {names}; {reason}"
+        self.events.event("questionnaire_missed", detail=detail)
+        of = f"trial {place.trial}" if place.trial else "the end of the session"
+        whole = len(self.context.protocol.form(ask).items)
+        return (
+            f"{len(form.items)} of {whole} items of {ask.instrument} ({ask.timepoint}) after {of} "
+            f"are missed: {reason}"
+        )
+
+
+def compared_conditions(
+    ask: Ask, sequence: Sequence, session: int, place: TrialPlace
+) -> tuple[str, ...]:
+    """Return the conditions behind answers 1, 2, …, in the order of their first exposure.
+
+    Raises
+    ------
+    InputError
+        If a pair is twice the same condition.
+    """
+    if ask.compares is None:
+        return ()
+    trials = sequence.sessions[session - 1]
+    if ask.compares == "pair":
+        last = place.trial or 0
+        pair = tuple(trial.condition for trial in trials[last - 2 : last])
+        if pair[0] == pair[1]:
+            message = f"exposures {last - 1} and {last} of session {session} in order"
+            raise InputError(
+                f"{message} `{sequence.name}` are both in condition `{pair[0]}`, and "
+                f"`{ask.instrument}` asks which of a pair; let pairs differ"
+            )
+        return pair
+    before = sequence.sessions[: session - 1] if ask.compares == "study" else ()
+    met = [trial.condition for each in (*before, trials) for trial in each]
+    return tuple(dict.fromkeys(met))

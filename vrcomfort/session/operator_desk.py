@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 from vrcomfort.frame import Frame
+from vrcomfort.protocol.timeline import StepKind
 from vrcomfort.session.interfaces import RenderedFrame
-
-StepKind = Literal[
-    "session", "ready", "training", "exposure", "questionnaire", "rest", "instruction"
-]
 
 
 @dataclass(frozen=True)

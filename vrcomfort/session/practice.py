@@ -11,14 +11,14 @@ import numpy as np
 from vrcomfort.errors import headset_ended
 from vrcomfort.protocol import Trial
 from vrcomfort.protocol.practice import Practice
+from vrcomfort.protocol.timeline import WHOLE_SESSION, PracticeStep, TrialPlace
 from vrcomfort.records import Interrupted, PracticeRow
 from vrcomfort.records.interrupted import Practised
 from vrcomfort.respondent import Withdrew
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
-from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.no_frames import EventLoop
 from vrcomfort.session.steering import Redone, Skipped
 from vrcomfort.session.stop_rules import StopRule
@@ -39,8 +39,7 @@ _STREAMS = 2_000_000
 class _Block:
     """One repetition of a block: what it shows, and what came of it."""
 
-    practice: Practice
-    place: TrialPlace
+    step: PracticeStep
     repetition: int
     trials: Sequence[Trial]
     rows: list[PracticeRow] = field(default_factory=list)
@@ -49,7 +48,7 @@ class _Block:
     def met(self) -> bool | None:
         """Return whether it went well enough; None without a criterion."""
         scores = [row.score for row in self.rows if row.score is not None]
-        return self.practice.met(scores, sum(row.hits or 0 for row in self.rows))
+        return self.step.practice.met(scores, sum(row.hits or 0 for row in self.rows))
 
 
 class PracticeRunner:
@@ -67,19 +66,17 @@ class PracticeRunner:
         events: EventLog,
         log: FrameLog,
         trials: TrialRunner,
-        instructor: Instructor,
         interrupted: Interrupted | None,
     ) -> None:
         self._context = context
         self._events = events
         self._log = log
         self._trials = trials
-        self._instructor = instructor
         self._resumed = interrupted is not None
         self._before = interrupted.practised if interrupted else {}
 
-    def run(self, place: TrialPlace) -> None:
-        """Show the practice that comes before a trial.
+    def run(self, step: PracticeStep) -> None:
+        """Show a block of practice until it has gone well enough, or often enough.
 
         Raises
         ------
@@ -88,19 +85,13 @@ class PracticeRunner:
         Withdrew
             If the participant stops.
         """
-        for each in self._context.protocol.practice:
-            before = self._before.get(each.name, Practised(0, 0, over=False))
-            if each.is_due(self._events.session, place.trial or 0) and not before.over:
-                self._instructor.tell("before_practice", place)
-                self._repeat(each, place, before)
-
-    def _repeat(self, practice: Practice, place: TrialPlace, before: Practised) -> None:
-        """Show a block until it has gone well enough, or often enough."""
+        practice = step.practice
+        before = self._before.get(practice.name, Practised(0, 0, over=False))
         repetition, whole = before.begun, before.whole
         while True:
             repetition += 1
             last = whole + 1 >= practice.at_most or not practice.has_criterion
-            block = _Block(practice, place, repetition, self._shown(practice, repetition))
+            block = _Block(step, repetition, self._shown(practice, repetition))
             try:
                 self._block(block, last=last)
             except Skipped:
@@ -118,7 +109,7 @@ class PracticeRunner:
         """Tell that a criterion was never met; end what the protocol says."""
         reason = f"practice {practice.name} was not good enough in {repetitions} repetitions"
         self._events.event("practice_not_met", detail=reason)
-        self._events.tell("notice", TrialPlace(), 0, 0, reason)
+        self._events.tell("notice", WHOLE_SESSION, 0, 0, reason)
         if practice.otherwise != "go_on":
             raise StopRule(reason, practice.otherwise, "practice")
 
@@ -156,7 +147,9 @@ class PracticeRunner:
             finally:
                 row = self._row(block, number, trial, status, start_s, results)
                 self._write(block, row, last=last)
-                detail = f"{block.practice.name}, repetition {block.repetition}: {_named(trial)}"
+                detail = (
+                    f"{block.step.practice.name}, repetition {block.repetition}: {_named(trial)}"
+                )
                 self._events.event("practice", start_s, detail=detail)
 
     def _write(self, block: _Block, row: PracticeRow, *, last: bool) -> None:
@@ -173,7 +166,7 @@ class PracticeRunner:
     def _expose(self, block: _Block, number: int, trial: Trial, results: list[Result]) -> None:
         """Show one exposure; `results` gets what comes of its task."""
         context = self._context
-        protocol, practice = context.protocol, block.practice
+        protocol, practice = context.protocol, block.step.practice
         place = TrialPlace(condition=trial.condition, scene=trial.scene)
         headset, standing = self._trials.stand(place)
         full_s = practice.exposure_s or protocol.length_s(trial.scene)
@@ -199,7 +192,7 @@ class PracticeRunner:
         context.renderer.begin(task.drawn if task else standing.scene, condition)
         kind = EventLoop if context.jumps else FrameLoop
         loop = kind(context, headset, self._events, self._log, standing.path)
-        words = f"practice {practice.name}, repetition {block.repetition}: {_named(trial)}"
+        words = f"{block.step.words}, repetition {block.repetition}: {_named(trial)}"
         context.steering.begin("training", words)
         tell = partial(self._events.tell, "training", place, total=shown_s)
         stimulus = Stimulus(0, trial.condition, shown_s, context.stretch)
@@ -225,8 +218,8 @@ class PracticeRunner:
         return PracticeRow(
             participant=self._context.participant,
             session=self._events.session,
-            practice=block.practice.name,
-            before_trial=block.place.trial or 0,
+            practice=block.step.practice.name,
+            before_trial=block.step.place.trial or 0,
             repetition=block.repetition,
             number=number,
             condition=trial.condition,

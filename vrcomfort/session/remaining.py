@@ -3,39 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
-from vrcomfort.session.compared import is_due
-from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import TrialPlace
-from vrcomfort.session.operator_desk import StepKind
+from vrcomfort.protocol.timeline import PlannedStep, StepKind
 
-AN_ITEM_S = 4.0
-"""Planned for each item of a questionnaire."""
-A_TEXT_S = 30.0
-"""Planned for each question that is answered in one's own words."""
-WORDS_PER_S = 3.0
-"""At which instructions are planned to be read."""
 _BELIEVED_S = 60.0
 """So much planned time of a kind of step is believed as much as what its steps have taken."""
-
-
-@dataclass(frozen=True)
-class PlannedStep:
-    """A step that is to come.
-
-    Parameters
-    ----------
-    words
-        With which its own words begin.
-    planned_s
-        How long it is planned to be.
-    """
-
-    kind: StepKind
-    words: str
-    planned_s: float
 
 
 class SessionTime:
@@ -133,75 +106,3 @@ class SessionTime:
     def _expected_s(self, step: PlannedStep) -> float:
         taken_s = self._taken_s[step.kind] + _BELIEVED_S
         return step.planned_s * taken_s / (self._planned_s[step.kind] + _BELIEVED_S)
-
-
-def planned_steps(
-    context: SessionContext, places: Sequence[TrialPlace], session: int
-) -> Iterator[PlannedStep]:
-    """Yield the steps of a session, or of what is left of one, for whom nothing goes wrong."""
-    if places:
-        yield from _words(context, "session_start", TrialPlace(), session)
-    for index, place in enumerate(places):
-        yield from _before(context, place, session, first=index == 0)
-        yield from _words(context, "before_trial", place, session)
-        if place.trial == 1 and context.protocol.training_s:
-            length_s = context.protocol.training_s / context.stretch
-            yield PlannedStep("training", "training", length_s)
-        yield PlannedStep("exposure", f"exposure {place.trial} ", context.shown_s(place.scene))
-        yield from _words(context, "after_trial", place, session)
-    yield from _words(context, "session_end", TrialPlace(), session)
-
-
-def _before(
-    context: SessionContext, place: TrialPlace, session: int, *, first: bool
-) -> Iterator[PlannedStep]:
-    """Yield the rest, what is measured, and the practice before a trial."""
-    protocol, trial = context.protocol, place.trial or 0
-    rest_s = 0.0 if first else protocol.break_s
-    if trial > 1 and protocol.breaks is not None and protocol.breaks.is_due(trial - 1):
-        rest_s = protocol.breaks.min_s
-    if rest_s:
-        yield PlannedStep("rest", "", rest_s)
-    posture = protocol.posture
-    if posture is not None and (first or (posture.after_breaks and rest_s)):
-        length_s = posture.settle_s + posture.measure_s
-        yield PlannedStep("training", "height of the eyes", length_s)
-    gaze = protocol.gaze_validation
-    if gaze is not None and (first or (gaze.after_breaks and rest_s)):
-        yield PlannedStep("training", "gaze validation", len(gaze.points) * gaze.each_s)
-    for each in protocol.practice:
-        if each.is_due(session, trial):
-            yield from _told(context, "before_practice", place, session)
-            length_s = min(each.exposure_s or protocol.longest_s, context.exposure_s)
-            for _ in range(each.draw or len(each.trials)):
-                yield PlannedStep("training", f"practice {each.name}", length_s)
-
-
-def _words(
-    context: SessionContext, when: str, place: TrialPlace, session: int
-) -> Iterator[PlannedStep]:
-    """Yield what is told and asked at a moment."""
-    if when != "session_end":
-        yield from _told(context, when, place, session)
-    for ask in context.protocol.asks(when):
-        if is_due(ask, place):
-            if ask.wait_s:
-                yield PlannedStep("rest", "", ask.wait_s)
-            items = len(context.protocol.instrument(ask.instrument).asked)
-            words = f"questionnaire {ask.instrument} ({ask.timepoint})"
-            yield PlannedStep("questionnaire", words, items * AN_ITEM_S)
-    for each in context.protocol.writes(when):
-        yield PlannedStep("questionnaire", f"free text {each.name}", A_TEXT_S)
-    if when == "session_end":
-        yield from _told(context, when, place, session)
-
-
-def _told(
-    context: SessionContext, when: str, place: TrialPlace, session: int
-) -> Iterator[PlannedStep]:
-    for each in context.protocol.tells(when, session, place.trial):
-        longest_s = each.max_s or max(each.min_s, A_TEXT_S)
-        read_s = len(each.text.split()) / WORDS_PER_S
-        yield PlannedStep(
-            "instruction", f"instruction {each.name}", min(max(read_s, each.min_s, 1.0), longest_s)
-        )

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from vrcomfort.protocol.breaks import Breaks
+from vrcomfort.protocol.timeline import WHOLE_SESSION, BreakStep
 from vrcomfort.records import Interrupted
 from vrcomfort.respondent import Telling
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.instructor import Instructor
 from vrcomfort.session.steering import Skipped
 
@@ -54,38 +55,24 @@ class Rests:
         finally:
             self._events.event("rest", start_s)
 
-    def between(self, place: TrialPlace, *, first: bool) -> bool:
-        """Rest before a trial, where the protocol says so; return whether there was a rest.
-
-        Parameters
-        ----------
-        first
-            Whether it is the first trial since the program was started.
-        """
-        protocol, trial = self._context.protocol, place.trial or 0
-        if trial > 1 and protocol.breaks is not None and protocol.breaks.is_due(trial - 1):
-            return self._break(protocol.breaks, trial, self._passed_s(trial) if first else 0.0)
-        if first or not protocol.break_s:
-            return False
-        self.rest(protocol.break_s)
-        return True
-
-    def _passed_s(self, trial: int) -> float | None:
-        """Return how long ago the exposure before was; None where its break was over."""
-        before = self._before
-        if before is None or trial in before.attempts:
-            return None
-        since_s = before.exposure_ended_s_ago
+    def _passed_s(self) -> float:
+        """Return the time since the last exposure before the interruption."""
+        since_s = self._before.exposure_ended_s_ago if self._before else None
         gap_s = self._context.clock.of_people(since_s) if since_s is not None else 0.0
         return gap_s + self._context.clock.now_s() - self._began_s
 
-    def _break(self, settings: Breaks, trial: int, passed_s: float | None) -> bool:
-        """Hold a break, of which a time may have passed before an interruption."""
-        if passed_s is None:
-            return False
+    def hold_break(self, step: BreakStep) -> None:
+        """Hold a break; time that has passed since an interrupted one began counts.
+
+        Raises
+        ------
+        Withdrew
+            If the participant stops here.
+        """
         clock, respondent = self._context.clock, self._context.respondent
+        passed_s = self._passed_s() if step.interrupted else 0.0
         start_s = clock.now_s()
-        words = f"break after trial {trial - 1}"
+        settings, words = step.breaks, step.words
         self._context.steering.begin("rest", f"{words}, at least {settings.min_s:g} s")
         ended = "interruption"
         try:
@@ -93,7 +80,6 @@ class Rests:
             respondent.rest(clock.now_s() - start_s)
         finally:
             self._events.event("rest", start_s, detail=f"{words}; ended by {ended}")
-        return True
 
     def _until_over(self, settings: Breaks, words: str, began_s: float) -> str:
         """Let a break pass; return who ended it."""
@@ -112,7 +98,7 @@ class Rests:
         def tell() -> None:
             detail = f"{words}: longer than {settings.max_s:g} s"
             self._events.event("break_too_long", detail=detail)
-            self._events.tell("notice", TrialPlace(), 0, 0, detail)
+            self._events.tell("notice", WHOLE_SESSION, 0, 0, detail)
 
         return self._instructor.tell_until(telling, late_s, tell)
 
@@ -121,7 +107,7 @@ class Rests:
         clock = self._context.clock
         start_s, paused_s = clock.now_s(), 0.0
         while (left_s := duration_s - (clock.now_s() - start_s - paused_s)) > 1e-6:
-            self._events.tell("rest", TrialPlace(), duration_s - left_s, duration_s)
+            self._events.tell("rest", WHOLE_SESSION, duration_s - left_s, duration_s)
             paused_s += self._a_moment(left_s)
 
     def _a_moment(self, left_s: float) -> float:

@@ -12,8 +12,9 @@ from collections.abc import Callable, Mapping
 from typing import Protocol, runtime_checkable
 
 from vrcomfort.protocol.texts import ENGLISH, Words
+from vrcomfort.protocol.timeline import StepKind
 from vrcomfort.respondent import Withdrew
-from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk, StepKind
+from vrcomfort.session.operator_desk import Command, OperatedStep, OperatorDesk
 
 IDLE_S = 0.02
 """So long a moment is in which nothing is to be done."""

@@ -13,13 +13,14 @@ from vrcomfort.errors import InputError
 from vrcomfort.frame import Frame
 from vrcomfort.geometry import Pose
 from vrcomfort.headset.inputs import Inputs
+from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import TaskRow
 from vrcomfort.scene.boxes import node_box
 from vrcomfort.scene.data import Scene
 from vrcomfort.scene.markers import Markers, Shown
 from vrcomfort.scene.ray_cast import RayCaster
 from vrcomfort.session.context import SessionContext
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.settings import did_you_mean
 from vrcomfort.tasks import Ball, Demand, Moment, Result, Surroundings, Task, TaskSettings
 

@@ -11,12 +11,13 @@ from typing import Any
 from vrcomfort.errors import RuntimeLostError, headset_ended
 from vrcomfort.headset.base import Headset
 from vrcomfort.protocol import Protocol
+from vrcomfort.protocol.timeline import TrialPlace
 from vrcomfort.records import ENDED_THE_STUDY, Interrupted, TrialRow
 from vrcomfort.respondent import Exposure, Withdrew
 from vrcomfort.session.adjustment_run import AdjustmentRun
 from vrcomfort.session.context import SessionContext
 from vrcomfort.session.dial_run import Several
-from vrcomfort.session.event_log import EventLog, TrialPlace
+from vrcomfort.session.event_log import EventLog
 from vrcomfort.session.exposure import FrameLoop, Stimulus
 from vrcomfort.session.frame_log import FrameLog
 from vrcomfort.session.interfaces import Doing, Step

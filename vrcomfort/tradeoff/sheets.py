@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
 from typing import Any
 
-import matplotlib.font_manager
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 from scipy.ndimage import binary_dilation
 
 from vrcomfort.geometry import Array
 from vrcomfort.optics.tone import tone_mapped
+from vrcomfort.text_layout import TextCanvas
 from vrcomfort.tradeoff.measure import Measured
 
 CROP_PX = 240
@@ -25,7 +24,7 @@ FADED = 0.35
 """How much is left of a picture in the margin that counts in no error."""
 
 COLUMNS = 6
-GAP_PX, LABEL_PX = 8, 22
+GAP_PX, LABEL_PX, LETTERS_PX = 8, 22, 13
 INK, PAPER = (28, 28, 28), (255, 255, 255)
 
 
@@ -71,11 +70,11 @@ def _sheet(tiles: list[tuple[str, NDArray[np.uint8], NDArray[np.uint8]]]) -> Ima
     columns = min(COLUMNS, len(tiles))
     rows = -(-len(tiles) // columns)
     sheet = Image.new("RGB", (columns * step_x + GAP_PX, rows * step_y + GAP_PX), PAPER)
-    draw = ImageDraw.Draw(sheet)
+    canvas = TextCanvas(sheet)
     for index, (label, picture, difference) in enumerate(tiles):
         row, column = divmod(index, columns)
         x, y = GAP_PX + column * step_x, GAP_PX + row * step_y
-        draw.text((x, y + 2), label, fill=INK, font=_font())
+        canvas.write((x, y + 2), label, LETTERS_PX, fill=INK)
         sheet.paste(Image.fromarray(picture), (x, y + LABEL_PX))
         sheet.paste(Image.fromarray(difference), (x, y + LABEL_PX + height + GAP_PX // 2))
     return sheet
@@ -84,8 +83,3 @@ def _sheet(tiles: list[tuple[str, NDArray[np.uint8], NDArray[np.uint8]]]) -> Ima
 def _rgb8(values: Any) -> NDArray[np.uint8]:
     pixels: NDArray[np.uint8] = np.round(np.clip(values, 0, 1) * 255).astype(np.uint8)
     return pixels
-
-
-@cache
-def _font() -> ImageFont.FreeTypeFont:
-    return ImageFont.truetype(matplotlib.font_manager.findfont("DejaVu Sans"), 12)
